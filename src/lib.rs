@@ -55,7 +55,6 @@
 //! | [`bearing`] | a bridge's bearing: calibration, weather and forecast from measurements |
 //! | [`dataset`] | results as data: variables, dimensions, units |
 //! | `store` | the same data as files (feature `store`) |
-//! | `ranks` | one run in several processes, by MPI (feature `mpi`) |
 //! | `figure` | pictures (feature `figure`) |
 //!
 //! # What you can add
@@ -71,8 +70,7 @@
 //!
 //! `store` writes and reads HDF5 files and needs the HDF5 library, `figure` draws, and `cli` is the
 //! command `mc` and includes both. These three are on by default. Without them the library needs
-//! neither HDF5 nor a C compiler. `mpi` lets several processes make one run; it needs an MPI
-//! library and is off by default.
+//! neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
 
 pub mod advice;
@@ -91,8 +89,6 @@ pub mod memory;
 pub mod model;
 pub mod noise;
 pub mod numbers;
-#[cfg(feature = "mpi")]
-pub mod ranks;
 #[cfg(feature = "saved")]
 pub mod saved;
 pub mod scenario;

@@ -16,7 +16,9 @@ if [ "${#missing[@]}" -gt 0 ]; then
     "${as_root[@]}" apt-get update -q >/dev/null
     "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >/dev/null
 fi
-cargo build --release --quiet --features mpi --bin mc
+cargo clippy --release --quiet --package stick-slip-mpi --all-targets -- -D warnings
+cargo test --release --quiet --package stick-slip-mpi
+cargo build --release --quiet --package stick-slip-mpi
 
 folder=$(mktemp -d)
 trap 'kill $(jobs -p) 2>/dev/null || true; rm -rf "$folder"' EXIT

@@ -12,7 +12,7 @@ const NETWORK: f64 = 12.5e9;
 const NOTICED: f64 = 0.02;
 
 /// Rank 0 asks all ranks for their counts once a second, or less often if that takes more than one
-/// part in twenty of its time (`src/ranks/settling.rs`).
+/// part in twenty of its time (`mpi/src/settling.rs`).
 const COUNTED: [f64; 2] = [1.0, 20.0];
 
 /// A machine with ranks of one thread each.

@@ -2,7 +2,7 @@
 
 use serde::Serialize;
 use sha2::{Digest as _, Sha256};
-use stick_slip::engine::GIT_HASH;
+use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
 
 /// The schema version, one for all objects together (docs/json.md). It rises where a key changes
 /// its meaning or is removed, and not where a key is added.
@@ -35,7 +35,7 @@ pub struct JsonWarning {
 /// One object of this kind as text with a line break at its end. Numbers that are not finite become
 /// null.
 pub fn document(kind: &'static str, body: &impl Serialize) -> String {
-    let program = Program { name: "mc", version: env!("CARGO_PKG_VERSION"), commit: GIT_HASH };
+    let program = Program { name: "mc", version: PROGRAM_VERSION, commit: GIT_HASH };
     let document = Document { document: kind, schema_version: SCHEMA_VERSION, program, body };
     // This cannot fail: every key is a string, and numbers that are not finite become null.
     serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
@@ -62,7 +62,7 @@ mod tests {
         let text = document("sample", &serde_json::json!({ "answer": 42.0, "nothing": f64::NAN }));
         let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
         assert!(text.starts_with("{\n  \"document\": \"sample\",\n  \"schema_version\": 1,"), "{text}");
-        assert_eq!(value["program"]["version"], env!("CARGO_PKG_VERSION"));
+        assert_eq!(value["program"]["version"], PROGRAM_VERSION);
         assert_eq!((&value["answer"], &value["nothing"]), (&42.0.into(), &serde_json::Value::Null));
     }
 }

@@ -44,18 +44,23 @@ mod trade_report;
 mod twin;
 mod verify;
 
-pub use failure::Failure;
-pub use ranks::once;
+pub use ranks::Ranks;
 
+use failure::Failure;
+
+use clap::Parser as _;
 use clap::error::{ContextKind, ContextValue};
 use std::io::{self, IsTerminal as _};
 use std::path::Path;
 use std::process::ExitCode;
+use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 
 /// Version and commit, as `--version` shows them.
-const VERSION: &str = concat!(env!("CARGO_PKG_VERSION"), " (", env!("MC_GIT_HASH"), ")");
+fn version() -> String {
+    format!("{PROGRAM_VERSION} ({GIT_HASH})")
+}
 
 const EXAMPLES: &str = "\
 Start here:
@@ -85,8 +90,8 @@ Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong,
 /// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
 /// is.
 #[derive(Debug, clap::Parser)]
-#[command(name = "mc", version = VERSION, after_help = EXAMPLES, arg_required_else_help = true)]
-pub struct Arguments {
+#[command(name = "mc", version = version(), after_help = EXAMPLES, arg_required_else_help = true)]
+struct Arguments {
     #[command(subcommand)]
     verb: Verb,
 }
@@ -134,9 +139,23 @@ enum Verb {
     LookThrough(files::LookThrough),
 }
 
+/// Parses the arguments, calls one verb, and returns its exit code. Other processes that share the
+/// work are those of `ranks`.
+pub fn main(ranks: Option<&'static dyn Ranks>) -> ExitCode {
+    ranks.into_iter().for_each(ranks::share_with);
+    match Arguments::try_parse() {
+        Ok(arguments) => {
+            let done = arguments.call();
+            say_what_stays();
+            done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
+        }
+        Err(answer) => self::answer(&answer),
+    }
+}
+
 impl Arguments {
     /// Calls the verb.
-    pub fn call(&self) -> Result<(), Failure> {
+    fn call(&self) -> Result<(), Failure> {
         if ranks::crew().is_some() && !matches!(self.verb, Verb::Run(_) | Verb::Resume(_)) {
             let problem = "several ranks share the work of `mc run` and `mc resume`, and of no other verb";
             return Err(Failure::usage(problem, "leave out mpirun"));
@@ -165,13 +184,13 @@ impl Arguments {
 }
 
 /// Warns of what could not be removed after the work.
-pub fn say_what_stays() {
+fn say_what_stays() {
     store::take_remains().iter().for_each(|line| failure::note(&format!("warning: {line}")));
 }
 
 /// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
 /// with unsafe characters escaped.
-pub fn answer(answer: &clap::Error) -> ExitCode {
+fn answer(answer: &clap::Error) -> ExitCode {
     if let Some(failure) = file_without_verb(answer) {
         return failure.report();
     }

@@ -8,11 +8,11 @@
 
 use super::lease::Stretch;
 use super::snapshots::Counted;
-use crate::engine::Portion;
-use crate::ensemble::Plan;
-use crate::stats::Counts;
-use crate::sums::Overlap;
 use std::time::{Duration, Instant};
+use stick_slip::engine::Portion;
+use stick_slip::ensemble::Plan;
+use stick_slip::stats::Counts;
+use stick_slip::sums::Overlap;
 
 /// The shortest time between two questions for counts. A run is saved after each of them, so a
 /// crash loses the work of this time, of the time until all ranks have answered, and of the leases

@@ -1,12 +1,12 @@
 //! Messages between ranks, each of a kind and bytes. Sending and waiting do not keep a processor
 //! busy.
 
-use crate::sums::{Codec as _, Damaged, Reader};
 use mpi::point_to_point::{Message, Status};
 use mpi::request::{Request, Scope};
 use mpi::topology::SimpleCommunicator;
 use mpi::traits::*;
 use std::time::Duration;
+use stick_slip::sums::{Codec as _, Damaged, Reader};
 
 /// The kind of a message, which is its tag in MPI.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

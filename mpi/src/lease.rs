@@ -2,14 +2,14 @@
 
 use super::message::{read_bytes, write_bytes};
 use super::snapshots::{Counted, Snapshots};
-use crate::ensemble::{Delivered, Plan, Stops};
-use crate::saved::SavedError;
-use crate::stats::{BlockResult, Counts, RunTotals, Totals};
-use crate::store::{self, Question, RankLog, StoreError};
-use crate::sums::{Codec as _, Damaged, Reader};
 use std::ops::{ControlFlow, Range};
 use std::path::Path;
 use std::time::Instant;
+use stick_slip::ensemble::{Delivered, Plan, Stops};
+use stick_slip::saved::SavedError;
+use stick_slip::stats::{BlockResult, Counts, RunTotals, Totals};
+use stick_slip::store::{self, Question, RankLog, StoreError};
+use stick_slip::sums::{Codec as _, Damaged, Reader};
 
 /// The result of a lease: which lease it is, how many of its blocks are done, and their rows and
 /// sums.
@@ -209,8 +209,8 @@ fn number(from: &mut Reader<'_>) -> Result<u64, Damaged> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scenario::Scenario;
     use std::sync::atomic::AtomicBool;
+    use stick_slip::scenario::Scenario;
 
     /// Sums and rows that were written to bytes and read again are those of the run, whether blocks
     /// are sent one by one or together. The counts that are asked for before the end of a lease are

@@ -1,8 +1,8 @@
-//! One run in several processes, on one machine or on many, by MPI. Only this module uses MPI
-//! (feature `mpi`).
+//! The command `mc` as one of several processes that make one run, on one machine or on many, by
+//! MPI. It is the command of the package `stick-slip`, which gets a [`Crew`](stick_slip::engine::Crew).
 //!
 //! Rank 0 is the coordinator: only it reads arguments and files, and prints. It gives leases to all
-//! ranks, among them its own threads ([`crate::ensemble::Leases`]). A lease is a sequence of
+//! ranks, among them its own threads ([`stick_slip::ensemble::Leases`]). A lease is a sequence of
 //! neighbouring blocks that one rank simulates. What comes back with a lease are rows and nodes of
 //! the tree of sums, which rank 0 puts in order. The other ranks are workers; they know only what
 //! messages tell them.
@@ -25,6 +25,8 @@
 //! and for 20 ms at most. If a rank panics, its message is printed and all ranks end. If a rank is
 //! lost, MPI itself ends the others.
 
+#[path = "../../src/cli/mod.rs"]
+mod cli;
 mod coordinator;
 mod lease;
 mod message;
@@ -32,19 +34,19 @@ mod settling;
 mod snapshots;
 mod worker;
 
-pub use coordinator::Coordinator;
-
+use coordinator::Coordinator;
 use mpi::Threading;
 use mpi::environment::Universe;
 use mpi::traits::*;
 use std::process::ExitCode;
+use stick_slip::engine::Crew;
 
 /// Environment variables by which launchers tell a process that it is one of several: those of Open
 /// MPI, of MPICH and its relatives, and of PMIx (Slurm).
 const LAUNCHED: [&str; 4] = ["OMPI_COMM_WORLD_SIZE", "PMI_SIZE", "PMI_RANK", "PMIX_RANK"];
 
 /// The role of this process among the ranks.
-pub enum Place {
+enum Place {
     /// Rank 0. It runs the program as a single process would, and can have the other ranks
     /// simulate.
     First(Coordinator),
@@ -52,20 +54,42 @@ pub enum Place {
     Other(ExitCode),
 }
 
-/// The use of MPI by this process, which ends when this value is dropped.
-pub struct Membership(#[expect(dead_code, reason = "kept for its end")] Universe);
+/// Calls the command on the first rank only, however many ranks there are.
+fn main() -> ExitCode {
+    // MPI ends when the first of these values is dropped.
+    let Some((_universe, place)) = join() else { return cli::main(None) };
+    match place {
+        Place::Other(code) => code,
+        Place::First(coordinator) => {
+            let coordinator: &'static Coordinator = Box::leak(Box::new(coordinator));
+            let code = cli::main(Some(coordinator));
+            coordinator.end();
+            code
+        }
+    }
+}
+
+impl cli::Ranks for Coordinator {
+    fn crew(&self) -> Option<&dyn Crew> {
+        (self.ranks() > 1).then_some(self as &dyn Crew)
+    }
+
+    fn threads(&self, usable: usize) -> usize {
+        Coordinator::threads(self, usable)
+    }
+}
 
 /// Join the other ranks if a launcher has started several. Returns `None` if there is no launcher,
 /// or if MPI cannot be initialised. On a rank other than 0 this function returns only when the
 /// program is over.
-pub fn join() -> Option<(Membership, Place)> {
+fn join() -> Option<(Universe, Place)> {
     if LAUNCHED.iter().all(|name| std::env::var_os(name).is_none()) {
         return None;
     }
     let (universe, _) = mpi::initialize_with_threading(Threading::Serialized)?;
     let world = universe.world();
     if world.size() < 2 {
-        return Some((Membership(universe), Place::First(Coordinator::alone())));
+        return Some((universe, Place::First(Coordinator::alone())));
     }
     abort_on_panic();
     let here = world.split_shared(0).size();
@@ -73,7 +97,7 @@ pub fn join() -> Option<(Membership, Place)> {
         0 => Place::First(Coordinator::new(world.size() as usize, here as usize)),
         _ => Place::Other(worker::serve()),
     };
-    Some((Membership(universe), place))
+    Some((universe, place))
 }
 
 /// End all ranks after a panic of this one; the others would wait for it forever.

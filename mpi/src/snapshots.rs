@@ -7,10 +7,10 @@
 //! simulated later blocks, so the rank needs the copy that it made at that block.
 
 use super::message::{read_bytes, write_bytes};
-use crate::stats::Counts;
-use crate::sums::{Codec as _, Damaged, Reader};
 use std::collections::VecDeque;
 use std::sync::{Mutex, MutexGuard, PoisonError};
+use stick_slip::stats::Counts;
+use stick_slip::sums::{Codec as _, Damaged, Reader};
 
 /// The copies. They are shared by the thread that simulates leases and the thread that receives
 /// messages.

@@ -5,15 +5,15 @@ use super::lease::{self, Instructions, Parcel, RankOptions, Simulator, Stretch};
 use super::message::{Kind, Pause, Received, abort, receive, receive_from, send};
 use super::settling::Settling;
 use super::snapshots::{Counted, Snapshots};
-use crate::engine::{Crew, Deliver, Portion, RunError, Work};
-use crate::ensemble::{Delivered, Leases, Plan};
-use crate::stats::{BlockResult, Counts};
-use crate::store::Question;
-use crate::sums::Damaged;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
+use stick_slip::engine::{Crew, Deliver, Portion, RunError, Work};
+use stick_slip::ensemble::{Delivered, Leases, Plan};
+use stick_slip::stats::{BlockResult, Counts};
+use stick_slip::store::Question;
+use stick_slip::sums::Damaged;
 
 /// How long to wait for the ranks after they were told to give up their blocks, or that the program
 /// is over. They normally need much less; a rank that is lost never answers.

@@ -3,14 +3,14 @@
 use super::lease::{self, Instructions, Simulator};
 use super::message::{Kind, Pause, Received, rank, receive, send};
 use super::snapshots::Snapshots;
-use crate::ensemble::Stops;
-use crate::store::{RankLog, StoreError};
 use signal_hook::consts::{SIGHUP, SIGINT, SIGTERM, SIGUSR1, SIGUSR2, SIGXCPU};
 use std::process::ExitCode;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;
+use stick_slip::ensemble::Stops;
+use stick_slip::store::{RankLog, StoreError};
 
 /// Serve rank 0 until the program is over. A program simulates one run at most.
 pub(super) fn serve() -> ExitCode {
