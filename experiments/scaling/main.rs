@@ -1,13 +1,16 @@
 //! A run on very many ranks: the cost of its messages, measured here, and the time that it would
 //! take, simulated.
 //!
-//! The leases are those of the program (`ensemble::Leases`); ranks, clock and network are
+//! The leases are those of the program (`mpi/src/leases.rs`); ranks, clock and network are
 //! simulated. Prints the tables of docs/scaling.md.
 //!
 //! ```text
 //! cargo run --release --example scaling
 //! ```
 
+#[expect(dead_code, reason = "the ranks use more of it")]
+#[path = "../../mpi/src/leases.rs"]
+mod leases;
 mod measured;
 mod simulated;
 

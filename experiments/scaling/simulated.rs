@@ -1,10 +1,10 @@
 //! Simulates the protocol of the ranks by a queue of events and a clock.
 
+use super::leases::Leases;
 use super::measured::Costs;
 use std::cmp::Reverse;
 use std::collections::{BinaryHeap, VecDeque};
 use std::ops::Range;
-use stick_slip::ensemble::Leases;
 
 /// Bytes that rank 0 can receive in a second: a usual network of 100 Gbit/s.
 const NETWORK: f64 = 12.5e9;

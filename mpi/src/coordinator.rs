@@ -2,6 +2,7 @@
 //! the run in order.
 
 use super::lease::{self, Instructions, Parcel, RankOptions, Simulator, Stretch};
+use super::leases::Leases;
 use super::message::{Kind, Pause, Received, abort, receive, receive_from, send};
 use super::settling::Settling;
 use super::snapshots::{Counted, Snapshots};
@@ -10,7 +11,7 @@ use std::sync::mpsc::{Sender, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 use stick_slip::engine::{Crew, Deliver, Portion, RunError, Work};
-use stick_slip::ensemble::{Delivered, Leases, Plan};
+use stick_slip::ensemble::{Delivered, Plan};
 use stick_slip::stats::{BlockResult, Counts};
 use stick_slip::store::Question;
 use stick_slip::sums::Damaged;

@@ -2,7 +2,7 @@
 //! MPI. It is the command of the package `stick-slip`, which gets a [`Crew`](stick_slip::engine::Crew).
 //!
 //! Rank 0 is the coordinator: only it reads arguments and files, and prints. It gives leases to all
-//! ranks, among them its own threads ([`stick_slip::ensemble::Leases`]). A lease is a sequence of
+//! ranks, among them its own threads ([`leases::Leases`]). A lease is a sequence of
 //! neighbouring blocks that one rank simulates. What comes back with a lease are rows and nodes of
 //! the tree of sums, which rank 0 puts in order. The other ranks are workers; they know only what
 //! messages tell them.
@@ -29,6 +29,7 @@
 mod cli;
 mod coordinator;
 mod lease;
+mod leases;
 mod message;
 mod settling;
 mod snapshots;

@@ -9,14 +9,12 @@
 
 mod flight;
 mod in_order;
-mod leases;
 mod piece;
 mod threads;
 
 #[doc(hidden)]
 pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
-pub use leases::Leases;
 pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::Model;
