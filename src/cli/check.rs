@@ -5,7 +5,7 @@ use super::document::{JsonWarning, document};
 use super::failure::{Failure, print_data};
 use super::numbers::{bytes, counted, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
-use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stick_slip::advice::{Derived, Quantity};
@@ -162,48 +162,22 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     lines
 }
 
-#[derive(Serialize)]
-struct JsonCheck<'a> {
-    scenario: &'a str,
-    resolved: String,
-    derived: JsonDerived,
-    /// CPU seconds of the run on one thread of this machine; null where they could not be
-    /// estimated.
-    cpu_seconds: Option<f64>,
-    warnings: Vec<JsonWarning>,
-}
-
-/// The numbers that follow from a scenario, by name.
-struct JsonDerived(Derived);
-
-impl Serialize for JsonDerived {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        to.collect_map(self.0.quantities().map(|(name, quantity)| (name, JsonQuantity(quantity))))
-    }
-}
-
-struct JsonQuantity(Quantity);
-
-impl Serialize for JsonQuantity {
-    fn serialize<S: Serializer>(&self, to: S) -> Result<S::Ok, S::Error> {
-        match &self.0 {
-            Quantity::Unknown => to.serialize_none(),
-            Quantity::Real(number) => number.serialize(to),
-            Quantity::Count(number) => number.serialize(to),
-            Quantity::Reals(numbers) => numbers.serialize(to),
-        }
-    }
-}
-
 fn json(path: &str, scenario: &Scenario) -> String {
-    let check = JsonCheck {
-        scenario: path,
-        resolved: scenario.to_toml(),
-        derived: JsonDerived(scenario.derived()),
-        cpu_seconds: cost::measured_cpu_seconds(scenario),
-        warnings: (scenario.warnings().iter())
-            .map(|warning| JsonWarning { name: warning.name().to_string(), text: warning.to_string() })
-            .collect(),
+    let number = |quantity| match quantity {
+        Quantity::Unknown => Value::Null,
+        Quantity::Real(number) => json!(number),
+        Quantity::Count(number) => json!(number),
+        Quantity::Reals(numbers) => json!(numbers),
     };
-    document("check", &check)
+    let derived = scenario.derived().quantities().map(|(name, quantity)| (name.to_string(), number(quantity)));
+    let check = json!({
+        "scenario": path,
+        "resolved": scenario.to_toml(),
+        "derived": derived.into_iter().collect::<Map<_, _>>(),
+        // CPU seconds of the run on one thread of this machine; null where they could not be
+        // estimated.
+        "cpu_seconds": cost::measured_cpu_seconds(scenario),
+        "warnings": scenario.warnings().iter().map(JsonWarning::of).collect::<Vec<_>>(),
+    });
+    document("check", check)
 }

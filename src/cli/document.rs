@@ -1,29 +1,14 @@
 //! The members that every JSON object of the program begins with. They identify the object.
 
 use serde::Serialize;
+use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
+use stick_slip::advice::Warning;
 use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
 
 /// The schema version, one for all objects together (docs/json.md). It rises where a key changes
 /// its meaning or is removed, and not where a key is added.
 pub const SCHEMA_VERSION: u32 = 1;
-
-#[derive(Serialize)]
-struct Document<'a, B: Serialize> {
-    /// The kind of the object.
-    document: &'static str,
-    schema_version: u32,
-    program: Program,
-    #[serde(flatten)]
-    body: &'a B,
-}
-
-#[derive(Serialize)]
-struct Program {
-    name: &'static str,
-    version: &'static str,
-    commit: &'static str,
-}
 
 /// A warning, with a name that programs can compare.
 #[derive(Clone, Debug, PartialEq, Eq, Serialize)]
@@ -32,13 +17,22 @@ pub struct JsonWarning {
     pub text: String,
 }
 
-/// One object of this kind as text with a line break at its end. Numbers that are not finite become
-/// null.
-pub fn document(kind: &'static str, body: &impl Serialize) -> String {
-    let program = Program { name: "mc", version: PROGRAM_VERSION, commit: GIT_HASH };
-    let document = Document { document: kind, schema_version: SCHEMA_VERSION, program, body };
-    // This cannot fail: every key is a string, and numbers that are not finite become null.
-    serde_json::to_string_pretty(&document).unwrap_or_default() + "\n"
+impl JsonWarning {
+    /// A warning about a scenario.
+    pub fn of(warning: &Warning) -> Self {
+        JsonWarning { name: warning.name().to_string(), text: warning.to_string() }
+    }
+}
+
+/// One object of this kind as text with a line break at its end. Numbers that are not finite are
+/// null in it.
+pub fn document(kind: &str, body: Value) -> String {
+    let program = json!({ "name": "mc", "version": PROGRAM_VERSION, "commit": GIT_HASH });
+    let mut document = json!({ "document": kind, "schema_version": SCHEMA_VERSION, "program": program });
+    if let (Some(document), Value::Object(body)) = (document.as_object_mut(), body) {
+        document.extend(body);
+    }
+    format!("{document:#}\n")
 }
 
 /// The SHA-256 of a text in hexadecimal digits, as `sha256sum` prints it.
@@ -59,10 +53,10 @@ mod tests {
 
     #[test]
     fn an_object_says_what_it_is_before_what_it_holds() {
-        let text = document("sample", &serde_json::json!({ "answer": 42.0, "nothing": f64::NAN }));
-        let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
+        let text = document("sample", json!({ "answer": 42.0, "nothing": f64::NAN }));
+        let value: Value = serde_json::from_str(&text).expect("valid JSON");
         assert!(text.starts_with("{\n  \"document\": \"sample\",\n  \"schema_version\": 1,"), "{text}");
         assert_eq!(value["program"]["version"], PROGRAM_VERSION);
-        assert_eq!((&value["answer"], &value["nothing"]), (&42.0.into(), &serde_json::Value::Null));
+        assert_eq!((&value["answer"], &value["nothing"]), (&42.0.into(), &Value::Null));
     }
 }

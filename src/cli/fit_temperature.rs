@@ -5,7 +5,7 @@ use super::failure::{Failure, note, print, writable};
 use super::measurements;
 use super::numbers::{Digits, grouped, significant, time};
 use super::table::{Row, aligned};
-use serde::Serialize;
+use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::weather::{WeatherError, WeatherFit, fit};
@@ -141,57 +141,34 @@ fn report(found: &WeatherFit) -> String {
     text
 }
 
-#[derive(Serialize)]
-struct JsonFit {
-    samples: usize,
-    duration: f64,
-    mean: [f64; 2],
-    harmonics: Vec<JsonCycle>,
-    processes: Vec<JsonProcess>,
-    sensor_sd: f64,
-    log_likelihood: f64,
-}
-
-#[derive(Serialize)]
-struct JsonCycle {
-    period: f64,
-    amplitude: f64,
-    phase: f64,
-    standard_error: f64,
-}
-
-#[derive(Serialize)]
-struct JsonProcess {
-    sd: f64,
-    sd_relative_error: f64,
-    relaxation_rate: f64,
-    relaxation_rate_relative_error: f64,
-}
-
 /// The fit as JSON for programs, in seconds and kelvin.
 fn json(found: &WeatherFit) -> String {
-    let cycles = found.cycles().into_iter().map(|cycle| JsonCycle {
-        period: cycle.period,
-        amplitude: cycle.amplitude,
-        phase: cycle.phase,
-        standard_error: cycle.error,
+    let cycles = found.cycles().into_iter().map(|cycle| {
+        json!({
+            "period": cycle.period,
+            "amplitude": cycle.amplitude,
+            "phase": cycle.phase,
+            "standard_error": cycle.error,
+        })
     });
-    let processes = found.processes().into_iter().map(|process| JsonProcess {
-        sd: process.sd,
-        sd_relative_error: process.sd_error,
-        relaxation_rate: process.relaxation_rate,
-        relaxation_rate_relative_error: process.rate_error,
+    let processes = found.processes().into_iter().map(|process| {
+        json!({
+            "sd": process.sd,
+            "sd_relative_error": process.sd_error,
+            "relaxation_rate": process.relaxation_rate,
+            "relaxation_rate_relative_error": process.rate_error,
+        })
     });
-    let fit = JsonFit {
-        samples: found.samples,
-        duration: found.duration,
-        mean: [found.mean().0, found.mean().1],
-        harmonics: cycles.collect(),
-        processes: processes.collect(),
-        sensor_sd: found.white,
-        log_likelihood: found.log_likelihood,
-    };
-    document("weather", &fit)
+    let fit = json!({
+        "samples": found.samples,
+        "duration": found.duration,
+        "mean": found.mean(),
+        "harmonics": cycles.collect::<Vec<_>>(),
+        "processes": processes.collect::<Vec<_>>(),
+        "sensor_sd": found.white,
+        "log_likelihood": found.log_likelihood,
+    });
+    document("weather", fit)
 }
 
 fn period(text: &str) -> Result<Period, String> {

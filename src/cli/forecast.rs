@@ -10,7 +10,7 @@ use super::numbers::{Digits, grouped, parse_share, percent, wrapped};
 use super::results;
 use super::table::{Row, aligned};
 use super::threads::Threads;
-use serde::Serialize;
+use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
@@ -215,58 +215,31 @@ fn csv(found: &Found) -> String {
     text
 }
 
-#[derive(Serialize)]
-struct JsonForecast {
-    draws: usize,
-    draws_left_out: u64,
-    years: usize,
-    interval: f64,
-    share: f64,
-    levels: BTreeMap<&'static str, JsonLevel>,
-    return_levels: Vec<JsonReturnLevel>,
-}
-
-#[derive(Serialize)]
-struct JsonLevel {
-    unit: &'static str,
-    expected: f64,
-    expected_interval: [f64; 2],
-    year_interval: [f64; 2],
-}
-
-#[derive(Serialize)]
-struct JsonReturnLevel {
-    years: f64,
-    expected: f64,
-    interval: [f64; 2],
-}
-
 /// The forecast as JSON for programs.
 fn json(found: &Found) -> String {
     let levels = found.levels.iter().map(|level| {
-        let json = JsonLevel {
-            unit: level.quantity.unit(),
-            expected: level.expected,
-            expected_interval: level.expected_interval,
-            year_interval: level.year_interval,
-        };
-        (level.quantity.name(), json)
+        let known = json!({
+            "unit": level.quantity.unit(),
+            "expected": level.expected,
+            "expected_interval": level.expected_interval,
+            "year_interval": level.year_interval,
+        });
+        (level.quantity.name(), known)
     });
-    let returns = found.return_levels.iter().map(|level| JsonReturnLevel {
-        years: level.years,
-        expected: level.expected,
-        interval: level.interval,
+    let returns = found
+        .return_levels
+        .iter()
+        .map(|level| json!({ "years": level.years, "expected": level.expected, "interval": level.interval }));
+    let all = json!({
+        "draws": found.years.len(),
+        "draws_left_out": found.draws_left_out,
+        "years": found.years.iter().map(Vec::len).sum::<usize>(),
+        "interval": found.question.level,
+        "share": found.question.share,
+        "levels": levels.collect::<BTreeMap<_, _>>(),
+        "return_levels": returns.collect::<Vec<_>>(),
     });
-    let all = JsonForecast {
-        draws: found.years.len(),
-        draws_left_out: found.draws_left_out,
-        years: found.years.iter().map(Vec::len).sum(),
-        interval: found.question.level,
-        share: found.question.share,
-        levels: levels.collect(),
-        return_levels: returns.collect(),
-    };
-    document("forecast", &all)
+    document("forecast", all)
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -2,168 +2,86 @@
 
 use super::RunInfo;
 use crate::cli::document::{JsonWarning, document, sha256};
-use serde::ser::{Serialize, SerializeMap as _, Serializer};
+use serde_json::{Map, Value, json};
+use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
 
 /// The report as one JSON object. A number that does not exist is null.
 pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> String {
     let (sticks, run) = (&summary.stick_durations, &info.provenance);
-    let report = JsonReport {
-        scenario: &info.scenario,
-        title: &run.title,
-        scenario_sha256: sha256(&run.scenario_text),
-        units: JsonUnits {
-            time: &run.units.time,
-            length: &run.units.length,
-            force: &run.units.force,
-            temperature: &run.units.temperature,
+    let Units { time, length, force, temperature } = &run.units;
+    let unsettled = summary.unsettled().map(|unsettled| unsettled.into_iter().map(Statistic::name).collect::<Vec<_>>());
+    let statistics = summary.estimates.iter().map(|e| (e.statistic.name().to_string(), estimate(e)));
+    let report = json!({
+        "scenario": info.scenario,
+        "title": run.title,
+        // The hash of the resolved scenario, as `mc check` prints it and files hold it.
+        "scenario_sha256": sha256(&run.scenario_text),
+        // Labels, empty where the scenario gives none.
+        "units": { "time": time, "length": length, "force": force, "temperature": temperature },
+        "scheme": run.scheme,
+        "step": run.step,
+        "resolution": run.resolution,
+        "seed": run.seed,
+        "paths": run.paths,
+        "antithetic": run.antithetic,
+        "completed_paths": summary.completed_paths,
+        "diverged_paths": summary.diverged.len(),
+        "diverged": summary.diverged,
+        "status": info.status.name(),
+        "ended_by": info.ended_by,
+        "threads": info.threads,
+        "seconds": info.seconds,
+        "bias_seconds": info.bias_seconds,
+        "no_bias": info.no_bias,
+        "ns_per_path_step": info.ns_per_path_step(summary.completed_paths),
+        "us_per_path": info.us_per_path(summary.completed_paths),
+        "file": info.file,
+        "sticks": {
+            "completed": sticks.completed,
+            "censored": sticks.censored,
+            "first_completed": sticks.first_completed,
+            "first_censored": sticks.first_censored,
         },
-        scheme: &run.scheme,
-        step: run.step,
-        resolution: run.resolution,
-        seed: run.seed,
-        paths: run.paths,
-        antithetic: run.antithetic,
-        completed_paths: summary.completed_paths,
-        diverged_paths: summary.diverged.len(),
-        diverged: &summary.diverged,
-        status: info.status.name(),
-        ended_by: info.ended_by.as_deref(),
-        threads: info.threads,
-        seconds: info.seconds,
-        bias_seconds: info.bias_seconds,
-        no_bias: info.no_bias.as_deref(),
-        ns_per_path_step: info.ns_per_path_step(summary.completed_paths),
-        us_per_path: info.us_per_path(summary.completed_paths),
-        file: &info.file,
-        sticks: JsonSticks {
-            completed: sticks.completed,
-            censored: sticks.censored,
-            first_completed: sticks.first_completed,
-            first_censored: sticks.first_censored,
-        },
-        start: summary.transient.map(|Transient { end, sticks, slips, displacement, .. }| JsonStart {
-            end,
-            sticks,
-            slips,
-            displacement: displacement.estimate,
-            displacement_error: displacement.standard_error,
-            displacement_low: displacement.low,
-            displacement_high: displacement.high,
-        }),
-        counted_periods: summary.counted_periods(),
-        unsettled: summary.unsettled().map(|statistics| statistics.into_iter().map(Statistic::name).collect()),
-        statistics: JsonStatistics(&summary.estimates),
-        warnings,
-    };
-    document("run", &report)
+        // What happened before the time from which on statistics count; null where they count from
+        // the beginning.
+        "start": summary.transient.map(start),
+        "counted_periods": summary.counted_periods(),
+        // The statistics that are zero once x has settled but are significantly not zero here; null
+        // where the paths are too few to decide.
+        "unsettled": unsettled,
+        "statistics": statistics.collect::<Map<_, _>>(),
+        "warnings": warnings,
+    });
+    document("run", report)
 }
 
-#[derive(serde::Serialize)]
-struct JsonReport<'a> {
-    scenario: &'a str,
-    title: &'a str,
-    /// The hash of the resolved scenario, as `mc check` prints it and files hold it.
-    scenario_sha256: String,
-    units: JsonUnits<'a>,
-    scheme: &'a str,
-    step: Option<f64>,
-    resolution: Option<f64>,
-    seed: u64,
-    paths: u64,
-    antithetic: bool,
-    completed_paths: u64,
-    diverged_paths: usize,
-    diverged: &'a [u64],
-    status: &'static str,
-    ended_by: Option<&'a str>,
-    threads: Option<usize>,
-    seconds: Option<f64>,
-    bias_seconds: Option<f64>,
-    no_bias: Option<&'a str>,
-    ns_per_path_step: Option<f64>,
-    us_per_path: Option<f64>,
-    file: &'a str,
-    sticks: JsonSticks,
-    /// What happened before the time from which on statistics count; null where they count from the
-    /// beginning.
-    start: Option<JsonStart>,
-    counted_periods: usize,
-    /// The statistics that are zero once x has settled but are significantly not zero here; null
-    /// where the paths are too few to decide.
-    unsettled: Option<Vec<&'static str>>,
-    statistics: JsonStatistics<'a>,
-    /// The warnings about the results, as printed on standard error.
-    warnings: &'a [JsonWarning],
+fn start(Transient { end, sticks, slips, displacement, .. }: Transient) -> Value {
+    json!({
+        "end": end,
+        "sticks": sticks,
+        "slips": slips,
+        "displacement": displacement.estimate,
+        "displacement_error": displacement.standard_error,
+        "displacement_low": displacement.low,
+        "displacement_high": displacement.high,
+    })
 }
 
-/// Labels of the units; empty where the scenario gives none.
-#[derive(serde::Serialize)]
-struct JsonUnits<'a> {
-    time: &'a str,
-    length: &'a str,
-    force: &'a str,
-    temperature: &'a str,
-}
-
-#[derive(serde::Serialize)]
-struct JsonStart {
-    end: f64,
-    sticks: u64,
-    slips: u64,
-    displacement: f64,
-    displacement_error: f64,
-    displacement_low: f64,
-    displacement_high: f64,
-}
-
-#[derive(serde::Serialize)]
-struct JsonSticks {
-    completed: u64,
-    censored: u64,
-    first_completed: u64,
-    first_censored: u64,
-}
-
-#[derive(serde::Serialize)]
-struct JsonEstimate {
-    estimate: f64,
-    standard_error: f64,
-    low: f64,
-    high: f64,
-    bias: Option<f64>,
-    bias_uncertainty: Option<f64>,
-    bias_order: Option<f64>,
-    estimate_corrected: Option<f64>,
-    estimate_corrected_low: Option<f64>,
-    estimate_corrected_high: Option<f64>,
-}
-
-/// Statistics by name, in the order of the table.
-struct JsonStatistics<'a>(&'a [Estimate]);
-
-impl Serialize for JsonStatistics<'_> {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let mut map = serializer.serialize_map(Some(self.0.len()))?;
-        for e in self.0 {
-            let &Estimate { statistic, estimate, standard_error, low, high, bias } = e;
-            let corrected = e.corrected();
-            let entry = JsonEstimate {
-                estimate,
-                standard_error,
-                low,
-                high,
-                bias: bias.map(|bias| bias.estimate),
-                bias_uncertainty: bias.map(|bias| bias.uncertainty),
-                bias_order: bias.and_then(|bias| bias.order),
-                estimate_corrected: corrected.map(|corrected| corrected.estimate),
-                estimate_corrected_low: corrected.map(|corrected| corrected.low),
-                estimate_corrected_high: corrected.map(|corrected| corrected.high),
-            };
-            map.serialize_entry(statistic.name(), &entry)?;
-        }
-        map.end()
-    }
+fn estimate(e: &Estimate) -> Value {
+    let corrected = e.corrected();
+    json!({
+        "estimate": e.estimate,
+        "standard_error": e.standard_error,
+        "low": e.low,
+        "high": e.high,
+        "bias": e.bias.map(|bias| bias.estimate),
+        "bias_uncertainty": e.bias.map(|bias| bias.uncertainty),
+        "bias_order": e.bias.and_then(|bias| bias.order),
+        "estimate_corrected": corrected.map(|corrected| corrected.estimate),
+        "estimate_corrected_low": corrected.map(|corrected| corrected.low),
+        "estimate_corrected_high": corrected.map(|corrected| corrected.high),
+    })
 }
 
 #[cfg(test)]

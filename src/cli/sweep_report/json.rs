@@ -30,7 +30,7 @@ pub fn json(sweep: &Sweep, output: &Path) -> String {
         }
         Design::Grid(_) | Design::Zip(_) => object["differences"] = differences(sweep),
     }
-    document("sweep", &object)
+    document("sweep", object)
 }
 
 fn point(sweep: &Sweep, p: usize) -> Value {

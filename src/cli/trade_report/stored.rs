@@ -50,5 +50,5 @@ pub fn stored_json(trade: &StoredTrade, file: &str) -> String {
         json!({ "statistic": statistic.name(), "target": target, "run": run })
     });
     let cheapest: Vec<Value> = each.collect();
-    document("stored trade", &json!({ "title": trade.title, "file": file, "cheapest": cheapest }))
+    document("stored trade", json!({ "title": trade.title, "file": file, "cheapest": cheapest }))
 }

@@ -148,7 +148,7 @@ impl Verify {
         if let (Value::Object(all), Value::Object(own)) = (&mut object, checked.fields.clone()) {
             all.extend(own);
         }
-        document("verification", &object)
+        document("verification", object)
     }
 }
 
