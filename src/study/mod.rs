@@ -7,7 +7,6 @@
 //! weather      harmonics and one or two noise processes fitted to a measured temperature
 //! accuracy     the scheme, its step or tolerance, and the number of paths for a target
 //! sweep        statistics as functions of keys, with accurate differences from common seeds
-//! multilevel   means over paths from many coarse paths and few pairs of finer ones
 //! pace         the CPU time of a path on this machine
 //! ```
 
@@ -16,7 +15,6 @@ pub mod calibration;
 mod clock;
 pub mod forecast;
 mod linear;
-pub mod multilevel;
 pub mod pace;
 pub mod sweep;
 pub mod trade;
