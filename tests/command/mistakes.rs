@@ -1,4 +1,4 @@
-//! What a user sees after a typical mistake. `cargo test --release --test mistakes -- --nocapture`
+//! What a user sees after a typical mistake. `cargo test --release --test command mistakes:: -- --nocapture`
 //! prints all answers, for reading.
 //!
 //! Each answer names the cause, the place and the remedy, in lines that fit a terminal. Nothing is

@@ -281,9 +281,6 @@ fn a_file_without_what_a_table_needs_is_damaged() {
     assert_refused(&here, &["show", "a.h5"], 1, &["displacement_mean has another shape"]);
 }
 
-/// 400 files with one bit inverted, all of which are refused because of their checksum, and 40
-/// files that are cut short. Without the checksum, one in two hundred would end in a signal and one
-/// in four hundred in a panic.
 /// Every variable that a reader asks for is taken out of a file, one at a time. It is named, or the
 /// file is one that may lack it. No verb panics.
 #[test]
@@ -353,6 +350,9 @@ fn every_verb_says_that_a_file_has_no_checksum() {
     }
 }
 
+/// 400 files with one bit inverted, all of which are refused because of their checksum, and 40
+/// files that are cut short. Without the checksum, one in two hundred would end in a signal and one
+/// in four hundred in a panic.
 #[test]
 fn flipped_bits_are_refused_before_anything_follows_them() {
     let here = folder();

@@ -1,7 +1,7 @@
 //! How often the bias that a run estimates is off by more than its uncertainty, in scenes that the
 //! rules of the estimate were not made for.
 //!
-//! `cargo test --release --test bias_coverage -- --ignored --nocapture` prints the table;
+//! `cargo test --release --test library bias_coverage:: -- --ignored --nocapture` prints the table;
 //! docs/bias.md has the last result.
 
 use crate::common::paper;

@@ -2,7 +2,7 @@
 //! in clusters: the forcing at resonance, with 0.2 to 0.5 sticks a path, most of them in a few
 //! paths.
 //!
-//! `cargo test --release --test rare_events -- --ignored --nocapture` prints the table;
+//! `cargo test --release --test library rare_events:: -- --ignored --nocapture` prints the table;
 //! docs/statistics.md has the last result.
 
 use crate::common::paper;

@@ -223,7 +223,7 @@ fn a_run_that_does_not_fit_is_refused_before_it_starts() {
 }
 
 /// Measures how fast rows are written to the disk, with the sizes of a real run: `cargo test
-/// --release --test store speed -- --ignored --nocapture`.
+/// --release --test library speed -- --ignored --nocapture`.
 #[test]
 #[ignore = "a measurement, not a check"]
 fn speed_of_writing() {
@@ -249,8 +249,8 @@ fn speed_of_writing() {
 }
 
 /// A file of every kind is read back, and has the rows that were asked for and no others.
-/// `STORE_SAMPLES=DIR cargo test --test store every_kind` writes these files to DIR, for readers in
-/// other languages.
+/// `STORE_SAMPLES=DIR cargo test --test library every_kind` writes these files to DIR, for readers
+/// in other languages.
 #[test]
 fn a_file_of_every_kind_comes_back_with_the_rows_it_was_asked_for() {
     let temporary = tempfile::tempdir().unwrap();

@@ -273,10 +273,10 @@ fn addressed_normals_are_normal() {
 
 /// The long test: 2^32 normals (4.3e9) of 2^15 paths compared with the exact tail probabilities in
 /// cells of half a sigma out to 6.5 sigma, with moments, and with correlations along and across
-/// lanes. It takes about a minute on one core: `cargo test --release --test noise -- --ignored
-/// --nocapture`.
+/// lanes. It takes about a minute on one core: `cargo test --release --test physics noise:: --
+/// --ignored --nocapture`.
 #[test]
-#[ignore = "four billion draws"]
+#[ignore = "four billion draws: a minute"]
 fn four_billion_normals() {
     let (lanes, steps, blocks) = (1024, 2048, 2048u64);
     let mut cells = [0u64; 28]; // half a sigma each, both signs apart
