@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draw the pictures of docs/pictures.md again: some seconds. tests/pictures.rs runs the same lines
+# Draw the pictures of docs/pictures.md again: some seconds. tests/command/pictures.rs runs the same lines
 # and compares what comes out.
 set -euo pipefail
 cd "$(dirname "$0")/.."

@@ -115,7 +115,7 @@ def _verified(
         warn(
             [
                 "it was made by another version of the program, "
-                "which need not come to the same numbers"
+                "which may compute other numbers"
             ],
             level=4,
         )

@@ -121,9 +121,9 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
 def test_an_accuracy_chooses_how_to_run_a_scenario():
     ds = ss.run("rho025", accuracy=0.05, statistic="stick_duration_mean", max_time=60)
     mean = ds.sel(statistic="stick_duration_mean")
-    # Null hypothesis: the mean is 0.44302 +- 0.00026, the reference in the README. The standard
+    # Null hypothesis: the mean is 0.44321 +- 0.00026, the limit in docs/model.md. The standard
     # error of this run is 5 %. False-alarm rate: once in 16 000 runs, at 4 standard errors.
-    assert abs(mean.estimate / 0.44302 - 1) < 0.2
+    assert abs(mean.estimate / 0.44321 - 1) < 0.2
     assert "stick_duration_mean" in ds.attrs["accuracy"]
     with pytest.raises(ss.ArgumentError, match="leave out one of them"):
         ss.run("rho025", accuracy=0.05, paths=100)

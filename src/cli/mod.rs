@@ -224,7 +224,7 @@ fn file_without_verb(answer: &clap::Error) -> Option<Failure> {
         Ok(_) => format!("write `mc show {word}` for what is in it, or `mc plot {word}` for a picture"),
         _ => format!("write `mc run {word}` to simulate it, or `mc check {word}` to see what it says"),
     };
-    Some(Failure::usage(format!("{word} is a file, and what to do with it is not said"), remedy))
+    Some(Failure::usage(format!("{word} is a file, and no command is given for it"), remedy))
 }
 
 /// How many threads this process runs at once.

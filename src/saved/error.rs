@@ -7,7 +7,7 @@ use std::path::PathBuf;
 pub enum SavedError {
     /// The run was begun by another version or build of the program.
     #[error(
-        "{}: begun by {theirs}; this is {mine}, which need not come to the same numbers\n  fix: continue it with the program that \
+        "{}: begun by {theirs}; this is {mine}, which may compute other numbers\n  fix: continue it with the program that \
          began it, or run it again with this one", path.display()
     )]
     OtherProgram {

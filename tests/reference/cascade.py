@@ -1,4 +1,4 @@
-"""Exact cascades of noiseless scenes in 60-digit arithmetic, for tests/event_driven.rs.
+"""Exact cascades of noiseless scenes in 60-digit arithmetic, for tests/physics/event_driven.rs.
 
     python3 tests/reference/cascade.py > tests/reference/cascade.csv
 

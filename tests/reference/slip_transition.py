@@ -1,4 +1,4 @@
-"""Transition of (x, x', n) over a time h in extended precision, for tests/event_driven.rs.
+"""Transition of (x, x', n) over a time h in extended precision, for tests/physics/event_driven.rs.
 
     python3 tests/reference/slip_transition.py > tests/reference/slip_transition.csv
 

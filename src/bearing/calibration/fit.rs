@@ -12,15 +12,15 @@ impl Evidence {
     /// few slips were seen.
     ///
     /// Each number is computed from a different part of the data, and none of them depends on how
-    /// many slips were missed in between:
+    /// many slips were missed in between.
     ///
-    /// - `still` is the slope of z against T during sticks;
-    /// - between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
-    ///   beta);
-    /// - the middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)): a line whose slope
-    ///   is `moving`;
-    /// - the height of a jump is moving G;
-    /// - xi(0) differs by A from the temperature of the first slip; if that slip fell into a gap,
+    /// - The slope of z against T during sticks is `still`.
+    /// - Between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
+    ///   beta).
+    /// - The middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)), a line whose slope is
+    ///   `moving`.
+    /// - The height of a jump is moving G.
+    /// - The temperature of the first slip differs from xi(0) by A. If that slip fell into a gap,
     ///   xi(0) follows from the level before it.
     ///
     /// f_s may vary from slip to slip; the results are then right for its mean.

@@ -73,9 +73,9 @@ impl fmt::Display for Warning {
             ),
             Warning::Scatter(share) => write!(
                 f,
-                "slips differ in size by {:.0} % more than noise explains, as if f_s changed from slip to slip, or the body slid \
-                 without slips: the estimates are of the mean f_s, the interval of f_s - f_d is too narrow, and the least squares, \
-                 which believes in one f_s, is less accurate than the slips",
+                "slips differ in size by {:.0} % more than noise explains: f_s changes from slip to slip, or the body slides \
+                 without slips. So the estimates are those of the mean f_s, the interval of f_s - f_d is too narrow, and the \
+                 slips are more accurate than the least squares, which assume a constant f_s",
                 100.0 * share
             ),
             Warning::Lag(lag) => write!(
@@ -114,7 +114,7 @@ impl fmt::Display for Warning {
                 "the displacement falls as the temperature rises, so it was taken with the other sign; z0 is that of the other sign"
             ),
             Warning::Unphysical(quantity) => {
-                write!(f, "{} = {} came out as no bearing has it", quantity.key(), quantity.symbol())
+                write!(f, "{} = {} has an estimate that no bearing can have", quantity.key(), quantity.symbol())
             }
         }
     }

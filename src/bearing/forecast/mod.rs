@@ -51,12 +51,13 @@ const PIECE: u64 = 10;
 
 /// Simulate years with parameters drawn from a calibration by slips and from a model of the
 /// weather, in seconds and kelvin. If `stop` is raised, the forecast has fewer draws than asked
-/// for; `None` if it has fewer than two for that reason.
+/// for, and the result is `None` if it would have fewer than two.
 ///
 /// # Errors
 ///
-/// If the scheme cannot simulate some of the drawn parameters, or gives up years with so many of
-/// them that fewer than two draws are left, or all years with the most likely parameters.
+/// It fails if the scheme cannot simulate some of the drawn parameters. It also fails if years are
+/// given up with so many of them that fewer than two draws are left, or if all years with the most
+/// likely parameters are given up.
 pub fn forecast(
     calibration: &Calibration,
     weather: &WeatherFit,

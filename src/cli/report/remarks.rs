@@ -60,7 +60,7 @@ fn long_slips(summary: &Summary) -> Option<String> {
     let completed: u64 = counts.iter().sum();
     let share = *censored as f64 / (completed + censored) as f64;
     (share > SMALL_SHARE).then(|| {
-        "sub_phases_* and jump_* are of those that ended, and so miss long ones most; compare with a later `time.end`".into()
+        "sub_phases_* and jump_* count only slips that ended, and long ones are left out most often; compare with a later `time.end`".into()
     })
 }
 
@@ -113,8 +113,8 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
         return Some(
-            "of the step: estimate minus the value at zero step, +- at 95 %; `corrected` takes it off where \
-             it exceeds +-, in part where it is close to +-"
+            "of the step: the estimate minus its value at zero step, +- at 95 %; `corrected` subtracts it if it \
+             exceeds +-, and a part of it if it is close to +-"
                 .into(),
         );
     }
@@ -248,7 +248,7 @@ mod tests {
     #[test]
     fn many_slips_that_have_not_ended_are_mentioned() {
         let mut summary = summary();
-        let line = "sub_phases_* and jump_* are of those that ended";
+        let line = "sub_phases_* and jump_* count only slips that ended";
         summary.sub_phases.counts = vec![900, 80];
         for (censored, is_mentioned) in [(19, false), (21, true)] {
             summary.sub_phases.censored = censored;

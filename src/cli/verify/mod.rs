@@ -23,8 +23,8 @@ Examples:
   mc verify rho025.h5 --blocks all          everything, the statistics included; takes as long as the run
 
 A block is 256 paths of a run, or one point of a sweep. Without --blocks, everything is computed again if that takes a
-few seconds, and else a sample that is drawn at random, anew each time. Exit code 1 where the file is damaged, or holds
-another number than its scenario comes to.";
+few seconds, and else a sample that is drawn at random, anew each time. Exit code 1 if the file is damaged, or if one of
+its numbers differs from the one that its scenario gives.";
 
 /// How long a file may take to be computed again as a whole if nobody asked for that.
 const UNASKED: Duration = Duration::from_secs(5);
@@ -106,7 +106,7 @@ impl Verify {
 
     fn refusal(&self, difference: &Difference, checked: &Checked) -> String {
         let remedy = match &checked.other_program {
-            Some(_) => "verify it with the program that wrote it: another version need not come to the same numbers",
+            Some(_) => "verify it with the program that wrote it, because another version may compute other numbers",
             None => "take the file as it was written; its scenario, its seed or its numbers were changed since",
         };
         format!("{}: {difference}\n  fix: {remedy}", self.file.display())

@@ -1,0 +1,103 @@
+//! `mc report`: a page is either refused or complete. tests/browser.sh tests it in a browser.
+
+use crate::command::mc;
+
+const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+
+#[test]
+fn a_page_is_whole_and_asks_for_nothing() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let title = "title=\"</script><script>window.stolen=1</script> {{data}} <!--\"";
+    let run = ["run", RHO025, "--paths", "512", "--quiet", "--set", title, "-o", "run.h5"];
+    assert!(mc(folder.path(), &run).status.success());
+    for name in ["a.html", "b.html"] {
+        let output = mc(folder.path(), &["report", "run.h5", "-o", name]);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    }
+    let page = std::fs::read_to_string(folder.path().join("a.html")).expect("UTF-8");
+    assert_eq!(page, std::fs::read_to_string(folder.path().join("b.html")).expect("UTF-8"));
+    assert!(page.len() < 3_000_000 && page.ends_with("</html>\n"), "{}", page.len());
+    assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (3, 3));
+    assert!(page.contains("default-src 'none'") && page.contains("Warnings") && page.contains("{{data}} &lt;!--"));
+    for statistic in stick_slip::stats::Statistic::ALL {
+        assert!(page.contains(&format!("<td>{}</td>", statistic.name())), "{}", statistic.name());
+    }
+    // What hovering shows is read from this data.
+    let (_, data) = page.split_once("id=\"data\">").expect("the data");
+    let (data, _) = data.split_once("</script>").expect("its end");
+    assert!(!data.contains('<'));
+    let data: serde_json::Value = serde_json::from_str(data).expect("JSON");
+    let column = |table: &str, name: &str| -> Vec<f64> {
+        let columns = data[table].as_array().expect("columns");
+        let column = columns.iter().find(|column| column[0] == name).expect("the column");
+        column[1].as_array().expect("values").iter().map(|value| value.as_f64().unwrap_or(f64::NAN)).collect()
+    };
+    let file = hdf5::File::open(folder.path().join("run.h5")).expect("HDF5");
+    for (table, name, variable) in [
+        ("fan", "displacement_mean", "displacement_mean"),
+        ("static", "static_probability_high", "static_probability_high"),
+        ("survival", "survival", "stick_duration_survival"),
+        ("periods", "mean_low", "displacement_period_mean_low"),
+    ] {
+        let stored: Vec<f64> = file.dataset(variable).and_then(|dataset| dataset.read_raw()).expect("numbers");
+        let shown = column(table, name);
+        // Empty bins below the shortest stick are left out.
+        assert!(shown.len() == stored.len() || (name == "survival" && shown.len() > 20), "{name}");
+        let stored = &stored[stored.len() - shown.len()..];
+        // The parser of JSON that is used here may be off by the last digit.
+        let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * b.abs();
+        assert!(shown.iter().zip(stored).all(is_near), "{name}");
+    }
+}
+
+#[test]
+fn what_is_no_run_is_refused() {
+    let folder = tempfile::tempdir().expect("a folder");
+    std::fs::write(folder.path().join("old.html"), "mine").expect("written");
+    for (arguments, says) in [
+        (&["old.h5"][..], "old.html exists"),
+        (&["absent.h5", "-o", "a.html"], "absent.h5"),
+        (&["old.html", "-o", "a.html"], "not an HDF5 file"),
+    ] {
+        let output = mc(folder.path(), &[&["report"], arguments].concat());
+        let error = String::from_utf8_lossy(&output.stderr);
+        assert_eq!((output.status.code(), error.contains(says)), (Some(2), true), "{says}: {error}");
+    }
+    assert_eq!(std::fs::read_to_string(folder.path().join("old.html")).expect("kept"), "mine");
+}
+
+/// A citation distinguishes a run from other runs, and is the same for the same run.
+#[test]
+fn a_citation_names_program_scenario_scheme_seed_and_paths() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let cited = |name: &str, more: &[&str]| {
+        let run = [&["run", RHO025, "--paths", "256", "--quiet", "--no-bias", "-o", name][..], more].concat();
+        assert!(mc(folder.path(), &run).status.success());
+        let output = mc(folder.path(), &["show", "--cite", name]);
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    let first = cited("a.h5", &["--threads", "1"]);
+    assert_eq!(first, cited("b.h5", &["--threads", "2"]));
+    let file = hdf5::File::open(folder.path().join("a.h5")).expect("HDF5");
+    let attribute = |name: &str| {
+        let text = file.attr(name).and_then(|a| a.read_scalar::<hdf5::types::VarLenUnicode>()).expect("a text");
+        text.as_str().to_string()
+    };
+    use sha2::Digest as _;
+    let hash: String = sha2::Sha256::digest(attribute("scenario")).iter().map(|byte| format!("{byte:02x}")).collect();
+    let lines: Vec<&str> = first.lines().collect();
+    let run = format!(
+        "stick-slip (mc) {} ({}), scenario \"{}\" (SHA-256 {}), scheme discrete-vi, step 0.01, seed 1, 256 paths.",
+        env!("CARGO_PKG_VERSION"),
+        attribute("git_hash"),
+        attribute("title"),
+        &hash[..16]
+    );
+    assert_eq!(lines[0], run);
+    assert!(lines.len() == 2 && lines[1].contains("A. Bensoussan"), "{first}");
+    for (name, other) in [("c.h5", ["--seed", "2"]), ("d.h5", ["--set", "friction.static=1.3"])] {
+        let other = cited(name, &other);
+        assert_ne!(other.split("SHA-256").nth(1), first.split("SHA-256").nth(1), "{other}");
+    }
+}

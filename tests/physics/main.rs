@@ -1,0 +1,15 @@
+//! The schemes compared with what they were not derived from: closed forms, other programs, and
+//! each other. No test here writes a file or starts a process.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod all_schemes;
+mod corrected_vi;
+mod discrete_vi;
+mod event_driven;
+mod event_driven_limits;
+mod noise;
+mod quasi_static;
+mod series;
+mod two_noises;
