@@ -14,7 +14,7 @@
 //! ([`super::watch`]).
 
 use super::cells::Cell;
-use super::corridor::{Corridor, Pending};
+use super::corridor::{Corridor, PendingNodes};
 use super::ladder::Ladder;
 use super::scene::Scene;
 use super::watch::{Glance, Glances, Nobody, Seen, Watch};
@@ -52,7 +52,7 @@ pub struct Path<M> {
 /// What the loop needs from a scheme.
 pub trait Cascade {
     /// What the scheme knows of the motion of a path besides displacement, noise, force and phase.
-    type Motion: Default;
+    type Memory: Default;
     /// Buffers for the computation of one path at a time.
     type Scratch;
 
@@ -74,7 +74,7 @@ pub trait Cascade {
     fn slip(
         &self,
         cell: &Cell,
-        path: &mut Path<Self::Motion>,
+        path: &mut Path<Self::Memory>,
         direction: Sign,
         end_noise: f64,
         scratch: &mut Self::Scratch,
@@ -82,10 +82,10 @@ pub trait Cascade {
     ) -> Result<Option<Event>, Unresolved>;
 
     /// The motion at the start of the phase that follows an event.
-    fn motion_after(&self, event: &Event) -> Self::Motion;
+    fn motion_after(&self, event: &Event) -> Self::Memory;
 
     /// x and x' at the end of the cell to which the path has been taken.
-    fn look(&self, path: &Path<Self::Motion>, cell: &Cell) -> (f64, f64);
+    fn look(&self, path: &Path<Self::Memory>, cell: &Cell) -> (f64, f64);
 }
 
 /// A stop lies on the end of a cell if their times differ by at most this fraction, which is
@@ -102,7 +102,7 @@ pub const WHOLE_PLACE: u64 = 1;
 pub const EVENT_PLACE: u64 = 2;
 
 /// The paths of a block at the border of two cells, and how the loop takes them across cells.
-pub trait Paths {
+pub trait PathSet {
     /// The scheme.
     type Cascade: Cascade;
 
@@ -119,7 +119,7 @@ pub trait Paths {
 }
 
 /// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
-pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observer) -> Simulated {
+pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &mut dyn Observer) -> Simulated {
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
     let mut columns = Columns::new(count);
@@ -167,10 +167,10 @@ pub fn simulate(paths: &mut impl Paths, count: usize, observer: &mut dyn Observe
 pub struct OneByOne<'a, C: Cascade> {
     cascade: &'a C,
     instructions: InstructionSet,
-    paths: Vec<Path<C::Motion>>,
+    paths: Vec<Path<C::Memory>>,
     /// The events of the cells that were crossed last, with their lanes.
     events: Vec<(usize, Event)>,
-    scratch: (C::Scratch, Pending),
+    scratch: (C::Scratch, PendingNodes),
 }
 
 impl<'a, C: Cascade> OneByOne<'a, C> {
@@ -181,7 +181,7 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
             instructions,
             paths: paths.iter().map(|&path| start(cascade, seed, path)).collect(),
             events: Vec::new(),
-            scratch: (cascade.scratch(), Pending::new()),
+            scratch: (cascade.scratch(), PendingNodes::new()),
         }
     }
 }
@@ -190,14 +190,14 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
 /// is compiled for each instruction set together with everything that it calls often (hence
 /// `inline(always)` there), so that a fused multiply-add is an instruction instead of a call. The
 /// bits are the same on all instruction sets.
-struct Crossing<'p, 'a, C: Cascade> {
+struct CrossOneByOne<'p, 'a, C: Cascade> {
     all: &'p mut OneByOne<'a, C>,
     cells: &'p [Cell],
     inside: Option<&'p mut Inside>,
     is_stopped: &'p dyn Fn() -> bool,
 }
 
-impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
+impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         let OneByOne { cascade, paths, events, scratch, .. } = &mut *self.all;
@@ -218,7 +218,7 @@ impl<C: Cascade> LaneProgram for Crossing<'_, '_, C> {
     }
 }
 
-impl<C: Cascade> Paths for OneByOne<'_, C> {
+impl<C: Cascade> PathSet for OneByOne<'_, C> {
     type Cascade = C;
 
     fn cascade(&self) -> &C {
@@ -228,7 +228,7 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
     fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
         let instructions = self.instructions;
         let is_stopped = &|| observer.is_stopped();
-        instructions.run(&mut Crossing { all: self, cells, inside: None, is_stopped });
+        instructions.run(&mut CrossOneByOne { all: self, cells, inside: None, is_stopped });
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
         }
@@ -237,7 +237,7 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let cells = std::slice::from_ref(cell);
         let instructions = self.instructions;
-        instructions.run(&mut Crossing { all: self, cells, inside: Some(inside), is_stopped: &|| false });
+        instructions.run(&mut CrossOneByOne { all: self, cells, inside: Some(inside), is_stopped: &|| false });
     }
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {
@@ -259,7 +259,7 @@ impl<C: Cascade> Paths for OneByOne<'_, C> {
 }
 
 /// The state that an observer sees of a path at the end of a cell.
-fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> Seen {
+fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Memory>) -> Seen {
     if path.is_lost {
         return LOST;
     }
@@ -272,7 +272,7 @@ fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Motion>) -> S
 pub const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 
 /// A path at t = 0.
-pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Motion> {
+pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Memory> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     let (noise, second_noise) = scene.draw_initial_noise(draws);
     Path { second_noise, ..Path::new(scene, noise, draws, Work::new(cascade.work_limit())) }
@@ -302,8 +302,8 @@ impl<M: Default> Path<M> {
 pub fn cross<C: Cascade>(
     cascade: &C,
     cell: &Cell,
-    path: &mut Path<C::Motion>,
-    (scratch, pending): &mut (C::Scratch, Pending),
+    path: &mut Path<C::Memory>,
+    (scratch, pending): &mut (C::Scratch, PendingNodes),
     watch: &mut impl Watch,
     mut emit: impl FnMut(Event),
 ) -> Result<(), Unresolved> {
@@ -343,9 +343,9 @@ fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
 fn stick<C: Cascade>(
     cascade: &C,
     cell: &Cell,
-    path: &mut Path<C::Motion>,
+    path: &mut Path<C::Memory>,
     end_noise: f64,
-    pending: &mut Pending,
+    pending: &mut PendingNodes,
     watch: &mut impl Watch,
 ) -> Result<Option<Event>, Unresolved> {
     let scene = cascade.scene();
@@ -423,8 +423,8 @@ impl Inside {
         lane: usize,
         cascade: &C,
         cell: &Cell,
-        path: &mut Path<C::Motion>,
-        scratch: &mut (C::Scratch, Pending),
+        path: &mut Path<C::Memory>,
+        scratch: &mut (C::Scratch, PendingNodes),
     ) {
         let Inside { glances, seen, events, .. } = self;
         let draws = path.draws.at(cell.index, 0);

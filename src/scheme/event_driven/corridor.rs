@@ -56,12 +56,12 @@ pub struct Node<L = f64> {
 /// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
 /// so that it need not be initialised again.
 #[derive(Clone, Debug)]
-pub struct Pending([Node; DEPTH + 1]);
+pub struct PendingNodes([Node; DEPTH + 1]);
 
-impl Pending {
+impl PendingNodes {
     /// An empty stack.
     pub fn new() -> Self {
-        Pending([Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 }; DEPTH + 1])
+        PendingNodes([Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 }; DEPTH + 1])
     }
 }
 
@@ -100,7 +100,7 @@ impl Corridor {
         cell: &Cell,
         path: &mut Path<M>,
         end_noise: f64,
-        Pending(pending): &mut Pending,
+        PendingNodes(pending): &mut PendingNodes,
         watch: &mut impl Watch,
     ) -> Result<Option<(f64, Sign)>, Unresolved> {
         let Path { after, displacement, noise, force, ref mut draws, ref mut work, .. } = *path;

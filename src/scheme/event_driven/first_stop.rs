@@ -75,7 +75,7 @@ impl<L: Lanes> Motion<L> {
 /// A slip step: the motion at its ends, the distance between them, its length and the square root
 /// of its length.
 #[derive(Clone, Copy, Debug)]
-pub struct Step {
+pub struct KnownStep {
     /// At u = 0; V0 >= 0, and V0 = 0 only where a sub-phase starts.
     pub start: Motion,
     /// At u = h.
@@ -88,7 +88,7 @@ pub struct Step {
     pub root_length: f64,
 }
 
-impl Step {
+impl KnownStep {
     /// The mean of the distance and of the motion at a time u.
     pub fn mean(&self, u: f64) -> (f64, Motion) {
         let inverse = 1.0 / self.length;
@@ -101,7 +101,7 @@ impl Step {
 
 /// A stop of the slip: the first zero of V.
 #[derive(Clone, Copy, Debug)]
-pub struct Stop {
+pub struct SlipStop {
     /// u, the time since the start of the step.
     pub after: f64,
     /// a at the stop.
@@ -155,20 +155,20 @@ pub struct Interval<L = f64> {
 /// The intervals that remain to be searched, the nearest one last. It is kept from search to
 /// search, so that it need not be initialised again.
 #[derive(Clone, Debug)]
-pub struct Pending([Interval; DEPTH + 1]);
+pub struct PendingIntervals([Interval; DEPTH + 1]);
 
-impl Pending {
+impl PendingIntervals {
     /// An empty stack.
     pub fn new() -> Self {
         let end = Motion { velocity: 0.0, acceleration: 0.0 };
-        Pending([Interval { end, travel: 0.0, length: 0.0, inverse: 0.0, noise: 0.0 }; DEPTH + 1])
+        PendingIntervals([Interval { end, travel: 0.0, length: 0.0, inverse: 0.0, noise: 0.0 }; DEPTH + 1])
     }
 }
 
 impl StopSearch {
     /// A whole step as an interval.
     #[inline(always)]
-    pub fn whole(&self, step: &Step) -> Interval {
+    pub fn whole(&self, step: &KnownStep) -> Interval {
         Interval {
             end: step.end,
             travel: step.travel,
@@ -185,12 +185,12 @@ impl StopSearch {
     #[inline(always)]
     pub fn first(
         &self,
-        step: &Step,
+        step: &KnownStep,
         draws: &mut AddressedDraws,
-        pending: &mut Pending,
+        pending: &mut PendingIntervals,
         work: &mut Work,
         mut passed: impl FnMut(f64, f64, Motion, &Interval),
-    ) -> Result<Option<Stop>, Unresolved> {
+    ) -> Result<Option<SlipStop>, Unresolved> {
         let whole = self.whole(step);
         if self.is_clear(step.start, &whole) {
             passed(0.0, 0.0, step.start, &whole);
@@ -206,10 +206,10 @@ impl StopSearch {
         start: Motion,
         whole: Interval,
         draws: &mut AddressedDraws,
-        Pending(pending): &mut Pending,
+        PendingIntervals(pending): &mut PendingIntervals,
         work: &mut Work,
         passed: &mut impl FnMut(f64, f64, Motion, &Interval),
-    ) -> Result<Option<Stop>, Unresolved> {
+    ) -> Result<Option<SlipStop>, Unresolved> {
         pending[0] = whole;
         let finest = whole.length * FINEST;
         let (mut left, mut top, mut clear) = (start, 0, false);
@@ -231,7 +231,7 @@ impl StopSearch {
                     if !(stop.after + stop.travel + stop.acceleration).is_finite() {
                         return Err(Unresolved);
                     }
-                    return Ok(Some(Stop { travel: forwards(stop.travel), ..stop }));
+                    return Ok(Some(SlipStop { travel: forwards(stop.travel), ..stop }));
                 }
                 if next.length > finest && top < DEPTH {
                     let (near, far) = halves(left, &next, draws.three_normals());
@@ -251,7 +251,7 @@ impl StopSearch {
                     let until = Interval::new(end, part * next.travel, part * next.length, self.noise);
                     passed(after, travel, left, &until);
                     let (after, travel) = (after + until.length, forwards(travel + until.travel));
-                    return Ok(Some(Stop { after, acceleration, travel }));
+                    return Ok(Some(SlipStop { after, acceleration, travel }));
                 }
             }
             passed(after, travel, left, &next);
@@ -294,7 +294,7 @@ impl StopSearch {
         next: &Interval,
         draws: &mut AddressedDraws,
         mut passed: impl FnMut(f64, f64, Motion, &Interval),
-    ) -> Stop {
+    ) -> SlipStop {
         let mut next = *next;
         for _ in 0..STOP_REFINEMENTS {
             let near = self.near_stop(left, &next, draws.three_normals());
@@ -302,7 +302,7 @@ impl StopSearch {
                 let end = Motion { velocity: 0.0, acceleration: near.motion.acceleration };
                 let (there, rest) = near.zero();
                 passed(after, travel, left, &Interval::new(end, rest, there, self.noise));
-                return Stop { after: after + there, acceleration: end.acceleration, travel: travel + rest };
+                return SlipStop { after: after + there, acceleration: end.acceleration, travel: travel + rest };
             }
             let [first, second] = near.parted(&next, self.noise);
             if near.motion.velocity > 0.0 {
@@ -313,7 +313,7 @@ impl StopSearch {
                 next = first;
             }
         }
-        Stop { after, acceleration: left.acceleration.min(next.end.acceleration), travel }
+        SlipStop { after, acceleration: left.acceleration.min(next.end.acceleration), travel }
     }
 
     /// Draws a state near the zero of V, with three normals.
@@ -603,7 +603,8 @@ mod tests {
     #[test]
     fn the_mean_motion_is_the_derivative_of_the_mean_distance() {
         let (left, next) = an_interval(0.8, 0.0);
-        let step = Step { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
+        let step =
+            KnownStep { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
         for i in 0..=20 {
             let (inside, d) = (0.8 * (f64::from(i) / 20.0).clamp(0.01, 0.99), 1e-4);
             let ((before, slow), (here, now), (after, fast)) =
@@ -633,7 +634,7 @@ mod tests {
             [near.travel, near.end.velocity, near.end.acceleration]
         };
         let mean = middle([0.0; 3]);
-        let step = Step { start: left, end: next.end, travel: next.travel, length: h, root_length: h.sqrt() };
+        let step = KnownStep { start: left, end: next.end, travel: next.travel, length: h, root_length: h.sqrt() };
         let (travel, motion) = step.mean(0.5 * h);
         for (got, want) in mean.into_iter().zip([travel, motion.velocity, motion.acceleration]) {
             assert!((got - want).abs() < 1e-12, "{mean:?}");
@@ -660,17 +661,17 @@ mod tests {
     /// given the one before, up to the first at which V is not above zero. Within a step V is taken
     /// to be a straight line. A pair of zeros within one step is missed, with a probability of some
     /// 1e-3 in all.
-    fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<Stop> {
+    fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<SlipStop> {
         let (steps, mut x, mut motion) = (4096, 0.0, start);
         let u = 1.0 / f64::from(steps);
         for i in 0..steps {
-            let Step { start, end, travel, .. } = free_step(motion, u, c, draws);
+            let KnownStep { start, end, travel, .. } = free_step(motion, u, c, draws);
             if end.velocity <= 0.0 {
                 let (v, next_v) = (start.velocity, end.velocity);
                 let part = if v > next_v { v / (v - next_v) } else { 0.0 };
                 let after = u * (f64::from(i) + part);
                 let acceleration = start.acceleration + part * (end.acceleration - start.acceleration);
-                return Some(Stop { after, acceleration, travel: x + part * travel });
+                return Some(SlipStop { after, acceleration, travel: x + part * travel });
             }
             (x, motion) = (x + travel, end);
         }
@@ -683,7 +684,7 @@ mod tests {
     fn zeros_passed_over(caution: f64) -> u32 {
         let (c, start) = (1.5, Motion { velocity: 0.0, acceleration: 0.2 });
         let (search, closer) = (StopSearch { noise: c, caution }, StopSearch { noise: c, caution: 8.0 });
-        let (mut pending, mut passed, mut missed) = (Pending::new(), Vec::new(), 0);
+        let (mut pending, mut passed, mut missed) = (PendingIntervals::new(), Vec::new(), 0);
         for slip in 0..200_000 {
             let (mut draws, mut work) = (AddressedDraws::new(53, slip), Work::new(1_000_000));
             let step = free_step(start, 0.5 * draws.uniform(), c, &mut draws);
@@ -691,7 +692,7 @@ mod tests {
             let keep = |_, _, left, interval: &Interval| passed.push((left, *interval));
             search.first(&step, &mut draws, &mut pending, &mut work, keep).expect("within its work");
             let has_zero = passed.iter().any(|&(start, Interval { end, travel, length, .. })| {
-                let part = Step { start, end, travel, length, root_length: length.sqrt() };
+                let part = KnownStep { start, end, travel, length, root_length: length.sqrt() };
                 let mut closer = || closer.first(&part, &mut draws, &mut pending, &mut work, |_, _, _, _| ());
                 // The last interval before a stop ends with V = 0.
                 end.velocity > 0.0 && closer().expect("within its work").is_some()
@@ -724,22 +725,23 @@ mod tests {
         {
             let start = Motion { velocity, acceleration };
             let search = StopSearch { noise: c, caution: 4.0 };
-            let found: Vec<Option<Stop>> = (0..SLIPS)
+            let found: Vec<Option<SlipStop>> = (0..SLIPS)
                 .map(|slip| {
                     let mut draws = AddressedDraws::new(51 + 10 * case as u64, slip);
                     let step = free_step(start, 1.0, c, &mut draws);
-                    let (mut pending, mut work) = (Pending::new(), Work::new(1_000_000));
+                    let (mut pending, mut work) = (PendingIntervals::new(), Work::new(1_000_000));
                     search.first(&step, &mut draws, &mut pending, &mut work, |_, _, _, _| ()).expect("within its work")
                 })
                 .collect();
-            let small: Vec<Option<Stop>> = (0..SLIPS)
+            let small: Vec<Option<SlipStop>> = (0..SLIPS)
                 .map(|slip| by_small_steps(start, c, &mut AddressedDraws::new(52 + 10 * case as u64, slip)))
                 .collect();
-            type Measure = fn(&Option<Stop>) -> f64;
-            let by = |stop: &Option<Stop>, time: f64| f64::from(u8::from(stop.is_some_and(|stop| stop.after <= time)));
+            type Measure = fn(&Option<SlipStop>) -> f64;
+            let by =
+                |stop: &Option<SlipStop>, time: f64| f64::from(u8::from(stop.is_some_and(|stop| stop.after <= time)));
             let shares: [f64; 3] = [0.0625, 0.25, 1.0];
             for time in shares {
-                let of = |stops: &[Option<Stop>]| {
+                let of = |stops: &[Option<SlipStop>]| {
                     mean_and_error(&stops.iter().map(|stop| by(stop, time)).collect::<Vec<_>>())
                 };
                 let ((a, ea), (b, eb)) = (of(&found), of(&small));
@@ -751,7 +753,7 @@ mod tests {
                 ("held back", |stop| stop.map_or(0.0, |stop| -stop.acceleration)),
             ];
             for (what, measure) in measures {
-                let of = |stops: &[Option<Stop>]| mean_and_error(&stops.iter().map(measure).collect::<Vec<_>>());
+                let of = |stops: &[Option<SlipStop>]| mean_and_error(&stops.iter().map(measure).collect::<Vec<_>>());
                 let ((a, ea), (b, eb)) = (of(&found), of(&small));
                 println!("case {case}, {what}: {a:.5} +- {ea:.5}, {b:.5} +- {eb:.5}");
                 assert!((a - b).abs() <= 3.9 * ea.hypot(eb) + 0.003 * b, "case {case}, {what}: {a} {b}");

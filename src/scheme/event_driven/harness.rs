@@ -2,8 +2,8 @@
 
 use super::cell_loop::Path;
 use super::cells::{Cell, cell_length};
-use super::corridor::{Corridor, Pending};
-use super::first_stop::{Motion, Step};
+use super::corridor::{Corridor, PendingNodes};
+use super::first_stop::{KnownStep, Motion};
 use super::ladder::Ladder;
 use super::scene::Scene;
 use super::watch::Nobody;
@@ -36,7 +36,7 @@ pub fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, pat
     let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
     let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
     let ladder = Ladder::even(length);
-    let (mut cell, mut pending) = (Cell::new(&scene, &ladder, 0), Pending::new());
+    let (mut cell, mut pending) = (Cell::new(&scene, &ladder, 0), PendingNodes::new());
     (0..paths)
         .map(|number| {
             let draws = AddressedDraws::new(seed, number);
@@ -68,7 +68,7 @@ pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
 /// A slip step of length h whose end is drawn from the law of a twice integrated Brownian motion,
 /// by the Cholesky factor of the covariance h, h^2/2, h^3/6; ., h^3/3, h^4/8; ., ., h^5/20 of (a,
 /// V, x) for c = 1.
-pub fn free_step(start: Motion, h: f64, c: f64, draws: &mut AddressedDraws) -> Step {
+pub fn free_step(start: Motion, h: f64, c: f64, draws: &mut AddressedDraws) -> KnownStep {
     let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
     let (root, Motion { velocity, acceleration }) = (c * h.sqrt(), start);
     let end = Motion {
@@ -77,5 +77,5 @@ pub fn free_step(start: Motion, h: f64, c: f64, draws: &mut AddressedDraws) -> S
     };
     let noise = one / 6.0 + two / (4.0 * 3f64.sqrt()) + three / (12.0 * 5f64.sqrt());
     let travel = h * (velocity + 0.5 * h * acceleration) + root * h * h * noise;
-    Step { start, end, travel, length: h, root_length: h.sqrt() }
+    KnownStep { start, end, travel, length: h, root_length: h.sqrt() }
 }

@@ -52,7 +52,7 @@ pub(super) use noiseless::Noiseless;
 pub(super) use scene::Scene;
 pub(super) use step_rules::StepRules;
 pub(super) use unfelt_noise::UnfeltNoise;
-pub(super) use watch::{Glance, Known, Piece, Seen, Watch, noise_between};
+pub(super) use watch::{Glance, Known, Seen, Watch, WatchedPiece, noise_between};
 pub(super) use work::{Unresolved, WORK_LIMIT, Work};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

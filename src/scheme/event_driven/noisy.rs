@@ -14,13 +14,13 @@
 //! their ends is drawn from its bridge to the end of the cell.
 
 use super::abreast::Abreast;
-use super::cell_loop::{self, Cascade, OneByOne, WHOLE_PLACE};
+use super::cell_loop::{self, Cascade, OneByOne, Path, WHOLE_PLACE};
 use super::cells::{Cell, cell_length};
 use super::corridor::Corridor;
-use super::first_stop::{Interval, Motion, Pending, Step, Stop, StopSearch, forwards};
+use super::first_stop::{Interval, KnownStep, Motion, PendingIntervals, SlipStop, StopSearch, forwards};
 use super::ladder::Ladder;
 use super::scene::{Scene, forcing};
-use super::slip_step::{State, force, motion, resolved_travel};
+use super::slip_step::{SlipState, force, motion, resolved_travel};
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use super::step_rules::StepRules;
 use super::watch::{CoastPiece, Flow, FlowPiece, Glance, Known, SlipPiece, Watch, Way, noise_between};
@@ -58,22 +58,22 @@ struct SlipStep {
 impl SlipStep {
     /// The step between two places, with the motion there.
     #[inline(always)]
-    fn between(&self, eps: f64, (x0, start): (f64, Motion), (x1, end): (f64, Motion)) -> Step {
+    fn between(&self, eps: f64, (x0, start): (f64, Motion), (x1, end): (f64, Motion)) -> KnownStep {
         let length = self.transition.length;
         let travel = resolved_travel(eps * x0, eps * x1, start, end, length);
-        Step { start, end, travel, length, root_length: self.root_length }
+        KnownStep { start, end, travel, length, root_length: self.root_length }
     }
 }
 
 /// Buffers for the computation of one path at a time.
 #[derive(Debug)]
-pub struct Scratch {
+pub struct SlipBuffers {
     partial: SlipStep,
-    pending: Pending,
+    pending: PendingIntervals,
     /// The terms of B at the end of a step.
     terms: Vec<Complex>,
     /// Buffers for the motion over a part of a step.
-    flow: cell::RefCell<FlowScratch>,
+    flow: cell::RefCell<FlowBuffers>,
     /// The intervals of a step, kept where its state is observed.
     passed: Vec<Passed>,
 }
@@ -81,14 +81,11 @@ pub struct Scratch {
 /// The transition over a part of a step with its responses to the harmonics, which all paths share
 /// that are observed at one instant, and the terms of B at its end.
 #[derive(Debug)]
-struct FlowScratch {
+struct FlowBuffers {
     transition: SlipTransition,
     harmonics: Vec<HarmonicResponse>,
     terms: Vec<Complex>,
 }
-
-/// A path, whose `motion` is x'.
-type Path = cell_loop::Path<f64>;
 
 /// If the fastest rate of the body is more than this multiple of the rates of forcing and noise,
 /// the length of a cell follows from forcing and noise instead.
@@ -212,7 +209,7 @@ impl Noisy {
 
     /// eps x' and its derivative.
     #[inline(always)]
-    fn motion(&self, path: &Path, direction: Sign) -> Motion {
+    fn motion(&self, path: &Path<f64>, direction: Sign) -> Motion {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
         motion(&self.scene.oscillator, eps, path.motion, path.force, friction)
@@ -224,10 +221,10 @@ impl Noisy {
     fn stopped(
         &self,
         cell: &Cell,
-        path: &mut Path,
+        path: &mut Path<f64>,
         direction: Sign,
-        (start_after, start): (f64, State),
-        stop: &Stop,
+        (start_after, start): (f64, SlipState),
+        stop: &SlipStop,
     ) -> Event {
         let Scene { oscillator, friction, .. } = &self.scene;
         let eps = direction.value();
@@ -245,13 +242,13 @@ impl Noisy {
     fn take(
         &self,
         step: &SlipStep,
-        path: &mut Path,
+        path: &mut Path<f64>,
         terms: &mut [Complex],
         friction: f64,
         end_noise: f64,
         normals: [f64; 2],
     ) {
-        let start = State { x: path.displacement, v: path.motion, n: path.noise };
+        let start = SlipState { x: path.displacement, v: path.motion, n: path.noise };
         let mean = mean_state(&step.transition, &step.harmonics, start, terms, friction);
         let end = step.transition.drawn(mean, end_noise, normals);
         path.after += step.transition.length;
@@ -261,7 +258,7 @@ impl Noisy {
 
     /// Crosses the remainder of a cell with uniform acceleration, where it is too short for the
     /// noise to be distinguished from rounding.
-    fn coast(&self, cell: &Cell, path: &mut Path, direction: Sign, end_noise: f64, watch: &mut impl Watch) {
+    fn coast(&self, cell: &Cell, path: &mut Path<f64>, direction: Sign, end_noise: f64, watch: &mut impl Watch) {
         let body = &self.scene.oscillator;
         let piece = CoastPiece {
             direction,
@@ -279,7 +276,7 @@ impl Noisy {
 
     /// Draws n at the end of a step that ends before the cell does.
     #[inline(always)]
-    fn noise_after(&self, path: &mut Path, length: f64, remaining: f64, end_noise: f64) -> f64 {
+    fn noise_after(&self, path: &mut Path<f64>, length: f64, remaining: f64, end_noise: f64) -> f64 {
         noise_between(&self.scene, [(0.0, path.noise), (remaining, end_noise)], length, &mut path.draws)
     }
 
@@ -295,11 +292,11 @@ impl Noisy {
     /// second one corrects what is left, the square of that. A deviation larger than the noise can
     /// draw is rounding of the quintic, magnified by differentiation, and is bounded.
     #[inline(always)]
-    fn on_the_flow(&self, (searched, stop): (Step, Stop), flow: &StepFlow) -> Stop {
+    fn on_the_flow(&self, (searched, stop): (KnownStep, SlipStop), flow: &StepFlow) -> SlipStop {
         let Scene { oscillator: body, relaxation_rate, .. } = &self.scene;
         let eps = flow.direction.value();
         let (travel, end, _) = flow.motion(searched.length);
-        let (interpolated_travel, interpolated) = Step { end, travel, ..searched }.mean(stop.after);
+        let (interpolated_travel, interpolated) = KnownStep { end, travel, ..searched }.mean(stop.after);
         let most = MOST_DEVIATIONS * self.search.noise * searched.root_length;
         let bounded =
             |deviation: f64, most: f64| if deviation.abs() > most { most.copysign(deviation) } else { deviation };
@@ -329,15 +326,15 @@ impl Noisy {
                 return stop;
             }
             let travel = forwards(travel + late * (velocity + 0.5 * late * acceleration));
-            moved = Stop { after, acceleration: acceleration + late * jerk, travel };
+            moved = SlipStop { after, acceleration: acceleration + late * jerk, travel };
         }
         moved
     }
 }
 
 impl Cascade for Noisy {
-    type Motion = f64;
-    type Scratch = Scratch;
+    type Memory = f64;
+    type Scratch = SlipBuffers;
 
     fn scene(&self) -> &Scene {
         &self.scene
@@ -363,27 +360,33 @@ impl Cascade for Noisy {
         self.closeness
     }
 
-    fn scratch(&self) -> Scratch {
+    fn scratch(&self) -> SlipBuffers {
         let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
         let SlipStep { transition, harmonics, .. } = self.step.clone();
-        let flow = FlowScratch { transition, harmonics, terms: terms.clone() };
-        Scratch { partial: self.step.clone(), pending: Pending::new(), terms, flow: flow.into(), passed: Vec::new() }
+        let flow = FlowBuffers { transition, harmonics, terms: terms.clone() };
+        SlipBuffers {
+            partial: self.step.clone(),
+            pending: PendingIntervals::new(),
+            terms,
+            flow: flow.into(),
+            passed: Vec::new(),
+        }
     }
 
     #[inline(always)]
     fn slip(
         &self,
         cell: &Cell,
-        path: &mut Path,
+        path: &mut Path<f64>,
         direction: Sign,
         end_noise: f64,
-        scratch: &mut Scratch,
+        scratch: &mut SlipBuffers,
         watch: &mut impl Watch,
     ) -> Result<Option<Event>, Unresolved> {
         let eps = direction.value();
         let friction = eps * self.scene.friction.dynamic_force;
         let mut start = self.motion(path, direction);
-        let Scratch { partial, pending, terms, flow: flow_scratch, passed } = scratch;
+        let SlipBuffers { partial, pending, terms, flow: flow_scratch, passed } = scratch;
         if path.after == 0.0 {
             terms.copy_from_slice(&cell.terms);
         } else {
@@ -404,7 +407,7 @@ impl Cascade for Noisy {
                 true => path.draws.at(cell.index, WHOLE_PLACE).normal_pair(),
                 false => path.draws.normal_pair(),
             };
-            let before = (path.after, State { x: path.displacement, v: path.motion, n: path.noise });
+            let before = (path.after, SlipState { x: path.displacement, v: path.motion, n: path.noise });
             self.take(step, path, terms, friction, to_noise, normals);
             let end = self.motion(path, direction);
             if !end.is_finite() {
@@ -470,7 +473,7 @@ impl Cascade for Noisy {
         0.0
     }
 
-    fn look(&self, path: &Path, _: &Cell) -> (f64, f64) {
+    fn look(&self, path: &Path<f64>, _: &Cell) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(_) => (path.displacement, path.motion),
@@ -483,7 +486,7 @@ impl Cascade for Noisy {
 type Passed = (f64, f64, Motion, Interval);
 
 /// The interval before a stop, ending at the stop.
-fn ending_at((after, travel, start, interval): Passed, stop: &Stop) -> Passed {
+fn ending_at((after, travel, start, interval): Passed, stop: &SlipStop) -> Passed {
     let part = (stop.after - after) / interval.length;
     let end = Motion { velocity: 0.0, acceleration: stop.acceleration };
     let interval = if part > 0.0 { interval.parted(part, stop.travel - travel, end)[0] } else { interval };
@@ -498,7 +501,7 @@ struct StepFlow<'a> {
     direction: Sign,
     /// The time at which the step begins, after the start of the cell.
     after: f64,
-    start: State,
+    start: SlipState,
     /// The motion along the direction at the start.
     first: Motion,
     /// The time at which the step ends, and n there.
@@ -506,18 +509,18 @@ struct StepFlow<'a> {
     /// The last time at which n was drawn for an observer, and n there: for the rows of the run,
     /// and for the rows between them.
     last_drawn: cell::Cell<[Known; 2]>,
-    scratch: &'a cell::RefCell<FlowScratch>,
+    scratch: &'a cell::RefCell<FlowBuffers>,
 }
 
 impl StepFlow<'_> {
     /// The distance, the motion along the direction and the state, a time after the start of the
     /// step.
     #[inline(always)]
-    fn motion(&self, since: f64) -> (f64, Motion, State) {
+    fn motion(&self, since: f64) -> (f64, Motion, SlipState) {
         let Noisy { scene, oscillator, .. } = self.cascade;
         let (body, eps) = (&scene.oscillator, self.direction.value());
         let friction = eps * scene.friction.dynamic_force;
-        let FlowScratch { transition, harmonics, terms } = &mut *self.scratch.borrow_mut();
+        let FlowBuffers { transition, harmonics, terms } = &mut *self.scratch.borrow_mut();
         self.cell.set_terms(self.after, terms);
         let mut to = self.start;
         if since == self.step.transition.length {
@@ -563,10 +566,10 @@ impl Flow for StepFlow<'_> {
 fn mean_state(
     transition: &SlipTransition,
     responses: &[HarmonicResponse],
-    start: State,
+    start: SlipState,
     terms: &mut [Complex],
     friction: f64,
-) -> State {
+) -> SlipState {
     let mut mean = transition.free(start, friction);
     for (term, response) in terms.iter_mut().zip(responses) {
         let push = response.push(*term);

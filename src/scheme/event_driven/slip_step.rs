@@ -8,7 +8,7 @@ use crate::model::{Complex, Oscillator};
 
 /// x, x' and n at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct State<L = f64> {
+pub struct SlipState<L = f64> {
     pub x: L,
     pub v: L,
     pub n: L,
@@ -40,9 +40,9 @@ impl<L: Lanes> SlipTransition<L> {
     /// The mean state after the step without the forcing: from the state at its start and the
     /// dynamic friction alone, with the noise n relaxing from its start.
     #[inline(always)]
-    pub fn free(&self, start: State<L>, friction: L) -> State<L> {
+    pub fn free(&self, start: SlipState<L>, friction: L) -> SlipState<L> {
         let [x, v] = [&self.x, &self.v];
-        State {
+        SlipState {
             x: x[0].mul_add(start.x, x[1].mul_add(start.v, x[2].mul_add(start.n, -(x[3] * friction)))),
             v: v[0].mul_add(start.x, v[1].mul_add(start.v, v[2].mul_add(start.n, -(v[3] * friction)))),
             n: self.n * start.n,
@@ -52,10 +52,10 @@ impl<L: Lanes> SlipTransition<L> {
     /// Draws the state after the step, given its mean and n at the end, with one normal for x' and
     /// one for x.
     #[inline(always)]
-    pub fn drawn(&self, mean: State<L>, n: L, [b, c]: [L; 2]) -> State<L> {
+    pub fn drawn(&self, mean: SlipState<L>, n: L, [b, c]: [L; 2]) -> SlipState<L> {
         let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = self.given_noise;
         let a = n - mean.n;
-        State {
+        SlipState {
             x: x_on_n.mul_add(a, x_on_v.mul_add(b, x_sd.mul_add(c, mean.x))),
             v: v_on_n.mul_add(a, v_sd.mul_add(b, mean.v)),
             n,
@@ -65,7 +65,7 @@ impl<L: Lanes> SlipTransition<L> {
 
 /// b = K (beta T - x) - 2 alpha x', where `forcing` is the part B of K beta T without noise.
 #[inline(always)]
-pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: State<L>) -> L {
+pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: SlipState<L>) -> L {
     forcing + state.n - state.x * body.stiffness - state.v * (2.0 * body.damping)
 }
 

@@ -55,7 +55,7 @@ pub trait Watch {
     fn is_ahead(&self, end: f64) -> bool;
     /// Observes a piece of the path: draws the state at all instants before the end of the piece.
     /// One at its end belongs to the next piece.
-    fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
+    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
 }
 
 /// There are no instants to observe inside this cell.
@@ -73,7 +73,7 @@ impl Watch for Nobody {
     }
 
     #[inline(always)]
-    fn look<P: Piece>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
+    fn look<P: WatchedPiece>(&mut self, _: &Scene, _: impl FnOnce() -> P) {}
 }
 
 /// Observes one path at these times, in order.
@@ -102,7 +102,7 @@ impl Watch for Glances<'_> {
     }
 
     #[inline(always)]
-    fn look<P: Piece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
+    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
         let mut rest = piece();
         let end = self.cell_start + rest.end();
         while let Some(row) = self.ahead(end).find(|glance| !glance.is_closer) {
@@ -123,7 +123,7 @@ impl<'a> Glances<'a> {
 
     /// Draws the states at the rows between those of the run, before the time `end`.
     #[inline(always)]
-    fn look_closer<P: Piece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
+    fn look_closer<P: WatchedPiece>(&mut self, scene: &Scene, mut piece: P, end: f64) {
         while let Some(row) = self.ahead(end).next().filter(|glance| glance.is_closer) {
             let (seen, _, behind) = piece.parted(scene, row, &mut self.draws.from(row.place));
             self.put(seen);
@@ -139,7 +139,7 @@ impl<'a> Glances<'a> {
 }
 
 /// A piece of a path without an event, except perhaps at its end.
-pub trait Piece: Sized {
+pub trait WatchedPiece: Sized {
     /// The time at which it ends, after the start of the cell.
     fn end(&self) -> f64;
     /// Draws the state at an instant inside the piece. Returns the state and the two parts of the
@@ -182,7 +182,7 @@ const ROUNDED: f64 = 1e-10;
 
 /// The state at an instant inside a piece of a slip.
 #[derive(Clone, Copy, Debug)]
-pub struct SlipState<L = f64> {
+pub struct Slipping<L = f64> {
     /// The distance since the start of the step, and x' along the direction.
     travel: L,
     velocity: L,
@@ -215,7 +215,7 @@ impl<L: Lanes> SlipPiece<L> {
     /// Draws the state at an instant with three normals. `here` is the motion without noise at the
     /// instant.
     #[inline(always)]
-    pub fn state(&self, scene: &Scene, glance: Glance, here: &Way<L>, normals: [L; 3]) -> SlipState<L> {
+    pub fn state(&self, scene: &Scene, glance: Glance, here: &Way<L>, normals: [L; 3]) -> Slipping<L> {
         let (zero, one, time) = (L::splat(0.0), L::splat(1.0), L::splat(glance.time));
         let body = &scene.oscillator;
         // In a piece of zero length the state is that at its start.
@@ -229,7 +229,7 @@ impl<L: Lanes> SlipPiece<L> {
         let velocity = velocity.or_at_least(-here.motion.velocity);
         let off_travel = self.travel + passed;
         let balance = acceleration * body.mass + velocity * (2.0 * body.damping) + off_travel * body.stiffness;
-        SlipState {
+        Slipping {
             travel: here.travel + off_travel,
             velocity: here.motion.velocity + velocity,
             noise: here.noise + self.eps * balance,
@@ -255,13 +255,13 @@ impl<L: Lanes> SlipPiece<L> {
 
     /// x and x' in a state.
     #[inline(always)]
-    pub fn seen(&self, state: &SlipState<L>) -> (L, L) {
+    pub fn seen(&self, state: &Slipping<L>) -> (L, L) {
         (self.x0 + self.eps * state.travel, self.eps * state.velocity)
     }
 
     /// The parts of the piece before and after a state at an instant.
     #[inline(always)]
-    pub fn parted_at(&self, glance: Glance, state: &SlipState<L>) -> [Self; 2] {
+    pub fn parted_at(&self, glance: Glance, state: &Slipping<L>) -> [Self; 2] {
         let is_inside = state.part.gt(L::splat(0.0));
         let [first, second] = self.interval.parted(state.part, state.passed, state.off);
         let first = Interval::select(is_inside, &first, &self.interval);
@@ -331,7 +331,7 @@ impl CoastPiece {
     }
 }
 
-impl Piece for CoastPiece {
+impl WatchedPiece for CoastPiece {
     fn end(&self) -> f64 {
         self.ends[1].0
     }
@@ -353,7 +353,7 @@ pub struct FlowPiece<'a, F> {
     pub known: [Known; 2],
 }
 
-impl<F: Flow> Piece for FlowPiece<'_, F> {
+impl<F: Flow> WatchedPiece for FlowPiece<'_, F> {
     fn end(&self) -> f64 {
         self.piece.until
     }
@@ -502,7 +502,7 @@ fn distances<L: Lanes>(scene: &Scene, side: L, (from, to): (L, L)) -> [Distances
     [(f_s - side * from, f_s - side * to), (f_s + side * from, f_s + side * to)]
 }
 
-impl Piece for (StickPiece, StickEnd) {
+impl WatchedPiece for (StickPiece, StickEnd) {
     fn end(&self) -> f64 {
         self.0.after.1
     }

@@ -2,10 +2,10 @@
 
 use super::Abreast;
 use super::crossing::Crossing;
-use super::jobs::Rows;
+use super::jobs::RowNumbers;
 use super::records::is_inside;
 use super::shared_step::SharedStep;
-use super::slip::Searched;
+use super::slip::SearchedSlip;
 use super::states::{Border, rows_from};
 use crate::lanes::{Lanes, ROW};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
@@ -13,7 +13,7 @@ use crate::scheme::columns::Columns;
 use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
 use crate::scheme::event_driven::corridor::{Node, stick_piece};
 use crate::scheme::event_driven::first_stop::{Interval, Motion};
-use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
+use crate::scheme::event_driven::slip_step::{SlipState, force, motion, resolved_travel};
 use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
 
 /// The start of a slip step.
@@ -21,7 +21,7 @@ use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, St
 struct StepStart<L: Lanes> {
     /// Its time after the start of the cell.
     after: L,
-    state: State<L>,
+    state: SlipState<L>,
     motion: Motion<L>,
     eps: L,
 }
@@ -61,7 +61,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let rows = rows_from(lane);
             let now = Border::<L>::get(&self.paths.now, &rows);
             let next = Border::<L>::get(&self.paths.next, &rows);
-            let state = State { x: now.x, v: now.v, n: now.n };
+            let state = SlipState { x: now.x, v: now.v, n: now.n };
             let eps = now.eps;
             let is_slip = eps.abs().gt(zero);
             let friction = eps * scene.friction.dynamic_force;
@@ -125,7 +125,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             // starts from rest.
             let is_later = began.gt(zero);
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let state = State { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
+            let state = SlipState { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
             let force0 = L::select(is_later, force0, now.force);
             let friction = eps * scene.friction.dynamic_force;
             let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
@@ -212,7 +212,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         glance: Glance,
         bridge: &Bridge<L>,
         draws: &LaneDraws<L>,
-        (rows, held): (&Rows, u32),
+        (rows, held): (&RowNumbers, u32),
     ) -> Stuck<L> {
         let scene = self.paths.noisy.scene();
         let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
@@ -277,7 +277,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    fn way_to(&self, step: &StepStart<L>, mean: State<L>, forcing: L, since: L) -> Way<L> {
+    fn way_to(&self, step: &StepStart<L>, mean: SlipState<L>, forcing: L, since: L) -> Way<L> {
         let scene = self.paths.noisy.scene();
         let (body, eps) = (&scene.oscillator, step.eps);
         let friction = eps * scene.friction.dynamic_force;
@@ -288,7 +288,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Adds these lanes to `odd`, unless they are there or have been given up.
     #[inline(always)]
-    fn not_in_lanes(&mut self, rows: &Rows, mut lanes: u32) {
+    fn not_in_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             let lane = rows[lanes.trailing_zeros() as usize];
             let Abreast { odd, lost, .. } = &mut *self.paths;
@@ -302,11 +302,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Records the interval of a slip, which begins where the search has come to, in lanes in which
     /// it has no stop, or one at its end.
     #[inline(always)]
-    pub(super) fn saw_slip(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, interval: &Interval<L>) {
+    pub(super) fn saw_slip(
+        &mut self,
+        rows: &RowNumbers,
+        lanes: u32,
+        searched: &SearchedSlip<L>,
+        interval: &Interval<L>,
+    ) {
         if !self.paths.records.is_watched() {
             return;
         }
-        let Searched { left, after, travel, x, start, eps, .. } = *searched;
+        let SearchedSlip { left, after, travel, x, start, eps, .. } = *searched;
         let held = self.paths.records.hold(start + after, start + (after + interval.length)) & lanes;
         if held != 0 {
             let Interval { end, travel: distance, length, inverse, noise } = *interval;
@@ -321,7 +327,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn saw_stick(
         &mut self,
-        rows: &Rows,
+        rows: &RowNumbers,
         lanes: u32,
         (left, right): (&Node<L>, &Node<L>),
         displacement: L,
@@ -343,7 +349,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
 /// The entries of a column in these rows.
 #[inline(always)]
-fn at<L: Lanes>(column: &[f64], rows: &Rows) -> L {
+fn at<L: Lanes>(column: &[f64], rows: &RowNumbers) -> L {
     let mut values = [0.0; ROW];
     for (value, &row) in values.iter_mut().zip(rows) {
         *value = column[row as usize];
@@ -353,7 +359,13 @@ fn at<L: Lanes>(column: &[f64], rows: &Rows) -> L {
 
 /// Sets x, x' and T in these lanes.
 #[inline(always)]
-fn set<L: Lanes>(seen: &mut Columns, rows: &Rows, mut lanes: u32, (x, v, temperature): (L, L, L), is_static: bool) {
+fn set<L: Lanes>(
+    seen: &mut Columns,
+    rows: &RowNumbers,
+    mut lanes: u32,
+    (x, v, temperature): (L, L, L),
+    is_static: bool,
+) {
     let (mut xs, mut vs, mut ts) = ([0.0; ROW], [0.0; ROW], [0.0; ROW]);
     x.store(&mut xs);
     v.store(&mut vs);

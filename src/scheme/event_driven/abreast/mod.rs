@@ -27,10 +27,10 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-use super::cell_loop::{self, Cascade, Inside, LOST, Path, Paths};
+use super::cell_loop::{self, Cascade, Inside, LOST, Path, PathSet};
 use super::cells::Cell;
-use super::corridor::Pending;
-use super::noisy::{Noisy, Scratch};
+use super::corridor::PendingNodes;
+use super::noisy::{Noisy, SlipBuffers};
 use super::watch::Nobody;
 use super::work::{Simulated, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Row, Table};
@@ -75,7 +75,7 @@ pub struct Abreast<'a> {
     /// alone.
     swept: usize,
     turned_odd: usize,
-    scratch: (Scratch, Pending),
+    scratch: (SlipBuffers, PendingNodes),
 }
 
 impl<'a> Abreast<'a> {
@@ -105,7 +105,7 @@ impl<'a> Abreast<'a> {
             odd: Vec::new(),
             swept: 0,
             turned_odd: 0,
-            scratch: (noisy.scratch(), Pending::new()),
+            scratch: (noisy.scratch(), PendingNodes::new()),
         };
         for (lane, &number) in paths.iter().enumerate() {
             let path = cell_loop::start(noisy, seed, number);
@@ -209,7 +209,7 @@ impl LaneProgram for LookAtEnd<'_, '_> {
     }
 }
 
-impl Paths for Abreast<'_> {
+impl PathSet for Abreast<'_> {
     type Cascade = Noisy;
 
     fn cascade(&self) -> &Noisy {

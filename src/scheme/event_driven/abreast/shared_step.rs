@@ -3,7 +3,7 @@
 use crate::lanes::Lanes;
 use crate::scheme::event_driven::cells::Cell;
 use crate::scheme::event_driven::noisy::Noisy;
-use crate::scheme::event_driven::slip_step::{Push, State};
+use crate::scheme::event_driven::slip_step::{Push, SlipState};
 use crate::scheme::event_driven::slip_transition::{SlipTransition, splat};
 
 /// The transition of (x, x', n) over the step, and the contribution of the forcing.
@@ -37,7 +37,7 @@ impl<L: Lanes> SharedStep<L> {
 
     /// The mean state at the end of the step.
     #[inline(always)]
-    pub fn mean(&self, start: State<L>, friction: L) -> State<L> {
+    pub fn mean(&self, start: SlipState<L>, friction: L) -> SlipState<L> {
         let mut mean = self.transition.free(start, friction);
         for push in &self.pushes {
             (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);

@@ -2,16 +2,16 @@
 
 use super::Abreast;
 use super::crossing::Crossing;
-use super::jobs::{Count, Rows, Task};
+use super::jobs::{Count, RowNumbers, Task};
 use super::shared_step::SharedStep;
-use super::slip::Searched;
+use super::slip::SearchedSlip;
 use super::states::Border;
-use super::stick::Piece;
+use super::stick::SearchedStick;
 use crate::lanes::Lanes;
 use crate::scheme::event_driven::cell_loop::{Cascade as _, EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
 use crate::scheme::event_driven::corridor::Node;
 use crate::scheme::event_driven::first_stop::Interval;
-use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
+use crate::scheme::event_driven::slip_step::{SlipState, force, motion, resolved_travel};
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
@@ -43,7 +43,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    fn stick_whole(&mut self, rows: &Rows, lanes: u32) {
+    fn stick_whole(&mut self, rows: &RowNumbers, lanes: u32) {
         let scene = self.paths.noisy.scene();
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
@@ -60,7 +60,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
             let count = Count::from(EVENT_PLACE, now.flip);
-            let piece = Piece { left, right, x, side: L::splat(0.0), count, origin: now.origin, key: now.key };
+            let piece = SearchedStick { left, right, x, side: L::splat(0.0), count, origin: now.origin, key: now.key };
             let own = self.paths.jobs.only::<L>(rows, near);
             piece.put(&mut self.paths.jobs, &own);
             self.paths.jobs.flag::<L>(rows, near);
@@ -71,13 +71,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &Rows, lanes: u32) {
+    fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &RowNumbers, lanes: u32) {
         let scene = self.paths.noisy.scene();
         let body = &scene.oscillator;
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let eps = now.eps;
-        let start = State { x: now.x, v: now.v, n: now.n };
+        let start = SlipState { x: now.x, v: now.v, n: now.n };
         let friction = eps * scene.friction.dynamic_force;
         let normals = now.draws(self.cell.index << 32).normal_pair(self.paths.normals, WHOLE_PLACE);
         let end = whole.transition.drawn(whole.mean(start, friction), end_noise, normals);
@@ -99,7 +99,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let flagged = lanes & !clear;
         if flagged != 0 {
             let zero = L::splat(0.0);
-            let searched = Searched {
+            let searched = SearchedSlip {
                 left: first,
                 after: zero,
                 travel: zero,
@@ -126,7 +126,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Marks lanes that have to cross the cell again, alone.
     #[inline(always)]
-    pub(super) fn odd_lanes(&mut self, rows: &Rows, mut lanes: u32) {
+    pub(super) fn odd_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             self.paths.odd.push(rows[lanes.trailing_zeros() as usize]);
             lanes &= lanes - 1;
