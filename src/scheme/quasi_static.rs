@@ -34,9 +34,9 @@
 //! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
 //! is false, the stick that begins there is empty.
 
-use super::columns::Columns;
+use super::columns::{Columns, Seen};
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Ladder, Noiseless, OneByOne, Path, Scene, Seen, StepRules,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Ladder, Noiseless, OneByOne, Path, Scene, StepRules,
     UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, Work, cell_length, check_friction, noise_between,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};

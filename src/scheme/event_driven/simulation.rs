@@ -1,11 +1,10 @@
 //! The event-driven scheme on one model. Whether it is simulated with or without noise is chosen
 //! once.
 
-use super::noiseless::Noiseless;
+use super::law::scene::Scene;
+use super::law::step_rules::{Resolution, StepRules};
+use super::noiseless::{Noiseless, UnfeltNoise};
 use super::noisy::Noisy;
-use super::scene::Scene;
-use super::step_rules::{Resolution, StepRules};
-use super::unfelt_noise::UnfeltNoise;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
 use crate::model::Model;

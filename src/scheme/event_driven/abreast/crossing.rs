@@ -5,7 +5,7 @@ use super::Abreast;
 use super::jobs::Task;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::scheme::event_driven::cell_loop::Inside;
-use crate::scheme::event_driven::cells::Cell;
+use crate::scheme::event_driven::law::cells::Cell;
 use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated

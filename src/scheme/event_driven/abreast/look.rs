@@ -9,12 +9,12 @@ use super::slip::SearchedSlip;
 use super::states::{Border, rows_from};
 use crate::lanes::{Lanes, ROW};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
-use crate::scheme::columns::Columns;
-use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
-use crate::scheme::event_driven::corridor::{Node, stick_piece};
-use crate::scheme::event_driven::first_stop::{Interval, Motion};
-use crate::scheme::event_driven::slip_step::{SlipState, force, motion, resolved_travel};
-use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
+use crate::scheme::columns::{Columns, LOST};
+use crate::scheme::event_driven::cell_loop::Inside;
+use crate::scheme::event_driven::law::corridor::{Node, stick_piece};
+use crate::scheme::event_driven::law::first_stop::{Interval, Motion};
+use crate::scheme::event_driven::law::inside::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
+use crate::scheme::event_driven::law::slip_step::{SlipState, force, motion, resolved_travel};
 
 /// The start of a slip step.
 #[derive(Clone, Copy)]
@@ -43,11 +43,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
         let noisy = self.paths.noisy;
-        let (scene, body) = (noisy.scene(), &noisy.scene().oscillator);
+        let (scene, body) = (&noisy.scene, &noisy.scene.oscillator);
         let whole = SharedStep::<L>::whole(noisy, self.cell);
         let length = L::splat(self.cell.length);
         let inverse = L::splat(1.0 / self.cell.length);
-        let spread = L::splat(noisy.search().noise * noisy.root_length());
+        let spread = L::splat(noisy.search.noise * noisy.step.root_length);
         let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
         // Slips of many steps cross the cell alone, and are observed there.
@@ -113,7 +113,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws the states in the recorded pieces of slips.
     #[inline(always)]
     fn look_at_slips(&mut self, inside: &mut Inside) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (body, zero, cell_start) = (&scene.oscillator, L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
@@ -165,7 +165,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws the states in the recorded pieces of sticks of one kind.
     #[inline(always)]
     fn look_at_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (zero, cell_start) = (L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.sticks(kind).len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.sticks(kind).get::<L>(first);
@@ -214,7 +214,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         draws: &LaneDraws<L>,
         (rows, held): (&RowNumbers, u32),
     ) -> Stuck<L> {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
         let time = L::splat(glance.time);
         let halves = [
@@ -251,7 +251,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// The bridge of n in a piece of a stick at an instant.
     #[inline(always)]
     fn bridge(&self, piece: &StickPiece<L>, glance: Glance) -> Bridge<L> {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (before, behind) = (L::splat(glance.time) - piece.after.0, piece.after.1 - glance.time);
         let (mean, sd) = short_bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
         Bridge { mean, sd, rest: L::splat(glance.forcing) - piece.displacement * scene.oscillator.stiffness }
@@ -260,7 +260,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// The motion without noise of a step that begins with the cell, at the end of `part`.
     #[inline(always)]
     fn shared_way(&self, step: &StepStart<L>, part: &SharedStep<L>, since: f64) -> Way<L> {
-        let friction = step.eps * self.paths.noisy.scene().friction.dynamic_force;
+        let friction = step.eps * self.paths.noisy.scene.friction.dynamic_force;
         let mean = part.mean(step.state, friction);
         self.way_to(step, mean, L::splat(part.forcing), L::splat(since))
     }
@@ -270,15 +270,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn way(&self, step: &StepStart<L>, after: L) -> Way<L> {
         let noisy = self.paths.noisy;
         let since = after - step.after;
-        let transition = noisy.oscillator().series(since);
-        let friction = step.eps * noisy.scene().friction.dynamic_force;
+        let transition = noisy.oscillator.series(since);
+        let friction = step.eps * noisy.scene.friction.dynamic_force;
         let (mean, forcing) = self.mean_state(&transition, step.state, step.after, friction);
         self.way_to(step, mean, forcing, since)
     }
 
     #[inline(always)]
     fn way_to(&self, step: &StepStart<L>, mean: SlipState<L>, forcing: L, since: L) -> Way<L> {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (body, eps) = (&scene.oscillator, step.eps);
         let friction = eps * scene.friction.dynamic_force;
         let motion = motion(body, eps, mean.v, force(body, forcing, mean), friction);

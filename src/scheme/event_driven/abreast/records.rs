@@ -3,7 +3,7 @@
 
 use super::jobs::RowNumbers;
 use crate::lanes::{Lanes, ROW, Row};
-use crate::scheme::event_driven::watch::{Glance, StickEnd};
+use crate::scheme::event_driven::law::inside::{Glance, StickEnd};
 
 /// The pieces in one cell.
 #[derive(Default)]

@@ -7,12 +7,14 @@ use super::stick::SearchedStick;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
-use crate::scheme::event_driven::cell_loop::Cascade as _;
-use crate::scheme::event_driven::corridor::Node;
-use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves};
-use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
-use crate::scheme::event_driven::slip_step::{SlipState, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::{HarmonicResponse, SlipTransition, given_noise};
+use crate::scheme::event_driven::law::corridor::Node;
+use crate::scheme::event_driven::law::first_stop::{
+    FEEBLE, Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves,
+};
+use crate::scheme::event_driven::law::ladder::SAME_LENGTH;
+
+use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipState, force, motion, resolved_travel};
+use crate::scheme::event_driven::law::slip_transition::{HarmonicResponse, SlipTransition, given_noise};
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
@@ -104,7 +106,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         (near, far): (Interval<L>, Interval<L>),
         is_divided: L::Mask,
     ) {
-        let search = *self.paths.noisy.search();
+        let search = self.paths.noisy.search;
         self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
         let near_clear = L::and(is_divided, search.is_clear(searched.left, &near));
         let waits = L::and(is_divided, L::not(near_clear));
@@ -131,7 +133,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         more: u32,
         is_clear: L::Mask,
     ) {
-        let is_stop = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
+        let is_stop = self.paths.noisy.search.is_stop(searched.left, &searched.interval);
         let is_stop = L::and(is_stop, L::not(is_clear));
         let searched = SearchedSlip { count: searched.count.alone_where(is_stop), ..searched };
         searched.put(&mut self.paths.jobs, rows);
@@ -149,7 +151,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let interval;
         (interval, ..) = interval_of(self.paths.jobs.last_behind(rows, searched.count));
         searched.interval = interval;
-        let is_clear = self.paths.noisy.search().is_clear(searched.left, &interval);
+        let is_clear = self.paths.noisy.search.is_clear(searched.left, &interval);
         self.saw_slip(rows, L::bitmask(is_clear) & lanes, &searched, &interval);
         searched.pass(is_clear, &interval);
         let clear = L::bitmask(is_clear) & lanes;
@@ -162,7 +164,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn stop(&mut self, rows: &RowNumbers, lanes: u32) {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
-        let search = *self.paths.noisy.search();
+        let search = self.paths.noisy.search;
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
         let near = search.near_stop(searched.left, &searched.interval, normals);
         let is_first = searched.count.has_none();
@@ -205,7 +207,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn rest(&mut self, rows: &RowNumbers, lanes: u32) {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (body, eps) = (&scene.oscillator, searched.eps);
         let after = searched.start + searched.after;
         let x = searched.x + eps * searched.travel;
@@ -256,7 +258,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let mut responses = [HarmonicResponse::none(); 2];
         for (pair, terms) in self.cell.terms.chunks(2).enumerate() {
             let responses = &mut responses[..terms.len()];
-            self.paths.noisy.oscillator().one_or_two_responses(transition, pair, responses);
+            self.paths.noisy.oscillator.one_or_two_responses(transition, pair, responses);
             for (response, harmonic) in responses.iter().zip(2 * pair..) {
                 let push = response.push(self.cell.term(harmonic, after));
                 (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
@@ -275,16 +277,16 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
         let Begun { after, noise, force: start_force, eps, x, count, origin, key } = begun;
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let body = &scene.oscillator;
         let remaining = L::splat(self.cell.length) - after;
         let is_usual = L::and(
             remaining.gt(L::splat(SHORTEST * self.cell.length)),
-            remaining.lt(L::splat(self.cell.length * (1.0 - ALIGNMENT))),
+            remaining.lt(L::splat(self.cell.length * (1.0 - SAME_LENGTH))),
         );
         let mut odd = lanes & !L::bitmask(is_usual);
 
-        let mut transition = self.paths.noisy.oscillator().series(remaining);
+        let mut transition = self.paths.noisy.oscillator.series(remaining);
         transition.given_noise = given_noise(&transition.covariance);
         let friction = eps * scene.friction.dynamic_force;
         let start = SlipState { x, v: L::splat(0.0), n: noise };
@@ -300,7 +302,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             travel: resolved_travel(eps * x, eps * end.x, first, last, remaining),
             length: remaining,
             inverse: L::splat(1.0) / remaining,
-            noise: remaining.sqrt() * self.paths.noisy.search().noise,
+            noise: remaining.sqrt() * self.paths.noisy.search.noise,
         };
         odd |= lanes & !L::bitmask(last.is_finite());
         self.odd_lanes(rows, odd);
@@ -323,7 +325,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.began(rows, lanes, noise, start_force);
         // Under weak noise the motion inside a step is known better than its division by the
         // quintic would say, so a clear step stays whole.
-        let is_clear = self.paths.noisy.search().is_clear(first, &interval);
+        let is_clear = self.paths.noisy.search.is_clear(first, &interval);
         let clear = L::bitmask(is_clear) & lanes;
         self.saw_slip(rows, clear, &searched, &interval);
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);

@@ -7,11 +7,10 @@ use super::states::Border;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{EventKind, Sign};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
-use crate::scheme::event_driven::cell_loop::Cascade as _;
-use crate::scheme::event_driven::corridor::{Node, ends};
-use crate::scheme::event_driven::scene::Scene;
-use crate::scheme::event_driven::stick_step::{ATTEMPTS, StickStep};
-use crate::scheme::event_driven::watch::StickEnd;
+use crate::scheme::event_driven::law::corridor::{Node, ends};
+use crate::scheme::event_driven::law::inside::StickEnd;
+use crate::scheme::event_driven::law::scene::Scene;
+use crate::scheme::event_driven::law::stick_step::{ATTEMPTS, StickStep};
 
 /// A piece of a stick between two known values of n.
 #[derive(Clone, Copy)]
@@ -87,7 +86,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn begin_stick(&mut self, rows: &RowNumbers, lanes: u32, piece: &SearchedStick<L>) {
         let zero = L::splat(0.0);
-        let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
+        let spring = piece.x * self.paths.noisy.scene.oscillator.stiffness;
         let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
         let SearchedStick { x, count, origin, key, .. } = *piece;
         let flip = count.flip();
@@ -103,8 +102,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let corridor = self.paths.noisy.corridor();
-        let reach = corridor.reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
+        let corridor = &self.paths.noisy.corridor;
+        let reach = corridor.reach(&self.paths.noisy.scene, piece.length(), &piece.left, &piece.right);
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
         self.paths.jobs.push::<L>(Task::Halve, rows, long);
@@ -121,7 +120,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let odd = L::bitmask(piece.count.has(DEPTH as f64 - 1.0)) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let h = piece.length();
         let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
         let normal = piece.draws(self.cell.index).normal(self.paths.normals, 0);
@@ -149,7 +148,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn decide(&mut self, rows: &RowNumbers, lanes: u32) {
         let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let step = piece.step(scene);
         let [up, down] = step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right));
         let u = piece.draws(self.cell.index).uniform(0);
@@ -173,7 +172,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn leave(&mut self, rows: &RowNumbers, lanes: u32) {
         let piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
         let SearchedStick { x, side, origin, key, count, .. } = piece;
         let draws = piece.draws(self.cell.index);

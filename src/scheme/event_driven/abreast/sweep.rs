@@ -8,10 +8,10 @@ use super::slip::SearchedSlip;
 use super::states::Border;
 use super::stick::SearchedStick;
 use crate::lanes::Lanes;
-use crate::scheme::event_driven::cell_loop::{Cascade as _, EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
-use crate::scheme::event_driven::corridor::Node;
-use crate::scheme::event_driven::first_stop::Interval;
-use crate::scheme::event_driven::slip_step::{SlipState, force, motion, resolved_travel};
+use crate::scheme::event_driven::law::cells::{EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
+use crate::scheme::event_driven::law::corridor::Node;
+use crate::scheme::event_driven::law::first_stop::Interval;
+use crate::scheme::event_driven::law::slip_step::{SlipState, force, motion, resolved_travel};
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
@@ -44,7 +44,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     #[inline(always)]
     fn stick_whole(&mut self, rows: &RowNumbers, lanes: u32) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let Border { x, n, force, .. } = now;
@@ -55,7 +55,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let curvature = L::splat(self.cell.last.curvature);
         let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
         let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
-        let reach = self.paths.noisy.corridor().reach(scene, right.after, &left, &right);
+        let reach = self.paths.noisy.corridor.reach(scene, right.after, &left, &right);
         let near = L::bitmask(reach.is_near) & lanes & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
@@ -72,7 +72,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     #[inline(always)]
     fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &RowNumbers, lanes: u32) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let body = &scene.oscillator;
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
@@ -86,13 +86,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let first = motion(body, eps, start.v, now.force, friction);
         let last = motion(body, eps, end.v, end_force, friction);
         let length = L::splat(self.cell.length);
-        let search = self.paths.noisy.search();
+        let search = &self.paths.noisy.search;
         let interval = Interval {
             end: last,
             travel: resolved_travel(eps * start.x, eps * end.x, first, last, length),
             length,
             inverse: L::splat(1.0 / self.cell.length),
-            noise: L::splat(search.noise * self.paths.noisy.root_length()),
+            noise: L::splat(search.noise * self.paths.noisy.step.root_length),
         };
         let finite = L::bitmask(last.is_finite()) & lanes;
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;

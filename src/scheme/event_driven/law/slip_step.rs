@@ -1,8 +1,8 @@
 //! One exact step of (x, x', n) in a sub-phase, given n at its end, for one path or for several in
 //! lanes.
 
-use super::first_stop::Motion;
-use super::slip_transition::{HarmonicResponse, SlipTransition};
+use super::first_stop::{KnownStep, Motion};
+use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use crate::lanes::Lanes;
 use crate::model::{Complex, Oscillator};
 
@@ -13,6 +13,63 @@ pub struct SlipState<L = f64> {
     pub v: L,
     pub n: L,
 }
+
+/// A slip step of one length, with its coefficients.
+#[derive(Clone, Debug)]
+pub struct SlipStep {
+    pub transition: SlipTransition,
+    /// The square root of its length.
+    pub root_length: f64,
+    /// The response to each harmonic.
+    pub harmonics: Vec<HarmonicResponse>,
+}
+
+impl SlipStep {
+    /// The step of a length, for an oscillator with this number of harmonics.
+    #[inline(always)]
+    pub fn new(oscillator: &DrivenOscillator, harmonics: usize, length: f64) -> Self {
+        let mut harmonics = vec![HarmonicResponse::none(); harmonics];
+        let transition = oscillator.transition(length, &mut harmonics);
+        SlipStep { transition, root_length: length.sqrt(), harmonics }
+    }
+
+    /// Turns this step into that of another length.
+    #[inline(always)]
+    pub fn set_length(&mut self, oscillator: &DrivenOscillator, length: f64) {
+        self.transition = oscillator.transition(length, &mut self.harmonics);
+        self.root_length = length.sqrt();
+    }
+
+    pub fn length(&self) -> f64 {
+        self.transition.length
+    }
+
+    /// The step between two places, with the motion there.
+    #[inline(always)]
+    pub fn between(&self, eps: f64, (x0, start): (f64, Motion), (x1, end): (f64, Motion)) -> KnownStep {
+        let length = self.length();
+        let travel = resolved_travel(eps * x0, eps * x1, start, end, length);
+        KnownStep { start, end, travel, length, root_length: self.root_length }
+    }
+
+    /// The mean state at the end of the step, from a known start. `terms`, the terms of B, are
+    /// moved from the start of the step to its end.
+    #[inline(always)]
+    pub fn mean(&self, start: SlipState, terms: &mut [Complex], friction: f64) -> SlipState {
+        let mut mean = self.transition.free(start, friction);
+        for (term, response) in terms.iter_mut().zip(&self.harmonics) {
+            let push = response.push(*term);
+            mean.x += push.x;
+            mean.v += push.v;
+            *term = push.term;
+        }
+        mean
+    }
+}
+
+/// A remainder of a cell that is shorter than this fraction of it takes no exact step: the
+/// difference of n at both its ends, which such a step needs, would have lost its digits.
+pub const SHORTEST: f64 = 1e-8;
 
 /// The contribution of a harmonic to x and x' over a step, and its term of B at the end of the
 /// step.
