@@ -22,7 +22,7 @@ pub enum Task {
     /// Go on to the next interval of a slip.
     SlipOn,
     /// Find the stop of a slip in an interval.
-    Stop,
+    FindStop,
     /// Begin what follows a stop.
     Rest,
 }
@@ -35,7 +35,7 @@ const TASKS: [Task; 9] = [
     Task::Begin,
     Task::Bisect,
     Task::SlipOn,
-    Task::Stop,
+    Task::FindStop,
     Task::Rest,
 ];
 

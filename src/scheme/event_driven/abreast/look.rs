@@ -26,6 +26,12 @@ struct StepStart<L: Lanes> {
     eps: L,
 }
 
+/// A slip that lasts throughout the cell, from the last instant at which it was observed.
+struct ClearSlip<L: Lanes> {
+    step: StepStart<L>,
+    piece: SlipPiece<L>,
+}
+
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws the states of all lanes at the instants inside the cell. A lane in which a state
     /// cannot be drawn in lanes is added to `odd`.
@@ -43,11 +49,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
         let noisy = self.paths.noisy;
-        let (scene, body) = (&noisy.scene, &noisy.scene.oscillator);
         let whole = SharedStep::<L>::whole(noisy, self.cell);
-        let length = L::splat(self.cell.length);
-        let inverse = L::splat(1.0 / self.cell.length);
-        let spread = L::splat(noisy.search.noise * noisy.step.root_length);
         let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
         // Slips of many steps cross the cell alone, and are observed there.
@@ -56,58 +58,88 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
             }
         }
-        let zero = L::splat(0.0);
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
             let rows = rows_from(lane);
             let now = Border::<L>::get(&self.paths.now, &rows);
             let next = Border::<L>::get(&self.paths.next, &rows);
-            let state = SlipState { x: now.x, v: now.v, n: now.n };
-            let eps = now.eps;
-            let is_slip = eps.abs().gt(zero);
-            let friction = eps * scene.friction.dynamic_force;
-            let start = motion(body, eps, state.v, now.force, friction);
-            let end = motion(body, eps, next.v, next.force, friction);
-            let step = StepStart { after: zero, state, motion: start, eps };
-            let travel = resolved_travel(eps * state.x, eps * next.x, start, end, length);
-            let interval = Interval { end, travel, length, inverse, noise: spread };
-            let slip = SlipPiece { eps, x0: state.x, after: zero, until: length, travel: zero, start, interval };
-            let mut stick = StickPiece {
-                after: (zero, length),
-                noise: (now.n, next.n),
-                force: (now.force, next.force),
-                displacement: state.x,
-            };
-            let before = self.shared_way(&step, &nothing, 0.0);
-            let behind = self.shared_way(&step, &whole, self.cell.length);
-            let mut slip = slip.less([&before, &behind]);
+            let is_slip = now.eps.abs().gt(L::splat(0.0));
+            let mut stick = self.clear_stick(&now, &next);
+            let mut slip = self.clear_slip(&now, &next, [&nothing, &whole]);
             let mut known_odd = 0;
             for (i, &glance) in inside.glances.iter().enumerate() {
                 let draws = now.draws(self.cell.index << 32 | glance.place);
-                let bridge = self.bridge(&stick, glance);
-                let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
-                stick = stick.behind(glance, stuck);
-                let (mut x, mut v, mut noise) = (state.x, zero, stuck.noise);
+                let (mut x, mut v, mut noise) = (now.x, L::splat(0.0), self.stick_until(&mut stick, glance, &draws));
                 if let Some(part) = parts.get(i) {
-                    let here = self.shared_way(&step, part, glance.time);
-                    let normals = draws.three_normals(self.paths.normals, 0);
-                    let there = slip.state(scene, glance, &here, normals);
-                    let is_felt = slip.is_felt(scene, glance, &here, length);
+                    let (seen, is_felt) = self.slip_until(&mut slip, part, glance, &draws);
                     let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
                     self.not_in_lanes(&rows, odd & !known_odd);
                     known_odd |= odd;
-                    let seen = slip.seen(&there);
                     x = L::select(is_slip, seen.0, x);
                     v = L::select(is_slip, seen.1, v);
-                    noise = L::select(is_slip, there.noise, noise);
-                    slip = slip.parted_at(glance, &there)[1];
+                    noise = L::select(is_slip, seen.2, noise);
                 }
-                let seen = (x, v, scene.temperature(glance.forcing, noise));
+                let seen = (x, v, noisy.scene.temperature(glance.forcing, noise));
                 inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
             }
         }
         for &lane in &self.paths.lost {
             inside.seen[..inside.glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
         }
+    }
+
+    /// A stick over the whole cell.
+    #[inline(always)]
+    fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickPiece<L> {
+        StickPiece {
+            after: (L::splat(0.0), L::splat(self.cell.length)),
+            noise: (now.n, next.n),
+            force: (now.force, next.force),
+            displacement: now.x,
+        }
+    }
+
+    /// Draws n in a stick that is clear, and goes on to the part of it after the instant.
+    #[inline(always)]
+    fn stick_until(&self, stick: &mut StickPiece<L>, glance: Glance, draws: &LaneDraws<L>) -> L {
+        let bridge = self.bridge(stick, glance);
+        let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
+        *stick = stick.behind(glance, stuck);
+        stuck.noise
+    }
+
+    /// A slip over the whole cell. `ends` are the steps to its start and to its end.
+    #[inline(always)]
+    fn clear_slip(&self, now: &Border<L>, next: &Border<L>, ends: [&SharedStep<L>; 2]) -> ClearSlip<L> {
+        let (scene, zero, eps) = (&self.paths.noisy.scene, L::splat(0.0), now.eps);
+        let state = SlipState { x: now.x, v: now.v, n: now.n };
+        let end = SlipState { x: next.x, v: next.v, n: next.n };
+        let (start, interval) = self.whole_extent().between(scene, eps, (&state, now.force), (&end, next.force));
+        let step = StepStart { after: zero, state, motion: start, eps };
+        let until = interval.length;
+        let piece = SlipPiece { eps, x0: state.x, after: zero, until, travel: zero, start, interval };
+        let [nothing, whole] = ends;
+        let before = self.shared_way(&step, nothing, 0.0);
+        let behind = self.shared_way(&step, whole, self.cell.length);
+        ClearSlip { step, piece: piece.less([&before, &behind]) }
+    }
+
+    /// Draws x, x' and n in a slip that is clear, and goes on to the part of it after the instant,
+    /// which is the end of the step `part`. Also returns in which lanes n could be computed.
+    #[inline(always)]
+    fn slip_until(
+        &self,
+        ClearSlip { step, piece }: &mut ClearSlip<L>,
+        part: &SharedStep<L>,
+        glance: Glance,
+        draws: &LaneDraws<L>,
+    ) -> ((L, L, L), L::Mask) {
+        let scene = &self.paths.noisy.scene;
+        let here = self.shared_way(step, part, glance.time);
+        let there = piece.state(scene, glance, &here, draws.three_normals(self.paths.normals, 0));
+        let is_felt = piece.is_felt(scene, glance, &here, L::splat(self.cell.length));
+        let (x, v) = piece.seen(&there);
+        *piece = piece.parted_at(glance, &there)[1];
+        ((x, v, there.noise), is_felt)
     }
 
     /// Draws the states in the recorded pieces of slips.

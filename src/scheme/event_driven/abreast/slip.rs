@@ -9,12 +9,12 @@ use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
 use crate::scheme::event_driven::law::corridor::Node;
 use crate::scheme::event_driven::law::first_stop::{
-    FEEBLE, Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves,
+    FEEBLE, FINEST, Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves,
 };
 use crate::scheme::event_driven::law::ladder::SAME_LENGTH;
-
-use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipState, force, motion, resolved_travel};
-use crate::scheme::event_driven::law::slip_transition::{HarmonicResponse, SlipTransition, given_noise};
+use crate::scheme::event_driven::law::slip_step::{Extent, SHORTEST, SlipState, force};
+use crate::scheme::event_driven::law::slip_transition::{SlipTransition, given_noise};
+use crate::scheme::event_driven::noisy::Noisy;
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
@@ -86,7 +86,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn bisect(&mut self, rows: &RowNumbers, lanes: u32) {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
-        let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 / (1u64 << 40) as f64)));
+        let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 * FINEST)));
         let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
@@ -138,7 +138,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let searched = SearchedSlip { count: searched.count.alone_where(is_stop), ..searched };
         searched.put(&mut self.paths.jobs, rows);
         let stops = L::bitmask(is_stop) & lanes;
-        self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+        self.paths.jobs.push::<L>(Task::FindStop, rows, stops);
         self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
         self.paths.jobs.push::<L>(Task::SlipOn, rows, more);
     }
@@ -162,7 +162,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws a state near the stop. Where the stop is found, the state is replaced by that at the
     /// stop; elsewhere the interval is refined.
     #[inline(always)]
-    pub(super) fn stop(&mut self, rows: &RowNumbers, lanes: u32) {
+    pub(super) fn find_stop(&mut self, rows: &RowNumbers, lanes: u32) {
         let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
         let search = self.paths.noisy.search;
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
@@ -199,7 +199,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
         let end = Motion { velocity: L::splat(0.0), acceleration };
         self.saw_slip(rows, good, &searched, &Interval::new(end, rest, there, search.noise));
-        self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
+        self.paths.jobs.push::<L>(Task::FindStop, rows, missed & !spoiled);
         self.paths.jobs.push::<L>(Task::Rest, rows, good);
     }
 
@@ -255,15 +255,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     ) -> (SlipState<L>, L) {
         let mut mean = transition.free(start, friction);
         let mut forcing = L::splat(0.0);
-        let mut responses = [HarmonicResponse::none(); 2];
-        for (pair, terms) in self.cell.terms.chunks(2).enumerate() {
-            let responses = &mut responses[..terms.len()];
-            self.paths.noisy.oscillator.one_or_two_responses(transition, pair, responses);
-            for (response, harmonic) in responses.iter().zip(2 * pair..) {
-                let push = response.push(self.cell.term(harmonic, after));
-                (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
-                forcing = forcing + push.term.re;
-            }
+        for harmonic in 0..self.cell.terms.len() {
+            let response = self.paths.noisy.oscillator.response(transition, harmonic);
+            let push = response.push(self.cell.term(harmonic, after));
+            (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
+            forcing = forcing + push.term.re;
         }
         (mean, forcing)
     }
@@ -276,61 +272,52 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             return self.odd_lanes(rows, lanes);
         }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
-        let Begun { after, noise, force: start_force, eps, x, count, origin, key } = begun;
-        let scene = &self.paths.noisy.scene;
-        let body = &scene.oscillator;
-        let remaining = L::splat(self.cell.length) - after;
-        let is_usual = L::and(
-            remaining.gt(L::splat(SHORTEST * self.cell.length)),
-            remaining.lt(L::splat(self.cell.length * (1.0 - SAME_LENGTH))),
-        );
-        let mut odd = lanes & !L::bitmask(is_usual);
+        let Begun { after, noise, force, eps, x, count, origin, key } = begun;
+        let (zero, length) = (L::splat(0.0), self.cell.length);
+        let remaining = L::splat(length) - after;
+        let start = SlipState { x, v: zero, n: noise };
+        let (end, end_force) = self.drawn_to_the_end(&begun, start, remaining, rows);
+        let Noisy { scene, search, .. } = self.paths.noisy;
+        let (first, interval) =
+            Extent::new(remaining, search.noise).between(scene, eps, (&start, force), (&end, end_force));
 
-        let mut transition = self.paths.noisy.oscillator.series(remaining);
-        transition.given_noise = given_noise(&transition.covariance);
-        let friction = eps * scene.friction.dynamic_force;
-        let start = SlipState { x, v: L::splat(0.0), n: noise };
-        let (mean, forcing) = self.mean_state(&transition, start, after, friction);
-        let draws = count.draws(self.cell.index, origin, key);
-        let end_noise = self.end_noise(rows);
-        let end = transition.drawn(mean, end_noise, draws.normal_pair(self.paths.normals, 0));
-        let end_force = force(body, forcing, end);
-        let first = motion(body, eps, start.v, start_force, friction);
-        let last = motion(body, eps, end.v, end_force, friction);
-        let interval = Interval {
-            end: last,
-            travel: resolved_travel(eps * x, eps * end.x, first, last, remaining),
-            length: remaining,
-            inverse: L::splat(1.0) / remaining,
-            noise: remaining.sqrt() * self.paths.noisy.search.noise,
-        };
-        odd |= lanes & !L::bitmask(last.is_finite());
-        self.odd_lanes(rows, odd);
-        let lanes = lanes & !odd;
-        let next = Border { x: end.x, v: end.v, n: end_noise, force: end_force, eps, origin, key, flip: count.flip() };
-        self.set_next(rows, lanes, next, true);
-        let zero = L::splat(0.0);
-        let searched = SearchedSlip {
-            left: first,
-            after: zero,
-            travel: zero,
-            count: count.drawn(1).spent(),
-            x,
-            start: after,
-            eps,
-            interval,
-            origin,
-            key,
-        };
-        self.began(rows, lanes, noise, start_force);
+        let is_long = remaining.gt(L::splat(SHORTEST * length));
+        let is_part = remaining.lt(L::splat(length * (1.0 - SAME_LENGTH)));
+        let good = L::bitmask(L::and(L::and(is_long, is_part), interval.end.is_finite())) & lanes;
+        self.odd_lanes(rows, lanes & !good);
+        let next = Border { x: end.x, v: end.v, n: end.n, force: end_force, eps, origin, key, flip: count.flip() };
+        self.set_next(rows, good, next, true);
+        self.began(rows, good, noise, force);
+        let count = count.drawn(1).spent();
+        let searched =
+            SearchedSlip { left: first, after: zero, travel: zero, count, x, start: after, eps, interval, origin, key };
         // Under weak noise the motion inside a step is known better than its division by the
         // quintic would say, so a clear step stays whole.
-        let is_clear = self.paths.noisy.search.is_clear(first, &interval);
-        let clear = L::bitmask(is_clear) & lanes;
+        let is_clear = search.is_clear(first, &interval);
+        let clear = L::bitmask(is_clear) & good;
         self.saw_slip(rows, clear, &searched, &interval);
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
         let parts = early_parts(first, &interval, normals);
-        self.search_parts(searched, rows, lanes & !clear, parts, L::not(is_clear));
+        self.search_parts(searched, rows, good & !clear, parts, L::not(is_clear));
+    }
+
+    /// Draws the state at the end of the cell of a sub-phase that begins in it, and b there.
+    #[inline(always)]
+    fn drawn_to_the_end(
+        &self,
+        begun: &Begun<L>,
+        start: SlipState<L>,
+        remaining: L,
+        rows: &RowNumbers,
+    ) -> (SlipState<L>, L) {
+        let Noisy { scene, oscillator, .. } = self.paths.noisy;
+        let mut transition = oscillator.series(remaining);
+        transition.given_noise = given_noise(&transition.covariance);
+        let friction = begun.eps * scene.friction.dynamic_force;
+        let (mean, forcing) = self.mean_state(&transition, start, begun.after, friction);
+        let draws = begun.count.draws(self.cell.index, begun.origin, begun.key);
+        let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
+        (end, force(&scene.oscillator, forcing, end))
     }
 
     /// Notes n and b at the start of a step, for observing it.

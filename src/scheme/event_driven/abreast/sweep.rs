@@ -10,8 +10,8 @@ use super::stick::SearchedStick;
 use crate::lanes::Lanes;
 use crate::scheme::event_driven::law::cells::{EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
 use crate::scheme::event_driven::law::corridor::Node;
-use crate::scheme::event_driven::law::first_stop::Interval;
-use crate::scheme::event_driven::law::slip_step::{SlipState, force, motion, resolved_travel};
+use crate::scheme::event_driven::law::slip_step::{Extent, SlipState, force};
+use crate::scheme::event_driven::noisy::Noisy;
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
@@ -32,6 +32,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
         while let Some((rows, lanes)) = self.paths.sticks.pop::<L>(nobody) {
             self.stick_whole(&rows, lanes);
+        }
+    }
+
+    /// The extent of a step over the whole cell.
+    #[inline(always)]
+    pub(super) fn whole_extent(&self) -> Extent<L> {
+        let Noisy { search, step, .. } = self.paths.noisy;
+        Extent {
+            length: L::splat(self.cell.length),
+            inverse: L::splat(1.0 / self.cell.length),
+            noise: L::splat(search.noise * step.root_length),
         }
     }
 
@@ -73,7 +84,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &RowNumbers, lanes: u32) {
         let scene = &self.paths.noisy.scene;
-        let body = &scene.oscillator;
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let eps = now.eps;
@@ -81,20 +91,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let friction = eps * scene.friction.dynamic_force;
         let normals = now.draws(self.cell.index << 32).normal_pair(self.paths.normals, WHOLE_PLACE);
         let end = whole.transition.drawn(whole.mean(start, friction), end_noise, normals);
-        let end_force = force(body, L::splat(whole.forcing), end);
+        let end_force = force(&scene.oscillator, L::splat(whole.forcing), end);
         Border { x: end.x, v: end.v, n: end_noise, force: end_force, ..now }.put(&mut self.paths.next, rows);
-        let first = motion(body, eps, start.v, now.force, friction);
-        let last = motion(body, eps, end.v, end_force, friction);
-        let length = L::splat(self.cell.length);
+        let (first, interval) = self.whole_extent().between(scene, eps, (&start, now.force), (&end, end_force));
         let search = &self.paths.noisy.search;
-        let interval = Interval {
-            end: last,
-            travel: resolved_travel(eps * start.x, eps * end.x, first, last, length),
-            length,
-            inverse: L::splat(1.0 / self.cell.length),
-            noise: L::splat(search.noise * self.paths.noisy.step.root_length),
-        };
-        let finite = L::bitmask(last.is_finite()) & lanes;
+        let finite = L::bitmask(interval.end.is_finite()) & lanes;
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;
         let flagged = lanes & !clear;
         if flagged != 0 {
@@ -119,7 +120,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
             self.odd_lanes(rows, flagged & !searches);
             let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
-            self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+            self.paths.jobs.push::<L>(Task::FindStop, rows, stops);
             self.paths.jobs.push::<L>(Task::Bisect, rows, searches & !stops);
         }
     }

@@ -1,7 +1,8 @@
 //! One exact step of (x, x', n) in a sub-phase, given n at its end, for one path or for several in
 //! lanes.
 
-use super::first_stop::{KnownStep, Motion};
+use super::first_stop::{Interval, KnownStep, Motion};
+use super::scene::Scene;
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use crate::lanes::Lanes;
 use crate::model::{Complex, Oscillator};
@@ -130,6 +131,43 @@ pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: SlipState<L>) -> L 
 #[inline(always)]
 pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> Motion<L> {
     Motion { velocity: eps * v, acceleration: eps * (force - friction) * (1.0 / body.mass) }
+}
+
+/// How long a step lasts, as a search for its stop needs it.
+#[derive(Clone, Copy)]
+pub struct Extent<L> {
+    /// h.
+    pub length: L,
+    /// 1/h.
+    pub inverse: L,
+    /// c sqrt(h).
+    pub noise: L,
+}
+
+impl<L: Lanes> Extent<L> {
+    /// The extent of a step of this length, for noise of intensity c.
+    #[inline(always)]
+    pub fn new(length: L, c: f64) -> Self {
+        Extent { length, inverse: L::splat(1.0) / length, noise: length.sqrt() * c }
+    }
+
+    /// A step between two states, each with its b: the motion at its start, and the interval that
+    /// is searched for a stop.
+    #[inline(always)]
+    pub fn between(
+        self,
+        scene: &Scene,
+        eps: L,
+        (start, start_force): (&SlipState<L>, L),
+        (end, end_force): (&SlipState<L>, L),
+    ) -> (Motion<L>, Interval<L>) {
+        let Extent { length, inverse, noise } = self;
+        let (body, friction) = (&scene.oscillator, eps * scene.friction.dynamic_force);
+        let first = motion(body, eps, start.v, start_force, friction);
+        let last = motion(body, eps, end.v, end_force, friction);
+        let travel = resolved_travel(eps * start.x, eps * end.x, first, last, length);
+        (first, Interval { end: last, travel, length, inverse, noise })
+    }
 }
 
 /// The distance x1 - x0. Where rounding of x0 and x1 hides the difference (far from x = 0, or in a
