@@ -45,6 +45,52 @@ macro_rules! arithmetic {
 }
 use arithmetic;
 
+/// Marks functions `#[inline(always)]`, so that they are compiled for the instruction set of the
+/// caller.
+macro_rules! inlined {
+    ($(fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? $body:block)*) => {
+        $(#[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? $body)*
+    };
+}
+use inlined;
+
+/// Implements the operations of [`Lanes`] that do the same in every lane, by a macro that receives
+/// their signatures.
+macro_rules! same_in_every_lane {
+    ($implement:ident) => {
+        $implement! {
+            methods {
+                sqrt() -> Self;
+                abs() -> Self;
+                mul_add(factor: Self, term: Self) -> Self;
+                gt(other: Self) -> Mask;
+                lt(other: Self) -> Mask;
+                ge(other: Self) -> Mask;
+                le(other: Self) -> Mask;
+                where_zero(zero: Self, other: Self) -> Self;
+                add_where(other: Self, keep: Mask) -> Self;
+                not_beyond(least: Self, most: Self, among: Mask) -> Mask;
+                to_bits() -> Bits;
+            }
+            functions {
+                select(mask: Mask, a: Self, b: Self) -> Self;
+                either(up: Mask, a: Self, down: Mask, b: Self) -> Self;
+                or(a: Mask, b: Mask) -> Mask;
+                and(a: Mask, b: Mask) -> Mask;
+                not(mask: Mask) -> Mask;
+                always() -> Mask;
+                from_bits(bits: Bits) -> Self;
+                from_integers(bits: Bits) -> Self;
+                add_bits(a: Bits, b: Bits) -> Bits;
+                mul_bits(a: Bits, b: Bits) -> Bits;
+                xor(a: Bits, b: Bits) -> Bits;
+                xor3(a: Bits, b: Bits, c: Bits) -> Bits;
+            }
+        }
+    };
+}
+use same_in_every_lane;
+
 mod functions;
 mod pair;
 mod portable;
