@@ -1,10 +1,10 @@
 //! Lanes: several numbers, each of another path, in one processor register. They are a type with
 //! ordinary operators, so that formulas stay readable.
 //!
-//! [`Lanes`] is the arithmetic that noise and schemes need. It is implemented by eight lanes of
-//! AVX-512, by four lanes of AVX2 with FMA, by four lanes in portable Rust, by a pair of registers
-//! as one, and by `f64` as a single lane, so that a formula is written once for one path and for
-//! many. All of them compute the same bits: IEEE 754 defines the correct rounding of every
+//! [`Lanes`] is the arithmetic that noise and schemes need, so that a formula is written once for
+//! one path and for many. It is implemented by eight lanes of AVX-512, by four lanes of AVX2 with
+//! FMA, by four lanes in portable Rust, by a pair of registers as one, and by `f64` as a single
+//! lane. All of them compute the same bits: IEEE 754 defines the correct rounding of every
 //! operation that is used, and a fused multiply-add is written out where it is wanted and never
 //! left to the compiler. Each run chooses the widest lanes that the processor has
 //! ([`InstructionSet::detect`], [`InstructionSet::run`]).

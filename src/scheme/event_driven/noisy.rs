@@ -3,14 +3,14 @@
 //! A path is taken from cell to cell ([`super::cell_loop`]); n at the end of the cell is drawn
 //! first.
 //!
-//! - Stick: the bridge of n between known values may cross a threshold ([`super::corridor`]).
+//! - Stick: the bridge of n between known values may cross a threshold ([`super::law::corridor`]).
 //! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each of which
-//!   is searched for the first zero of x' ([`super::first_stop`]). Where a slip stops, the state
-//!   that was drawn at the end of the step is discarded: what follows depends only on n at the end
-//!   of the cell.
+//!   is searched for the first zero of x' ([`super::law::first_stop`]). Where a slip stops, the
+//!   state that was drawn at the end of the step is discarded: what follows depends only on n at
+//!   the end of the cell.
 //!
 //! A cell is as long as one step of a slip. Where the body oscillates much faster than forcing and
-//! noise change, a cell is as long as these allow; then a slip makes many steps in a cell, and n at
+//! noise change, a cell is as long as these allow. Then a slip makes many steps in a cell, and n at
 //! their ends is drawn from its bridge to the end of the cell.
 
 use super::abreast::Abreast;

@@ -151,10 +151,9 @@ impl Jobs {
         self.queues[task as usize].push::<L>(rows, lanes);
     }
 
-    /// Takes as many whole registers of lanes as there are from the longest queue; or all its
-    /// lanes, where no queue fills a register. [`Jobs::next`] returns them register by register, so
-    /// that the work on one register need not wait for the queues to which the lanes of the one
-    /// before are sent.
+    /// Takes lanes out of the longest queue: as many whole registers as it has, or all its lanes
+    /// where no queue fills a register. [`Jobs::next`] returns them register by register. So the
+    /// work on one register need not wait until the lanes of the one before are in other queues.
     pub fn longest(&mut self) -> Option<Task> {
         let mut longest = 0;
         for i in 1..TASKS.len() {
@@ -236,9 +235,14 @@ impl Jobs {
     }
 }
 
-/// The counters of a flagged lane, packed into one number: the place of its next random number, the
-/// number of its waiting pieces (while a stop is searched, the number of attempts), whether its
-/// normals are mirrored, and its evaluations.
+/// The counters of a flagged lane, packed into one number.
+///
+/// ```text
+/// bits 0 to 31    the place of its next random number
+/// bits 32 to 38   the number of its waiting pieces; while a stop is searched, of attempts
+/// bit 39          whether its normals are mirrored
+/// bits 40 to 63   its evaluations
+/// ```
 #[derive(Clone, Copy)]
 pub struct Count<L: Lanes>(pub L::Bits);
 

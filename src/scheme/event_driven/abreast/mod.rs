@@ -1,4 +1,4 @@
-//! Paths abreast: all paths of a block cross a cell together, in lanes.
+//! Paths abreast: all paths that are simulated together cross a cell together, in lanes.
 //!
 //! ```text
 //! sweep    draws n at the end of the cell, and takes every path there as if it had no event
@@ -42,7 +42,7 @@ use records::Records;
 use states::{Border, Phases, rows_from};
 use std::collections::BTreeSet;
 
-/// The paths of a block.
+/// Paths that are simulated together.
 pub struct Abreast<'a> {
     noisy: &'a Noisy,
     instructions: InstructionSet,

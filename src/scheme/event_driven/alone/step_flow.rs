@@ -155,9 +155,8 @@ impl<'a> StepFlow<'a> {
         moved
     }
 
-    /// Shows an observer the intervals that were passed, the last of which ends at the stop if
-    /// there is one. n is known at the end of that interval: after a stop it is what the balance of
-    /// forces requires there.
+    /// Shows an observer the intervals that were passed. The last of them ends at the stop, if
+    /// there is one. n is known at its end; at a stop it is what the balance of forces requires.
     #[inline(always)]
     pub fn show(&self, passed: &[Passed], stop: Option<&SlipStop>, known_end: Known, watch: &mut impl Watch) {
         // This is not a closure, because a closure is not compiled for the instruction set.

@@ -1,8 +1,8 @@
 //! The times at which cells begin and end.
 //!
 //! All cells have one length, which follows from the scene and the tolerance. Where the temperature
-//! was measured, a cell also ends at every sample, so that B is a straight line inside each cell:
-//! the time between two samples is divided into the smallest number of equal cells that are not
+//! was measured, a cell also ends at every sample, so that B is a straight line inside each cell.
+//! The time between two samples is divided into the smallest number of equal cells that are not
 //! longer than this length.
 
 use crate::model::Series;

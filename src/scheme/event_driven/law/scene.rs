@@ -27,7 +27,7 @@ pub struct Scene {
     /// m, K, alpha, beta.
     pub oscillator: Oscillator,
     /// f_s and f_d as they are simulated; the scheme may raise f_s (see
-    /// [`super::StepRules::added_gap`]).
+    /// [`super::step_rules::StepRules::added_gap`]).
     pub friction: Friction,
     /// x(0).
     pub initial_displacement: f64,

@@ -55,8 +55,9 @@ impl<L: Lanes> VelocityBounds<L> {
         L::and(at_ends, L::and(self.is_above(first), self.is_above(second)))
     }
 
-    /// Whether V is positive at first, has one zero, where it falls, and is negative from there on:
-    /// on the first half V is positive or falls, and on the second half it falls or is negative.
+    /// Whether V is positive at first, has one zero, where it falls, and is negative from there on.
+    /// This is so if V is positive or falls on the first half, and falls or is negative on the
+    /// second.
     #[inline(always)]
     pub fn has_one_zero(&self) -> L::Mask {
         let [v0, c1, c2, c3, v1] = self.controls;
@@ -98,9 +99,8 @@ impl<L: Lanes> VelocityBounds<L> {
     }
 }
 
-/// The control points of both halves by de Casteljau's algorithm, those of the second half in
-/// reverse, without the first one, which is that of the whole: 2, 4, 8 and 16 times the second to
-/// the fifth.
+/// The control points of both halves by de Casteljau's algorithm: 2, 4, 8 and 16 times the second
+/// to the fifth. The first one is that of the whole. The points of the second half are in reverse.
 #[inline(always)]
 fn halves<L: Lanes>([c0, c1, c2, c3, c4]: [L; 5]) -> [[L; 4]; 2] {
     let (s01, s12, s23, s34) = (c0 + c1, c1 + c2, c2 + c3, c3 + c4);
