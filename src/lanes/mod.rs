@@ -1,10 +1,10 @@
 //! Lanes: several numbers, each of another path, in one processor register. They are a type with
 //! ordinary operators, so that formulas stay readable.
 //!
-//! [`Lanes`] is the arithmetic that noise and schemes need. It is implemented by eight lanes of
-//! AVX-512, by four lanes of AVX2 with FMA, by four lanes in portable Rust, by a pair of registers
-//! as one, and by `f64` as a single lane, so that a formula is written once for one path and for
-//! many. All of them compute the same bits: IEEE 754 defines the correct rounding of every
+//! [`Lanes`] is the arithmetic that noise and schemes need, so that a formula is written once for
+//! one path and for many. It is implemented by eight lanes of AVX-512, by four lanes of AVX2 with
+//! FMA, by four lanes in portable Rust, by a pair of registers as one, and by `f64` as a single
+//! lane. All of them compute the same bits: IEEE 754 defines the correct rounding of every
 //! operation that is used, and a fused multiply-add is written out where it is wanted and never
 //! left to the compiler. Each run chooses the widest lanes that the processor has
 //! ([`InstructionSet::detect`], [`InstructionSet::run`]).
@@ -44,6 +44,52 @@ macro_rules! arithmetic {
     };
 }
 use arithmetic;
+
+/// Marks functions `#[inline(always)]`, so that they are compiled for the instruction set of the
+/// caller.
+macro_rules! inlined {
+    ($(fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? $body:block)*) => {
+        $(#[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? $body)*
+    };
+}
+use inlined;
+
+/// Implements the operations of [`Lanes`] that do the same in every lane, by a macro that receives
+/// their signatures.
+macro_rules! same_in_every_lane {
+    ($implement:ident) => {
+        $implement! {
+            methods {
+                sqrt() -> Self;
+                abs() -> Self;
+                mul_add(factor: Self, term: Self) -> Self;
+                gt(other: Self) -> Mask;
+                lt(other: Self) -> Mask;
+                ge(other: Self) -> Mask;
+                le(other: Self) -> Mask;
+                where_zero(zero: Self, other: Self) -> Self;
+                add_where(other: Self, keep: Mask) -> Self;
+                not_beyond(least: Self, most: Self, among: Mask) -> Mask;
+                to_bits() -> Bits;
+            }
+            functions {
+                select(mask: Mask, a: Self, b: Self) -> Self;
+                either(up: Mask, a: Self, down: Mask, b: Self) -> Self;
+                or(a: Mask, b: Mask) -> Mask;
+                and(a: Mask, b: Mask) -> Mask;
+                not(mask: Mask) -> Mask;
+                always() -> Mask;
+                from_bits(bits: Bits) -> Self;
+                from_integers(bits: Bits) -> Self;
+                add_bits(a: Bits, b: Bits) -> Bits;
+                mul_bits(a: Bits, b: Bits) -> Bits;
+                xor(a: Bits, b: Bits) -> Bits;
+                xor3(a: Bits, b: Bits, c: Bits) -> Bits;
+            }
+        }
+    };
+}
+use same_in_every_lane;
 
 mod functions;
 mod pair;

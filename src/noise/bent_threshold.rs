@@ -18,10 +18,13 @@
 //! ```
 //!
 //! The exponential is the ratio of the densities of the bridge on both thresholds. The factor
-//! before it is the ratio of the rates at which they are crossed. It counts the distance at the
-//! start from the tangent in u (r = 1), less what has met the threshold before. A place is drawn
-//! from the law of a straight threshold, whose end is moved so that the ratio is stationary at the
-//! typical place d0/(d0 + |d1|), and accepted with a probability that is proportional to the ratio.
+//! before it is the ratio of the rates at which they are crossed. With r = 1 it would count every
+//! bridge that comes to the threshold at u, and these are proportional to the distance of the start
+//! from the tangent there. The factor r leaves out the bridges that have met the threshold before.
+//!
+//! A place is proposed by the law of a straight threshold, and accepted with a probability that is
+//! proportional to the ratio of both densities. The end of the straight threshold is moved so that
+//! the ratio is stationary at the typical place d0/(d0 + |d1|).
 
 use super::first_passage::{Distances, meeting_place};
 use crate::lanes::{Choose, Lanes, exp};
@@ -38,9 +41,9 @@ pub struct BentThreshold<L> {
     pub duration: L,
 }
 
-/// An acceptance is the ratio of the densities over a bound of it. Where the ratio is smallest at
-/// the typical place, it has no bound, and one that is larger by so many times |b|/sqrt S is used
-/// in its place. The ratio exceeds it only where places are rare.
+/// The probability of acceptance is the ratio of the densities, divided by a bound of the ratio.
+/// Where the ratio is smallest at the typical place, it has no bound. It is then divided by a number
+/// that is larger by this many times |b|/sqrt S, which it exceeds only where places are rare.
 const MARGIN: f64 = 0.3;
 
 /// The square of the distance at the end is moved by this factor at most.

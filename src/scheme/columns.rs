@@ -3,6 +3,12 @@
 use super::Snapshot;
 use crate::lanes::{Lanes, ROW};
 
+/// x, x', T and whether the path is static.
+pub(super) type Seen = (f64, f64, f64, bool);
+
+/// The state that an observer sees of a path that was given up.
+pub(super) const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
+
 /// The state of every path at one time, one entry a lane.
 #[derive(Clone, Debug)]
 pub(super) struct Columns {
@@ -28,7 +34,7 @@ impl Columns {
     }
 
     /// Sets x, x', T and whether the path is static, for one lane.
-    pub(super) fn set(&mut self, lane: usize, (x, v, temperature, is_static): (f64, f64, f64, bool)) {
+    pub(super) fn set(&mut self, lane: usize, (x, v, temperature, is_static): Seen) {
         self.displacement[lane] = x;
         self.velocity[lane] = v;
         self.temperature[lane] = temperature;
@@ -48,7 +54,7 @@ impl Columns {
     }
 
     /// Sets the same values for every lane.
-    pub(super) fn fill(&mut self, (x, v, temperature, is_static): (f64, f64, f64, bool)) {
+    pub(super) fn fill(&mut self, (x, v, temperature, is_static): Seen) {
         self.displacement.fill(x);
         self.velocity.fill(v);
         self.temperature.fill(temperature);

@@ -34,10 +34,10 @@
 //! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
 //! is false, the stick that begins there is empty.
 
-use super::columns::Columns;
+use super::columns::{Columns, Seen};
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Ladder, Noiseless, OneByOne, Piece, Scene, Seen,
-    StepRules, UnfeltNoise, Unresolved, WORK_LIMIT, Watch, Work, cell_length, check_friction, noise_between,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Ladder, Noiseless, OneByOne, Path, Scene, StepRules,
+    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, Work, cell_length, check_friction, noise_between,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
@@ -96,7 +96,7 @@ pub struct QuasiStaticSimulation {
 /// How the ends of stick phases are computed.
 #[derive(Clone, Debug)]
 enum Exits {
-    Noisy(Box<Noisy>),
+    Noisy(Box<NoisyRecursion>),
     /// Motion with the mean of the noise; its fluctuations are only added to the temperature.
     Noiseless(Box<Noiseless>, UnfeltNoise),
 }
@@ -129,7 +129,7 @@ impl QuasiStaticSimulation {
         let slip = Swing { response, jump };
         let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
-            Exits::Noisy(Box::new(Noisy::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
+            Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
         } else {
             Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
         };
@@ -187,7 +187,7 @@ impl QuasiStaticSimulation {
 
 /// The recursion under noise, cell by cell.
 #[derive(Clone, Debug)]
-struct Noisy {
+struct NoisyRecursion {
     scene: Scene,
     timeline: Timeline,
     ladder: Ladder,
@@ -197,23 +197,19 @@ struct Noisy {
     closeness: usize,
 }
 
-/// The state of one path. During slip j its displacement stays x_j, and its `motion` is the time at
-/// which the slip began.
-type Path = event_driven::Path<f64>;
-
-impl Noisy {
+impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
         let ladder = scene.ladder(cell_length(longest, timeline.end));
         let corridor = Corridor::new(&scene, rules.chord_error);
-        Noisy { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
+        NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }
 }
 
-impl Cascade for Noisy {
-    /// The time at which the slip began.
-    type Motion = f64;
+impl Cascade for NoisyRecursion {
+    /// The time at which the slip began. During slip j the displacement of the path stays x_j.
+    type Memory = f64;
     type Scratch = ();
 
     fn scene(&self) -> &Scene {
@@ -245,7 +241,7 @@ impl Cascade for Noisy {
     fn slip(
         &self,
         cell: &Cell,
-        path: &mut Path,
+        path: &mut Path<f64>,
         direction: Sign,
         end_noise: f64,
         _: &mut (),
@@ -279,7 +275,7 @@ impl Cascade for Noisy {
         event.time
     }
 
-    fn look(&self, path: &Path, cell: &Cell) -> (f64, f64) {
+    fn look(&self, path: &Path<f64>, cell: &Cell) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => {
@@ -301,7 +297,7 @@ struct SwingPiece<'a> {
     ends: [Known; 2],
 }
 
-impl Piece for SwingPiece<'_> {
+impl WatchedPiece for SwingPiece<'_> {
     fn end(&self) -> f64 {
         self.ends[1].0
     }

@@ -2,57 +2,41 @@
 //! section on the cascade).
 //!
 //! ```text
-//! without noise   Noiseless   phases are closed forms, events are roots; there is no time step
-//! with noise      Noisy       sticks: exact noise and the crossing of thresholds by its bridge;
-//!                             slips: exact transitions and conditional bisection
-//!                             StepRules   the step lengths that follow from the tolerance
-//!                             cell_loop   the loop over cells of time and over events
-//!                             abreast     the same loop for all paths of a block at once, in lanes
-//!                             watch       the state of a path at instants inside a cell
+//! law          what holds between two times at which a path is known
+//! noiseless    without noise: phases are closed forms, events are roots; there is no time step
+//! noisy        with noise: the constants, and whether paths go alone or abreast
+//!   cell_loop    the loop over cells of time
+//!   alone        a path crosses a cell event by event, one path after the other
+//!   abreast      all paths that are simulated together cross a cell together, in lanes
+//! work         a limit on the computing time of one path
 //! ```
 //!
 //! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
 //! model.
 
 mod abreast;
+mod alone;
 mod cell_loop;
-mod cells;
-mod corridor;
-mod exact_time;
-mod first_root;
-mod first_stop;
-#[cfg(test)]
-mod harness;
-mod ladder;
+mod law;
 mod noiseless;
 mod noisy;
-mod scene;
 mod simulation;
-mod slip_step;
-mod slip_transition;
-mod step_rules;
-mod stick_step;
-mod two_noises;
-mod unfelt_noise;
-mod velocity_bounds;
-mod watch;
 mod work;
 
+pub use law::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
+pub use law::step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use simulation::EventDrivenSimulation;
-pub use slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use work::Simulated;
 
-pub(super) use cell_loop::{Cascade, OneByOne, Path, simulate};
-pub(super) use cells::{Cell, cell_length};
-pub(super) use corridor::Corridor;
-pub(super) use exact_time::ExactTime;
-pub(super) use ladder::Ladder;
-pub(super) use noiseless::Noiseless;
-pub(super) use scene::Scene;
-pub(super) use step_rules::StepRules;
-pub(super) use unfelt_noise::UnfeltNoise;
-pub(super) use watch::{Glance, Known, Piece, Seen, Watch, noise_between};
+pub(super) use alone::{Cascade, OneByOne, Path, Watch, WatchedPiece};
+pub(super) use cell_loop::simulate;
+pub(super) use law::cells::{Cell, cell_length};
+pub(super) use law::corridor::Corridor;
+pub(super) use law::inside::{Glance, Known, noise_between};
+pub(super) use law::ladder::Ladder;
+pub(super) use law::scene::Scene;
+pub(super) use law::step_rules::StepRules;
+pub(super) use noiseless::{ExactTime, Noiseless, UnfeltNoise};
 pub(super) use work::{Unresolved, WORK_LIMIT, Work};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

@@ -1,11 +1,10 @@
 //! The event-driven scheme on one model. Whether it is simulated with or without noise is chosen
 //! once.
 
-use super::noiseless::Noiseless;
+use super::law::scene::Scene;
+use super::law::step_rules::{Resolution, StepRules};
+use super::noiseless::{Noiseless, UnfeltNoise};
 use super::noisy::Noisy;
-use super::scene::Scene;
-use super::step_rules::{Resolution, StepRules};
-use super::unfelt_noise::UnfeltNoise;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
 use crate::model::Model;
@@ -16,14 +15,14 @@ use crate::scheme::{Observer, Simulate, Timeline};
 pub struct EventDrivenSimulation {
     model: Model,
     timeline: Timeline,
-    kernel: Kernel,
+    chosen: Chosen,
     resolution: Option<Resolution>,
 }
 
 /// The simulation with or without noise. Where the motion does not depend on the noise, no random
 /// numbers are drawn for the motion.
 #[derive(Clone, Debug)]
-enum Kernel {
+enum Chosen {
     Noiseless(Box<Noiseless>, UnfeltNoise),
     Noisy(Box<Noisy>),
 }
@@ -33,13 +32,13 @@ impl EventDrivenSimulation {
     /// errors of about `tolerance`. Without noise there is no discretisation error.
     pub fn new(model: &Model, timeline: &Timeline, tolerance: f64) -> Self {
         let scene = Scene::new(model);
-        let (kernel, resolution) = if scene.felt_noise(timeline.end).is_some() {
+        let (chosen, resolution) = if scene.felt_noise(timeline.end).is_some() {
             let rules = StepRules::new(tolerance);
-            (Kernel::Noisy(Box::new(Noisy::new(model, timeline, &rules))), rules.resolution(&scene))
+            (Chosen::Noisy(Box::new(Noisy::new(model, timeline, &rules))), rules.resolution(&scene))
         } else {
-            (Kernel::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
+            (Chosen::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
         };
-        EventDrivenSimulation { model: model.clone(), timeline: *timeline, kernel, resolution }
+        EventDrivenSimulation { model: model.clone(), timeline: *timeline, chosen, resolution }
     }
 
     /// The threshold that is simulated instead of f_s where f_s and f_d are (nearly) equal under
@@ -50,11 +49,11 @@ impl EventDrivenSimulation {
 
     /// [`Simulate::simulate`], which also returns the number of evaluations.
     pub fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
-        match &self.kernel {
-            Kernel::Noiseless(cascade, noise) => {
+        match &self.chosen {
+            Chosen::Noiseless(cascade, noise) => {
                 cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
             }
-            Kernel::Noisy(cascade) => cascade.simulate(seed, paths, observer),
+            Chosen::Noisy(cascade) => cascade.simulate(seed, paths, observer),
         }
     }
 }
@@ -75,18 +74,18 @@ impl Simulate for EventDrivenSimulation {
     }
 
     fn paths_abreast(&self) -> usize {
-        match &self.kernel {
-            Kernel::Noisy(cascade) => cascade.paths_abreast(),
-            Kernel::Noiseless(..) => 1,
+        match &self.chosen {
+            Chosen::Noisy(cascade) => cascade.paths_abreast(),
+            Chosen::Noiseless(..) => 1,
         }
     }
 
     fn kernel(&self) -> String {
-        match &self.kernel {
-            Kernel::Noisy(cascade) if cascade.has_one_step_a_cell() => {
+        match &self.chosen {
+            Chosen::Noisy(cascade) if cascade.has_one_step_a_cell() => {
                 format!("{} lanes, cell by cell", InstructionSet::detect().name())
             }
-            Kernel::Noisy(cascade) if cascade.has_equal_cells() => {
+            Chosen::Noisy(cascade) if cascade.has_equal_cells() => {
                 format!("{} lanes for sticks, cell by cell; slips path by path", InstructionSet::detect().name())
             }
             _ => "scalar, path by path".to_string(),
@@ -94,15 +93,15 @@ impl Simulate for EventDrivenSimulation {
     }
 
     fn with_work_limit(mut self, limit: u64) -> Self {
-        match &mut self.kernel {
-            Kernel::Noiseless(cascade, _) => cascade.work_limit = limit,
-            Kernel::Noisy(cascade) => cascade.work_limit = limit,
+        match &mut self.chosen {
+            Chosen::Noiseless(cascade, _) => cascade.work_limit = limit,
+            Chosen::Noisy(cascade) => cascade.work_limit = limit,
         }
         self
     }
 
     fn looked_at_closer(mut self, closeness: usize) -> Self {
-        if let Kernel::Noisy(cascade) = &mut self.kernel {
+        if let Chosen::Noisy(cascade) = &mut self.chosen {
             cascade.closeness = closeness;
         }
         self

@@ -1,11 +1,12 @@
-//! The crossing of a cell, part by part: the sweep, the tasks of the queues, the states at output
+//! The crossing of a cell, stage by stage: the sweep, the tasks of the queues, the states at output
 //! times, and the lanes that cross the cell alone.
 
 use super::Abreast;
 use super::jobs::Task;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::scheme::event_driven::cell_loop::Inside;
-use crate::scheme::event_driven::cells::Cell;
+use crate::scheme::event_driven::law::cells::Cell;
+use crate::scheme::event_driven::law::inside::Glance;
 use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated
@@ -39,40 +40,70 @@ pub struct Crossing<'p, 'a, L: Lanes> {
     lanes: PhantomData<L>,
 }
 
-/// A part of a crossing. Each part is compiled as a function of its own, so that the registers of
-/// the processor need not hold what other parts use.
-trait Part {
+/// A stage of a crossing. Each stage is compiled as a function of its own, so that the registers of
+/// the processor need not hold what other stages use.
+trait Stage {
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>);
 }
 
-/// A part of the crossing of a cell, for any instruction set.
-struct InLanes<'p, 'a, P> {
+/// A stage of the crossing of a cell, for any instruction set.
+struct InLanes<'p, 'a, S> {
     paths: &'p mut Abreast<'a>,
     cell: &'p Cell,
-    part: P,
+    stage: S,
 }
 
-impl<P: Part> LaneProgram for InLanes<'_, '_, P> {
+impl<S: Stage> LaneProgram for InLanes<'_, '_, S> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.part.run(&mut Crossing::<L> { paths: self.paths, cell: self.cell, lanes: PhantomData });
+        self.stage.run(&mut Crossing::<L> { paths: self.paths, cell: self.cell, lanes: PhantomData });
     }
 }
 
 /// Takes every lane to the end of the cell.
 struct Sweep;
 
-impl Part for Sweep {
+impl Stage for Sweep {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         crossing.sweep();
     }
 }
 
-/// Draws the states at the stops inside the cell.
-struct Look<'i>(&'i mut Inside);
+/// Makes a stage of each task: it works on all lanes that were taken out of the queue of the task.
+macro_rules! tasks {
+    ($($Work:ident: $work:ident,)*) => {
+        $(
+            struct $Work;
 
-impl Part for Look<'_> {
+            impl Stage for $Work {
+                #[inline(always)]
+                fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
+                    while let Some((rows, lanes)) = crossing.paths.jobs.next::<L>() {
+                        crossing.$work(&rows, lanes);
+                    }
+                }
+            }
+        )*
+    };
+}
+
+tasks! {
+    Halve: halve,
+    Decide: decide,
+    Leave: leave,
+    StickOn: stick_on,
+    Begin: begin,
+    Bisect: bisect,
+    SlipOn: slip_on,
+    FindStop: find_stop,
+    Rest: rest,
+}
+
+/// Draws the states at the stops inside the cell.
+struct LookInside<'i>(&'i mut Inside);
+
+impl Stage for LookInside<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         crossing.look(self.0);
@@ -85,7 +116,7 @@ struct Alone<'i> {
     inside: Option<&'i mut Inside>,
 }
 
-impl Part for Alone<'_> {
+impl Stage for Alone<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         while let Some(lane) = crossing.paths.odd.pop() {
@@ -96,29 +127,24 @@ impl Part for Alone<'_> {
 }
 
 impl Abreast<'_> {
-    /// Takes all paths across a cell. `inside` are the stops inside the cell.
+    /// Takes all paths across a cell: first as if they had no event, then, from task to task, those
+    /// that may have one, and last, alone, those that meet a rare case. `inside` are the stops
+    /// inside the cell.
     pub(super) fn cross_cell(&mut self, cell: &Cell, mut inside: Option<&mut Inside>) {
         let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
-        let is_closer = glances.iter().any(|glance| glance.is_closer);
-        self.records.begin(cell.start, glances);
-        self.spent_before.copy_from_slice(&self.spent);
-        self.jobs.clear();
-        // A closer look is for few paths.
-        let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
-        if are_odd || is_closer {
-            let Abreast { odd, lost, count, .. } = self;
-            odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
+        self.begin_cell(cell, glances);
+        if self.go_alone(glances) {
+            self.mark_all_odd();
         } else {
-            self.swept += self.count;
             self.run(cell, Sweep);
-            self.work_off(cell);
+            while let Some(task) = self.jobs.longest() {
+                self.work_on(task, cell);
+            }
+            self.count_work();
             if let Some(inside) = &mut inside {
-                self.run(cell, Look(inside));
+                self.run(cell, LookInside(inside));
             }
-            let Abreast { odd, events, .. } = self;
-            if !odd.is_empty() {
-                events.retain(|(lane, _)| !odd.contains(lane));
-            }
+            self.drop_events_of_odd();
         }
         self.run(cell, Alone { inside: inside.as_deref_mut() });
         if let Some(inside) = inside {
@@ -127,51 +153,62 @@ impl Abreast<'_> {
         std::mem::swap(&mut self.now, &mut self.next);
     }
 
-    /// Runs a part of the crossing in lanes.
-    fn run(&mut self, cell: &Cell, part: impl Part) {
+    /// Runs a stage of the crossing in lanes.
+    fn run(&mut self, cell: &Cell, stage: impl Stage) {
         let instructions = self.instructions;
-        instructions.run_paired(&mut InLanes { paths: self, cell, part });
+        instructions.run_paired(&mut InLanes { paths: self, cell, stage });
     }
 
-    /// Works on the flagged lanes until all queues are empty.
-    fn work_off(&mut self, cell: &Cell) {
-        // Each task becomes a part that works on all lanes which were taken out of its queue.
-        macro_rules! work {
-            ($next:expr, $($task:ident by $method:ident),*) => {
-                match $next {
-                    $(Task::$task => {
-                        struct Work;
-                        impl Part for Work {
-                            #[inline(always)]
-                            fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
-                                while let Some((rows, lanes)) = crossing.paths.jobs.next::<L>() {
-                                    crossing.$method(&rows, lanes);
-                                }
-                            }
-                        }
-                        self.run(cell, Work)
-                    })*
-                }
-            };
+    /// Works on the lanes that were taken out of the queue of a task.
+    fn work_on(&mut self, task: Task, cell: &Cell) {
+        match task {
+            Task::Halve => self.run(cell, Halve),
+            Task::Decide => self.run(cell, Decide),
+            Task::Leave => self.run(cell, Leave),
+            Task::StickOn => self.run(cell, StickOn),
+            Task::Begin => self.run(cell, Begin),
+            Task::Bisect => self.run(cell, Bisect),
+            Task::SlipOn => self.run(cell, SlipOn),
+            Task::FindStop => self.run(cell, FindStop),
+            Task::Rest => self.run(cell, Rest),
         }
-        while let Some(task) = self.jobs.longest() {
-            work!(
-                task,
-                Halve by halve,
-                Decide by decide,
-                Leave by leave,
-                StickOn by stick_on,
-                Begin by begin,
-                Bisect by bisect,
-                SlipOn by slip_on,
-                Stop by stop,
-                Rest by rest
-            );
-        }
-        let Abreast { odd, turned_odd, jobs, spent, .. } = self;
+    }
+
+    /// Starts a new cell, in which the paths are observed at these instants.
+    fn begin_cell(&mut self, cell: &Cell, glances: &[Glance]) {
+        self.records.begin(cell.start, glances);
+        self.spent_before.copy_from_slice(&self.spent);
+        self.jobs.clear();
+    }
+
+    /// Whether all paths cross the cell alone: where most of them would have to cross it again
+    /// alone, and for a closer look, which is for few paths.
+    fn go_alone(&self, glances: &[Glance]) -> bool {
+        let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
+        are_odd || glances.iter().any(|glance| glance.is_closer)
+    }
+
+    /// Marks all lanes to cross the cell alone.
+    fn mark_all_odd(&mut self) {
+        let Abreast { odd, lost, count, .. } = self;
+        odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
+    }
+
+    /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell alone.
+    fn count_work(&mut self) {
+        let Abreast { odd, swept, turned_odd, jobs, spent, count, .. } = self;
         for &lane in jobs.flagged() {
             spent[lane as usize] += jobs.spent(lane as usize);
         }
+        *swept += *count;
         *turned_odd += odd.len();
+    }
+
+    /// Drops the events of lanes that cross the cell again, alone.
+    fn drop_events_of_odd(&mut self) {
+        let Abreast { odd, events, .. } = self;
+        if !odd.is_empty() {
+            events.retain(|(lane, _)| !odd.contains(lane));
+        }
     }
 }

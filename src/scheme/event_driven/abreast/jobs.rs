@@ -22,7 +22,7 @@ pub enum Task {
     /// Go on to the next interval of a slip.
     SlipOn,
     /// Find the stop of a slip in an interval.
-    Stop,
+    FindStop,
     /// Begin what follows a stop.
     Rest,
 }
@@ -35,7 +35,7 @@ const TASKS: [Task; 9] = [
     Task::Begin,
     Task::Bisect,
     Task::SlipOn,
-    Task::Stop,
+    Task::FindStop,
     Task::Rest,
 ];
 
@@ -45,7 +45,7 @@ pub const DEPTH: usize = 32;
 
 /// The rows of the lanes that are worked on together. A place without a lane holds the last row of
 /// the tables, which belongs to no path.
-pub type Rows = [u32; ROW];
+pub type RowNumbers = [u32; ROW];
 
 /// The tables and queues.
 pub struct Jobs {
@@ -87,7 +87,7 @@ impl Queue {
 
     /// Puts the lanes of a mask into the queue.
     #[inline(always)]
-    pub fn push<L: Lanes>(&mut self, rows: &Rows, lanes: u32) {
+    pub fn push<L: Lanes>(&mut self, rows: &RowNumbers, lanes: u32) {
         self.lanes[self.len..self.len + ROW].copy_from_slice(&L::compress(rows, lanes));
         self.len += lanes.count_ones() as usize;
     }
@@ -95,7 +95,7 @@ impl Queue {
     /// Takes out up to a register of lanes. Returns them and a mask of them; in the other places is
     /// the row `nobody`.
     #[inline(always)]
-    pub fn pop<L: Lanes>(&mut self, nobody: u32) -> Option<(Rows, u32)> {
+    pub fn pop<L: Lanes>(&mut self, nobody: u32) -> Option<(RowNumbers, u32)> {
         if self.len == 0 {
             return None;
         }
@@ -136,7 +136,7 @@ impl Jobs {
 
     /// Notes that the lanes of a mask may have an event in this cell.
     #[inline(always)]
-    pub fn flag<L: Lanes>(&mut self, rows: &Rows, lanes: u32) {
+    pub fn flag<L: Lanes>(&mut self, rows: &RowNumbers, lanes: u32) {
         self.flagged.push::<L>(rows, lanes);
     }
 
@@ -147,14 +147,13 @@ impl Jobs {
 
     /// Puts the lanes of a mask into a queue.
     #[inline(always)]
-    pub fn push<L: Lanes>(&mut self, task: Task, rows: &Rows, lanes: u32) {
+    pub fn push<L: Lanes>(&mut self, task: Task, rows: &RowNumbers, lanes: u32) {
         self.queues[task as usize].push::<L>(rows, lanes);
     }
 
-    /// Takes as many whole registers of lanes as there are from the longest queue; or all its
-    /// lanes, where no queue fills a register. [`Jobs::next`] returns them register by register, so
-    /// that the work on one register need not wait for the queues to which the lanes of the one
-    /// before are sent.
+    /// Takes lanes out of the longest queue: as many whole registers as it has, or all its lanes
+    /// where no queue fills a register. [`Jobs::next`] returns them register by register. So the
+    /// work on one register need not wait until the lanes of the one before are in other queues.
     pub fn longest(&mut self) -> Option<Task> {
         let mut longest = 0;
         for i in 1..TASKS.len() {
@@ -175,7 +174,7 @@ impl Jobs {
 
     /// The next lanes of those taken out of the queue, and a mask of them.
     #[inline(always)]
-    pub fn next<L: Lanes>(&mut self) -> Option<(Rows, u32)> {
+    pub fn next<L: Lanes>(&mut self) -> Option<(RowNumbers, u32)> {
         self.batch.pop::<L>(self.nobody())
     }
 
@@ -186,7 +185,7 @@ impl Jobs {
 
     /// Puts a piece on top of the waiting pieces of each lane.
     #[inline(always)]
-    pub fn place_behind<L: Lanes>(&mut self, rows: &Rows, count: Count<L>, piece: [L; ROW]) {
+    pub fn place_behind<L: Lanes>(&mut self, rows: &RowNumbers, count: Count<L>, piece: [L; ROW]) {
         let places = self.places(rows, count);
         let last = places.into_iter().fold(0, u32::max);
         if last as usize >= self.stack.len() {
@@ -205,7 +204,7 @@ impl Jobs {
 
     /// The topmost waiting piece of each lane. `count` no longer counts it.
     #[inline(always)]
-    pub fn last_behind<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> [L; ROW] {
+    pub fn last_behind<L: Lanes>(&self, rows: &RowNumbers, count: Count<L>) -> [L; ROW] {
         L::gather_rows(&self.stack, &self.places(rows, count))
     }
 
@@ -213,7 +212,7 @@ impl Jobs {
     /// are neighbours, and so are the second ones, so that what is used of the stack stays in the
     /// cache. The row that belongs to no path has one place.
     #[inline(always)]
-    fn places<L: Lanes>(&self, rows: &Rows, count: Count<L>) -> Rows {
+    fn places<L: Lanes>(&self, rows: &RowNumbers, count: Count<L>) -> RowNumbers {
         let mut depths = [0; ROW];
         L::store_bits(count.behind(), &mut depths);
         let mut places = [0; ROW];
@@ -226,7 +225,7 @@ impl Jobs {
 
     /// The rows of the lanes of a mask; for the other lanes the row that belongs to no path.
     #[inline(always)]
-    pub fn only<L: Lanes>(&self, rows: &Rows, lanes: u32) -> Rows {
+    pub fn only<L: Lanes>(&self, rows: &RowNumbers, lanes: u32) -> RowNumbers {
         let nobody = self.nobody();
         let mut only = [nobody; ROW];
         for i in 0..L::WIDTH {
@@ -236,9 +235,14 @@ impl Jobs {
     }
 }
 
-/// The counters of a flagged lane, packed into one number: the place of its next random number, the
-/// number of its waiting pieces (while a stop is searched, the number of attempts), whether its
-/// normals are mirrored, and its evaluations.
+/// The counters of a flagged lane, packed into one number.
+///
+/// ```text
+/// bits 0 to 31    the place of its next random number
+/// bits 32 to 38   the number of its waiting pieces; while a stop is searched, of attempts
+/// bit 39          whether its normals are mirrored
+/// bits 40 to 63   its evaluations
+/// ```
 #[derive(Clone, Copy)]
 pub struct Count<L: Lanes>(pub L::Bits);
 

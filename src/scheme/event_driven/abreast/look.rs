@@ -2,28 +2,34 @@
 
 use super::Abreast;
 use super::crossing::Crossing;
-use super::jobs::Rows;
+use super::jobs::RowNumbers;
 use super::records::is_inside;
 use super::shared_step::SharedStep;
-use super::slip::Searched;
+use super::slip::SearchedSlip;
 use super::states::{Border, rows_from};
 use crate::lanes::{Lanes, ROW};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
-use crate::scheme::columns::Columns;
-use crate::scheme::event_driven::cell_loop::{Cascade as _, Inside, LOST};
-use crate::scheme::event_driven::corridor::{Node, stick_piece};
-use crate::scheme::event_driven::first_stop::{Interval, Motion};
-use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::watch::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
+use crate::scheme::columns::{Columns, LOST};
+use crate::scheme::event_driven::cell_loop::Inside;
+use crate::scheme::event_driven::law::corridor::{Node, stick_piece};
+use crate::scheme::event_driven::law::first_stop::{Interval, Motion};
+use crate::scheme::event_driven::law::inside::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
+use crate::scheme::event_driven::law::slip_step::{SlipState, force, motion, resolved_travel};
 
 /// The start of a slip step.
 #[derive(Clone, Copy)]
 struct StepStart<L: Lanes> {
     /// Its time after the start of the cell.
     after: L,
-    state: State<L>,
+    state: SlipState<L>,
     motion: Motion<L>,
     eps: L,
+}
+
+/// A slip that lasts throughout the cell, from the last instant at which it was observed.
+struct ClearSlip<L: Lanes> {
+    step: StepStart<L>,
+    piece: SlipPiece<L>,
 }
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -43,11 +49,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
         let noisy = self.paths.noisy;
-        let (scene, body) = (noisy.scene(), &noisy.scene().oscillator);
         let whole = SharedStep::<L>::whole(noisy, self.cell);
-        let length = L::splat(self.cell.length);
-        let inverse = L::splat(1.0 / self.cell.length);
-        let spread = L::splat(noisy.search().noise * noisy.root_length());
         let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
         // Slips of many steps cross the cell alone, and are observed there.
@@ -56,52 +58,27 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 parts.push(SharedStep::<L>::until(noisy, self.cell, glance.time));
             }
         }
-        let zero = L::splat(0.0);
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
             let rows = rows_from(lane);
             let now = Border::<L>::get(&self.paths.now, &rows);
             let next = Border::<L>::get(&self.paths.next, &rows);
-            let state = State { x: now.x, v: now.v, n: now.n };
-            let eps = now.eps;
-            let is_slip = eps.abs().gt(zero);
-            let friction = eps * scene.friction.dynamic_force;
-            let start = motion(body, eps, state.v, now.force, friction);
-            let end = motion(body, eps, next.v, next.force, friction);
-            let step = StepStart { after: zero, state, motion: start, eps };
-            let travel = resolved_travel(eps * state.x, eps * next.x, start, end, length);
-            let interval = Interval { end, travel, length, inverse, noise: spread };
-            let slip = SlipPiece { eps, x0: state.x, after: zero, until: length, travel: zero, start, interval };
-            let mut stick = StickPiece {
-                after: (zero, length),
-                noise: (now.n, next.n),
-                force: (now.force, next.force),
-                displacement: state.x,
-            };
-            let before = self.shared_way(&step, &nothing, 0.0);
-            let behind = self.shared_way(&step, &whole, self.cell.length);
-            let mut slip = slip.less([&before, &behind]);
+            let is_slip = now.eps.abs().gt(L::splat(0.0));
+            let mut stick = self.clear_stick(&now, &next);
+            let mut slip = self.clear_slip(&now, &next, [&nothing, &whole]);
             let mut known_odd = 0;
             for (i, &glance) in inside.glances.iter().enumerate() {
                 let draws = now.draws(self.cell.index << 32 | glance.place);
-                let bridge = self.bridge(&stick, glance);
-                let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
-                stick = stick.behind(glance, stuck);
-                let (mut x, mut v, mut noise) = (state.x, zero, stuck.noise);
+                let (mut x, mut v, mut noise) = (now.x, L::splat(0.0), self.stick_until(&mut stick, glance, &draws));
                 if let Some(part) = parts.get(i) {
-                    let here = self.shared_way(&step, part, glance.time);
-                    let normals = draws.three_normals(self.paths.normals, 0);
-                    let there = slip.state(scene, glance, &here, normals);
-                    let is_felt = slip.is_felt(scene, glance, &here, length);
+                    let (seen, is_felt) = self.slip_until(&mut slip, part, glance, &draws);
                     let odd = L::bitmask(L::and(is_slip, L::not(is_felt)));
                     self.not_in_lanes(&rows, odd & !known_odd);
                     known_odd |= odd;
-                    let seen = slip.seen(&there);
                     x = L::select(is_slip, seen.0, x);
                     v = L::select(is_slip, seen.1, v);
-                    noise = L::select(is_slip, there.noise, noise);
-                    slip = slip.parted_at(glance, &there)[1];
+                    noise = L::select(is_slip, seen.2, noise);
                 }
-                let seen = (x, v, scene.temperature(glance.forcing, noise));
+                let seen = (x, v, noisy.scene.temperature(glance.forcing, noise));
                 inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
             }
         }
@@ -110,10 +87,65 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
+    /// A stick over the whole cell.
+    #[inline(always)]
+    fn clear_stick(&self, now: &Border<L>, next: &Border<L>) -> StickPiece<L> {
+        StickPiece {
+            after: (L::splat(0.0), L::splat(self.cell.length)),
+            noise: (now.n, next.n),
+            force: (now.force, next.force),
+            displacement: now.x,
+        }
+    }
+
+    /// Draws n in a stick that is clear, and goes on to the part of it after the instant.
+    #[inline(always)]
+    fn stick_until(&self, stick: &mut StickPiece<L>, glance: Glance, draws: &LaneDraws<L>) -> L {
+        let bridge = self.bridge(stick, glance);
+        let stuck = stick.inside(glance, bridge.anywhere(draws.normal(self.paths.normals, 0)));
+        *stick = stick.behind(glance, stuck);
+        stuck.noise
+    }
+
+    /// A slip over the whole cell. `ends` are the steps to its start and to its end.
+    #[inline(always)]
+    fn clear_slip(&self, now: &Border<L>, next: &Border<L>, ends: [&SharedStep<L>; 2]) -> ClearSlip<L> {
+        let (scene, zero, eps) = (&self.paths.noisy.scene, L::splat(0.0), now.eps);
+        let state = SlipState { x: now.x, v: now.v, n: now.n };
+        let end = SlipState { x: next.x, v: next.v, n: next.n };
+        let (start, interval) = self.whole_extent().between(scene, eps, (&state, now.force), (&end, next.force));
+        let step = StepStart { after: zero, state, motion: start, eps };
+        let until = interval.length;
+        let piece = SlipPiece { eps, x0: state.x, after: zero, until, travel: zero, start, interval };
+        let [nothing, whole] = ends;
+        let before = self.shared_way(&step, nothing, 0.0);
+        let behind = self.shared_way(&step, whole, self.cell.length);
+        ClearSlip { step, piece: piece.less([&before, &behind]) }
+    }
+
+    /// Draws x, x' and n in a slip that is clear, and goes on to the part of it after the instant,
+    /// which is the end of the step `part`. Also returns in which lanes n could be computed.
+    #[inline(always)]
+    fn slip_until(
+        &self,
+        ClearSlip { step, piece }: &mut ClearSlip<L>,
+        part: &SharedStep<L>,
+        glance: Glance,
+        draws: &LaneDraws<L>,
+    ) -> ((L, L, L), L::Mask) {
+        let scene = &self.paths.noisy.scene;
+        let here = self.shared_way(step, part, glance.time);
+        let there = piece.state(scene, glance, &here, draws.three_normals(self.paths.normals, 0));
+        let is_felt = piece.is_felt(scene, glance, &here, L::splat(self.cell.length));
+        let (x, v) = piece.seen(&there);
+        *piece = piece.parted_at(glance, &there)[1];
+        ((x, v, there.noise), is_felt)
+    }
+
     /// Draws the states in the recorded pieces of slips.
     #[inline(always)]
     fn look_at_slips(&mut self, inside: &mut Inside) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (body, zero, cell_start) = (&scene.oscillator, L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.slips.len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
@@ -125,7 +157,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             // starts from rest.
             let is_later = began.gt(zero);
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let state = State { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
+            let state = SlipState { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
             let force0 = L::select(is_later, force0, now.force);
             let friction = eps * scene.friction.dynamic_force;
             let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
@@ -165,7 +197,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws the states in the recorded pieces of sticks of one kind.
     #[inline(always)]
     fn look_at_sticks(&mut self, kind: StickEnd, inside: &mut Inside) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (zero, cell_start) = (L::splat(0.0), L::splat(self.cell.start));
         for first in (0..self.paths.records.sticks(kind).len).step_by(L::WIDTH) {
             let (rows, lanes, left, right) = self.paths.records.sticks(kind).get::<L>(first);
@@ -212,9 +244,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         glance: Glance,
         bridge: &Bridge<L>,
         draws: &LaneDraws<L>,
-        (rows, held): (&Rows, u32),
+        (rows, held): (&RowNumbers, u32),
     ) -> Stuck<L> {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
         let time = L::splat(glance.time);
         let halves = [
@@ -251,7 +283,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// The bridge of n in a piece of a stick at an instant.
     #[inline(always)]
     fn bridge(&self, piece: &StickPiece<L>, glance: Glance) -> Bridge<L> {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let (before, behind) = (L::splat(glance.time) - piece.after.0, piece.after.1 - glance.time);
         let (mean, sd) = short_bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
         Bridge { mean, sd, rest: L::splat(glance.forcing) - piece.displacement * scene.oscillator.stiffness }
@@ -260,7 +292,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// The motion without noise of a step that begins with the cell, at the end of `part`.
     #[inline(always)]
     fn shared_way(&self, step: &StepStart<L>, part: &SharedStep<L>, since: f64) -> Way<L> {
-        let friction = step.eps * self.paths.noisy.scene().friction.dynamic_force;
+        let friction = step.eps * self.paths.noisy.scene.friction.dynamic_force;
         let mean = part.mean(step.state, friction);
         self.way_to(step, mean, L::splat(part.forcing), L::splat(since))
     }
@@ -270,15 +302,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn way(&self, step: &StepStart<L>, after: L) -> Way<L> {
         let noisy = self.paths.noisy;
         let since = after - step.after;
-        let transition = noisy.oscillator().series(since);
-        let friction = step.eps * noisy.scene().friction.dynamic_force;
+        let transition = noisy.oscillator.series(since);
+        let friction = step.eps * noisy.scene.friction.dynamic_force;
         let (mean, forcing) = self.mean_state(&transition, step.state, step.after, friction);
         self.way_to(step, mean, forcing, since)
     }
 
     #[inline(always)]
-    fn way_to(&self, step: &StepStart<L>, mean: State<L>, forcing: L, since: L) -> Way<L> {
-        let scene = self.paths.noisy.scene();
+    fn way_to(&self, step: &StepStart<L>, mean: SlipState<L>, forcing: L, since: L) -> Way<L> {
+        let scene = &self.paths.noisy.scene;
         let (body, eps) = (&scene.oscillator, step.eps);
         let friction = eps * scene.friction.dynamic_force;
         let motion = motion(body, eps, mean.v, force(body, forcing, mean), friction);
@@ -288,7 +320,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Adds these lanes to `odd`, unless they are there or have been given up.
     #[inline(always)]
-    fn not_in_lanes(&mut self, rows: &Rows, mut lanes: u32) {
+    fn not_in_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             let lane = rows[lanes.trailing_zeros() as usize];
             let Abreast { odd, lost, .. } = &mut *self.paths;
@@ -302,11 +334,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Records the interval of a slip, which begins where the search has come to, in lanes in which
     /// it has no stop, or one at its end.
     #[inline(always)]
-    pub(super) fn saw_slip(&mut self, rows: &Rows, lanes: u32, searched: &Searched<L>, interval: &Interval<L>) {
+    pub(super) fn saw_slip(
+        &mut self,
+        rows: &RowNumbers,
+        lanes: u32,
+        searched: &SearchedSlip<L>,
+        interval: &Interval<L>,
+    ) {
         if !self.paths.records.is_watched() {
             return;
         }
-        let Searched { left, after, travel, x, start, eps, .. } = *searched;
+        let SearchedSlip { left, after, travel, x, start, eps, .. } = *searched;
         let held = self.paths.records.hold(start + after, start + (after + interval.length)) & lanes;
         if held != 0 {
             let Interval { end, travel: distance, length, inverse, noise } = *interval;
@@ -321,7 +359,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn saw_stick(
         &mut self,
-        rows: &Rows,
+        rows: &RowNumbers,
         lanes: u32,
         (left, right): (&Node<L>, &Node<L>),
         displacement: L,
@@ -343,7 +381,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
 /// The entries of a column in these rows.
 #[inline(always)]
-fn at<L: Lanes>(column: &[f64], rows: &Rows) -> L {
+fn at<L: Lanes>(column: &[f64], rows: &RowNumbers) -> L {
     let mut values = [0.0; ROW];
     for (value, &row) in values.iter_mut().zip(rows) {
         *value = column[row as usize];
@@ -353,7 +391,13 @@ fn at<L: Lanes>(column: &[f64], rows: &Rows) -> L {
 
 /// Sets x, x' and T in these lanes.
 #[inline(always)]
-fn set<L: Lanes>(seen: &mut Columns, rows: &Rows, mut lanes: u32, (x, v, temperature): (L, L, L), is_static: bool) {
+fn set<L: Lanes>(
+    seen: &mut Columns,
+    rows: &RowNumbers,
+    mut lanes: u32,
+    (x, v, temperature): (L, L, L),
+    is_static: bool,
+) {
     let (mut xs, mut vs, mut ts) = ([0.0; ROW], [0.0; ROW], [0.0; ROW]);
     x.store(&mut xs);
     v.store(&mut vs);

@@ -1,4 +1,4 @@
-//! Paths abreast: all paths of a block cross a cell together, in lanes.
+//! Paths abreast: all paths that are simulated together cross a cell together, in lanes.
 //!
 //! ```text
 //! sweep    draws n at the end of the cell, and takes every path there as if it had no event
@@ -7,7 +7,7 @@
 //! alone    the few lanes that meet a rare case cross the cell again, one by one
 //! ```
 //!
-//! A lane does the same as [`super::cell_loop::cross`], with the same random numbers and the same
+//! A lane does the same as [`super::alone::cross`], with the same random numbers and the same
 //! rounding, so a path has the same bits abreast and alone. Therefore rare cases (the end of a
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
 //! in lanes: such a lane crosses the cell again alone.
@@ -27,23 +27,22 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-use super::cell_loop::{self, Cascade, Inside, LOST, Path, Paths};
-use super::cells::Cell;
-use super::corridor::Pending;
-use super::noisy::{Noisy, Scratch};
-use super::watch::Nobody;
+use super::alone::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
+use super::cell_loop::{Inside, PathSet};
+use super::law::cells::Cell;
+use super::noisy::Noisy;
 use super::work::{Simulated, Work};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Row, Table};
 use crate::model::{Event, Phase, Sign};
 use crate::noise::{AddressedDraws, cells};
 use crate::scheme::Observer;
-use crate::scheme::columns::Columns;
+use crate::scheme::columns::{Columns, LOST};
 use jobs::{Jobs, Queue};
 use records::Records;
 use states::{Border, Phases, rows_from};
 use std::collections::BTreeSet;
 
-/// The paths of a block.
+/// Paths that are simulated together.
 pub struct Abreast<'a> {
     noisy: &'a Noisy,
     instructions: InstructionSet,
@@ -75,7 +74,7 @@ pub struct Abreast<'a> {
     /// alone.
     swept: usize,
     turned_odd: usize,
-    scratch: (Scratch, Pending),
+    scratch: (SlipBuffers, PendingNodes),
 }
 
 impl<'a> Abreast<'a> {
@@ -105,10 +104,10 @@ impl<'a> Abreast<'a> {
             odd: Vec::new(),
             swept: 0,
             turned_odd: 0,
-            scratch: (noisy.scratch(), Pending::new()),
+            scratch: (noisy.scratch(), PendingNodes::new()),
         };
         for (lane, &number) in paths.iter().enumerate() {
-            let path = cell_loop::start(noisy, seed, number);
+            let path = alone::start(noisy, seed, number);
             all.draws.push(path.draws);
             all.put(lane, &path);
             std::mem::swap(&mut all.now, &mut all.next);
@@ -120,7 +119,7 @@ impl<'a> Abreast<'a> {
     /// The path of a lane at the start of the cell.
     fn path(&self, lane: usize) -> Path<f64> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
-        let mut work = Work::new(self.noisy.work_limit());
+        let mut work = Work::new(self.noisy.work_limit);
         work.spend_all(self.spent_before[lane]);
         Path {
             after: 0.0,
@@ -145,7 +144,7 @@ impl<'a> Abreast<'a> {
         let [origin, key, flip] = path.draws.keys().map(f64::from_bits);
         self.next[lane] = Row([path.displacement, v, path.noise, path.force, eps, origin, key, flip]);
         self.phases.set(lane, eps != 0.0);
-        self.spent[lane] = self.noisy.work_limit() - path.work.left();
+        self.spent[lane] = self.noisy.work_limit - path.work.left();
         if path.is_lost {
             self.give_up(lane);
         }
@@ -160,7 +159,7 @@ impl<'a> Abreast<'a> {
     /// Gives up the paths that have spent all their evaluations.
     #[inline(always)]
     fn limit_work(&mut self) {
-        let limit = self.noisy.work_limit();
+        let limit = self.noisy.work_limit;
         let mut is_over = false;
         for &spent in &self.spent {
             is_over |= spent > limit;
@@ -182,7 +181,7 @@ impl<'a> Abreast<'a> {
             inside.cross(lane, self.noisy, cell, &mut path, &mut self.scratch);
         } else {
             let emit = |event| self.events.push((lane as u32, event));
-            let crossed = cell_loop::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
+            let crossed = alone::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
             path.is_lost = crossed.is_err();
         }
         self.put(lane, &path);
@@ -199,7 +198,7 @@ struct LookAtEnd<'p, 'a> {
 impl LaneProgram for LookAtEnd<'_, '_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         for lane in (0..self.paths.count).step_by(L::WIDTH) {
             let now = Border::<L>::get(&self.paths.now, &rows_from(lane));
             let temperature = scene.temperature(self.passed.last.value, now.n);
@@ -209,7 +208,7 @@ impl LaneProgram for LookAtEnd<'_, '_> {
     }
 }
 
-impl Paths for Abreast<'_> {
+impl PathSet for Abreast<'_> {
     type Cascade = Noisy;
 
     fn cascade(&self) -> &Noisy {
@@ -244,7 +243,7 @@ impl Paths for Abreast<'_> {
     }
 
     fn simulated(&self) -> Simulated {
-        let limit = self.noisy.work_limit();
+        let limit = self.noisy.work_limit;
         Simulated {
             lost: self.lost.iter().copied().collect(),
             evaluations: self.spent[..self.count].iter().map(|&spent| spent.min(limit)).sum(),

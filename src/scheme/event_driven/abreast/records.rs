@@ -1,9 +1,9 @@
 //! The pieces of paths in which an instant lies at which the paths are observed. They are recorded
 //! while the lanes cross the cell, and the states are drawn afterwards.
 
-use super::jobs::Rows;
+use super::jobs::RowNumbers;
 use crate::lanes::{Lanes, ROW, Row};
-use crate::scheme::event_driven::watch::{Glance, StickEnd};
+use crate::scheme::event_driven::law::inside::{Glance, StickEnd};
 
 /// The pieces in one cell.
 #[derive(Default)]
@@ -71,7 +71,7 @@ pub(super) fn is_inside<L: Lanes>(time: f64, from: L, to: L) -> L::Mask {
 impl Pieces {
     /// Records a piece in each lane of a mask.
     #[inline(always)]
-    pub fn push<L: Lanes>(&mut self, rows: &Rows, lanes: u32, left: [L; ROW], right: [L; ROW]) {
+    pub fn push<L: Lanes>(&mut self, rows: &RowNumbers, lanes: u32, left: [L; ROW], right: [L; ROW]) {
         if self.lanes.len() <= self.len + ROW {
             self.grow();
         }
@@ -102,7 +102,7 @@ impl Pieces {
     /// The lanes of the pieces from `first` on, with a mask of them, and their rows of numbers. A
     /// place without a piece has the lane of the first one.
     #[inline(always)]
-    pub fn get<L: Lanes>(&self, first: usize) -> (Rows, u32, [L; ROW], [L; ROW]) {
+    pub fn get<L: Lanes>(&self, first: usize) -> (RowNumbers, u32, [L; ROW], [L; ROW]) {
         let count = (self.len - first).min(L::WIDTH);
         let (mut places, mut lanes) = ([first as u32; ROW], [self.lanes[first]; ROW]);
         for i in 0..count {

@@ -1,10 +1,10 @@
 //! A slip step that begins with the cell and has the same length in all lanes.
 
 use crate::lanes::Lanes;
-use crate::scheme::event_driven::cells::Cell;
+use crate::scheme::event_driven::law::cells::Cell;
+use crate::scheme::event_driven::law::slip_step::{Push, SlipState, SlipStep};
+use crate::scheme::event_driven::law::slip_transition::{SlipTransition, splat};
 use crate::scheme::event_driven::noisy::Noisy;
-use crate::scheme::event_driven::slip_step::{Push, State};
-use crate::scheme::event_driven::slip_transition::{SlipTransition, splat};
 
 /// The transition of (x, x', n) over the step, and the contribution of the forcing.
 pub(super) struct SharedStep<L: Lanes> {
@@ -18,26 +18,26 @@ impl<L: Lanes> SharedStep<L> {
     /// The step over the whole cell.
     #[inline(always)]
     pub fn whole(noisy: &Noisy, cell: &Cell) -> Self {
-        let (transition, responses) = noisy.usual_step();
-        Self::new(transition, responses.iter().zip(&cell.terms).map(|(response, term)| response.push(*term)).collect())
+        Self::new(&noisy.step, cell)
     }
 
     /// The step from the start of the cell to a time inside it.
     #[inline(always)]
     pub fn until(noisy: &Noisy, cell: &Cell, after: f64) -> Self {
-        let (transition, responses) = noisy.part_of_step(after);
-        Self::new(&transition, responses.iter().zip(&cell.terms).map(|(response, term)| response.push(*term)).collect())
+        Self::new(&noisy.part_of_step(after), cell)
     }
 
     #[inline(always)]
-    fn new(transition: &SlipTransition, pushes: Vec<Push>) -> Self {
+    fn new(step: &SlipStep, cell: &Cell) -> Self {
+        let pushes: Vec<Push> =
+            step.harmonics.iter().zip(&cell.terms).map(|(response, term)| response.push(*term)).collect();
         let forcing = pushes.iter().map(|push| push.term.re).sum();
-        SharedStep { transition: splat(transition), pushes, forcing }
+        SharedStep { transition: splat(&step.transition), pushes, forcing }
     }
 
     /// The mean state at the end of the step.
     #[inline(always)]
-    pub fn mean(&self, start: State<L>, friction: L) -> State<L> {
+    pub fn mean(&self, start: SlipState<L>, friction: L) -> SlipState<L> {
         let mut mean = self.transition.free(start, friction);
         for push in &self.pushes {
             (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);

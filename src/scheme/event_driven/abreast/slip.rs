@@ -1,22 +1,24 @@
 //! Sub-phases that may stop in the cell, and those that begin in it.
 
 use super::crossing::Crossing;
-use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
+use super::jobs::{Count, DEPTH, Jobs, RowNumbers, Task};
 use super::states::Border;
-use super::stick::Piece;
+use super::stick::SearchedStick;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
-use crate::scheme::event_driven::cell_loop::Cascade as _;
-use crate::scheme::event_driven::corridor::Node;
-use crate::scheme::event_driven::first_stop::{Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves};
-use crate::scheme::event_driven::noisy::{ALIGNMENT, FEEBLE, SHORTEST};
-use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
-use crate::scheme::event_driven::slip_transition::{HarmonicResponse, SlipTransition, given_noise};
+use crate::scheme::event_driven::law::corridor::Node;
+use crate::scheme::event_driven::law::first_stop::{
+    FEEBLE, FINEST, Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves,
+};
+use crate::scheme::event_driven::law::ladder::SAME_LENGTH;
+use crate::scheme::event_driven::law::slip_step::{Extent, SHORTEST, SlipState, force};
+use crate::scheme::event_driven::law::slip_transition::{SlipTransition, given_noise};
+use crate::scheme::event_driven::noisy::Noisy;
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]
-pub(super) struct Searched<L: Lanes> {
+pub(super) struct SearchedSlip<L: Lanes> {
     /// The motion at the start of the interval, and the time and distance there since the start of
     /// the step.
     pub left: Motion<L>,
@@ -32,21 +34,21 @@ pub(super) struct Searched<L: Lanes> {
     pub key: L::Bits,
 }
 
-impl<L: Lanes> Searched<L> {
+impl<L: Lanes> SearchedSlip<L> {
     #[inline(always)]
-    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
-        let Searched { left, after, travel, count, x, start, eps, .. } = *self;
+    pub fn put(&self, jobs: &mut Jobs, rows: &RowNumbers) {
+        let SearchedSlip { left, after, travel, count, x, start, eps, .. } = *self;
         let row = [left.velocity, left.acceleration, after, travel, count.number(), x, start, eps];
         L::scatter_rows(row, &mut jobs.left, rows);
         L::scatter_rows(self.row_of(&self.interval), &mut jobs.right, rows);
     }
 
     #[inline(always)]
-    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+    fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [velocity, acceleration, after, travel, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
         let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
         let (left, count) = (Motion { velocity, acceleration }, Count::of(count));
-        Searched { left, after, travel, count, x, start, eps, interval, origin, key }
+        SearchedSlip { left, after, travel, count, x, start, eps, interval, origin, key }
     }
 
     /// An interval as a row.
@@ -82,9 +84,9 @@ fn interval_of<L: Lanes>(
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Divides the intervals in their middles.
     #[inline(always)]
-    pub(super) fn bisect(&mut self, rows: &Rows, lanes: u32) {
-        let searched = Searched::<L>::get(&self.paths.jobs, rows);
-        let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 / (1u64 << 40) as f64)));
+    pub(super) fn bisect(&mut self, rows: &RowNumbers, lanes: u32) {
+        let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
+        let too_short = searched.interval.length.le(L::splat(self.cell.length * (2.0 * FINEST)));
         let odd = L::bitmask(L::or(too_short, searched.count.has(DEPTH as f64 - 1.0))) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
@@ -98,13 +100,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn search_parts(
         &mut self,
-        mut searched: Searched<L>,
-        rows: &Rows,
+        mut searched: SearchedSlip<L>,
+        rows: &RowNumbers,
         lanes: u32,
         (near, far): (Interval<L>, Interval<L>),
         is_divided: L::Mask,
     ) {
-        let search = *self.paths.noisy.search();
+        let search = self.paths.noisy.search;
         self.paths.jobs.place_behind(rows, searched.count, searched.row_of(&far));
         let near_clear = L::and(is_divided, search.is_clear(searched.left, &near));
         let waits = L::and(is_divided, L::not(near_clear));
@@ -123,26 +125,33 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Puts each of `lanes` into the queue of its next task, those of `more` into that for the next
     /// waiting interval, and writes their rows.
     #[inline(always)]
-    fn queue_searched(&mut self, searched: Searched<L>, rows: &Rows, lanes: u32, more: u32, is_clear: L::Mask) {
-        let is_stop = self.paths.noisy.search().is_stop(searched.left, &searched.interval);
+    fn queue_searched(
+        &mut self,
+        searched: SearchedSlip<L>,
+        rows: &RowNumbers,
+        lanes: u32,
+        more: u32,
+        is_clear: L::Mask,
+    ) {
+        let is_stop = self.paths.noisy.search.is_stop(searched.left, &searched.interval);
         let is_stop = L::and(is_stop, L::not(is_clear));
-        let searched = Searched { count: searched.count.alone_where(is_stop), ..searched };
+        let searched = SearchedSlip { count: searched.count.alone_where(is_stop), ..searched };
         searched.put(&mut self.paths.jobs, rows);
         let stops = L::bitmask(is_stop) & lanes;
-        self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+        self.paths.jobs.push::<L>(Task::FindStop, rows, stops);
         self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
         self.paths.jobs.push::<L>(Task::SlipOn, rows, more);
     }
 
     /// Goes on to the next interval.
     #[inline(always)]
-    pub(super) fn slip_on(&mut self, rows: &Rows, lanes: u32) {
-        let mut searched = Searched::<L>::get(&self.paths.jobs, rows);
+    pub(super) fn slip_on(&mut self, rows: &RowNumbers, lanes: u32) {
+        let mut searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
         searched.count = searched.count.taken();
         let interval;
         (interval, ..) = interval_of(self.paths.jobs.last_behind(rows, searched.count));
         searched.interval = interval;
-        let is_clear = self.paths.noisy.search().is_clear(searched.left, &interval);
+        let is_clear = self.paths.noisy.search.is_clear(searched.left, &interval);
         self.saw_slip(rows, L::bitmask(is_clear) & lanes, &searched, &interval);
         searched.pass(is_clear, &interval);
         let clear = L::bitmask(is_clear) & lanes;
@@ -153,9 +162,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Draws a state near the stop. Where the stop is found, the state is replaced by that at the
     /// stop; elsewhere the interval is refined.
     #[inline(always)]
-    pub(super) fn stop(&mut self, rows: &Rows, lanes: u32) {
-        let searched = Searched::<L>::get(&self.paths.jobs, rows);
-        let search = *self.paths.noisy.search();
+    pub(super) fn find_stop(&mut self, rows: &RowNumbers, lanes: u32) {
+        let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
+        let search = self.paths.noisy.search;
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
         let near = search.near_stop(searched.left, &searched.interval, normals);
         let is_first = searched.count.has_none();
@@ -168,7 +177,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let after = L::select(is_before, searched.after + near.after, searched.after);
         let travel = L::select(is_before, searched.travel + near.travel, searched.travel);
         let left = Motion::select(is_before, near.motion, searched.left);
-        let at_it = Searched {
+        let at_it = SearchedSlip {
             left: Motion::select(near.is_at_it, near.motion, left),
             after: L::select(near.is_at_it, found_after, after),
             travel: L::select(near.is_at_it, forwards(found_travel), travel),
@@ -190,15 +199,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
         let end = Motion { velocity: L::splat(0.0), acceleration };
         self.saw_slip(rows, good, &searched, &Interval::new(end, rest, there, search.noise));
-        self.paths.jobs.push::<L>(Task::Stop, rows, missed & !spoiled);
+        self.paths.jobs.push::<L>(Task::FindStop, rows, missed & !spoiled);
         self.paths.jobs.push::<L>(Task::Rest, rows, good);
     }
 
     /// Begins what follows a stop: a stick, or another sub-phase.
     #[inline(always)]
-    pub(super) fn rest(&mut self, rows: &Rows, lanes: u32) {
-        let searched = Searched::<L>::get(&self.paths.jobs, rows);
-        let scene = self.paths.noisy.scene();
+    pub(super) fn rest(&mut self, rows: &RowNumbers, lanes: u32) {
+        let searched = SearchedSlip::<L>::get(&self.paths.jobs, rows);
+        let scene = &self.paths.noisy.scene;
         let (body, eps) = (&scene.oscillator, searched.eps);
         let after = searched.start + searched.after;
         let x = searched.x + eps * searched.travel;
@@ -213,7 +222,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.tell(rows, lanes, (after, x, force), |force, lane| EventKind::at_rest(held >> lane & 1 == 1, force));
         self.odd_lanes(rows, edge);
 
-        let Searched { origin, key, .. } = searched;
+        let SearchedSlip { origin, key, .. } = searched;
         let count = searched.count.spent().alone_where(L::always());
         if turned != 0 {
             let eps = L::select(force.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0));
@@ -229,7 +238,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let end_force = L::splat(self.cell.last.value) - spring + end_noise;
             let curvature = L::splat(self.cell.last.curvature);
             let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
-            let piece = Piece { left, right, x, side: L::splat(0.0), count, origin, key };
+            let piece = SearchedStick { left, right, x, side: L::splat(0.0), count, origin, key };
             self.begin_stick(rows, held, &piece);
         }
     }
@@ -240,21 +249,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn mean_state(
         &self,
         transition: &SlipTransition<L>,
-        start: State<L>,
+        start: SlipState<L>,
         after: L,
         friction: L,
-    ) -> (State<L>, L) {
+    ) -> (SlipState<L>, L) {
         let mut mean = transition.free(start, friction);
         let mut forcing = L::splat(0.0);
-        let mut responses = [HarmonicResponse::none(); 2];
-        for (pair, terms) in self.cell.terms.chunks(2).enumerate() {
-            let responses = &mut responses[..terms.len()];
-            self.paths.noisy.oscillator().one_or_two_responses(transition, pair, responses);
-            for (response, harmonic) in responses.iter().zip(2 * pair..) {
-                let push = response.push(self.cell.term(harmonic, after));
-                (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
-                forcing = forcing + push.term.re;
-            }
+        for harmonic in 0..self.cell.terms.len() {
+            let response = self.paths.noisy.oscillator.response(transition, harmonic);
+            let push = response.push(self.cell.term(harmonic, after));
+            (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);
+            forcing = forcing + push.term.re;
         }
         (mean, forcing)
     }
@@ -262,71 +267,62 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Begins a sub-phase in the cell, with one exact step to the end of the cell, which is divided
     /// soon after its start where it is not clear.
     #[inline(always)]
-    pub(super) fn begin(&mut self, rows: &Rows, lanes: u32) {
+    pub(super) fn begin(&mut self, rows: &RowNumbers, lanes: u32) {
         if !self.paths.noisy.has_one_step_a_cell() {
             return self.odd_lanes(rows, lanes);
         }
         let begun = Begun::<L>::get(&self.paths.jobs, rows);
-        let Begun { after, noise, force: start_force, eps, x, count, origin, key } = begun;
-        let scene = self.paths.noisy.scene();
-        let body = &scene.oscillator;
-        let remaining = L::splat(self.cell.length) - after;
-        let is_usual = L::and(
-            remaining.gt(L::splat(SHORTEST * self.cell.length)),
-            remaining.lt(L::splat(self.cell.length * (1.0 - ALIGNMENT))),
-        );
-        let mut odd = lanes & !L::bitmask(is_usual);
+        let Begun { after, noise, force, eps, x, count, origin, key } = begun;
+        let (zero, length) = (L::splat(0.0), self.cell.length);
+        let remaining = L::splat(length) - after;
+        let start = SlipState { x, v: zero, n: noise };
+        let (end, end_force) = self.drawn_to_the_end(&begun, start, remaining, rows);
+        let Noisy { scene, search, .. } = self.paths.noisy;
+        let (first, interval) =
+            Extent::new(remaining, search.noise).between(scene, eps, (&start, force), (&end, end_force));
 
-        let mut transition = self.paths.noisy.oscillator().series(remaining);
-        transition.given_noise = given_noise(&transition.covariance);
-        let friction = eps * scene.friction.dynamic_force;
-        let start = State { x, v: L::splat(0.0), n: noise };
-        let (mean, forcing) = self.mean_state(&transition, start, after, friction);
-        let draws = count.draws(self.cell.index, origin, key);
-        let end_noise = self.end_noise(rows);
-        let end = transition.drawn(mean, end_noise, draws.normal_pair(self.paths.normals, 0));
-        let end_force = force(body, forcing, end);
-        let first = motion(body, eps, start.v, start_force, friction);
-        let last = motion(body, eps, end.v, end_force, friction);
-        let interval = Interval {
-            end: last,
-            travel: resolved_travel(eps * x, eps * end.x, first, last, remaining),
-            length: remaining,
-            inverse: L::splat(1.0) / remaining,
-            noise: remaining.sqrt() * self.paths.noisy.search().noise,
-        };
-        odd |= lanes & !L::bitmask(last.is_finite());
-        self.odd_lanes(rows, odd);
-        let lanes = lanes & !odd;
-        let next = Border { x: end.x, v: end.v, n: end_noise, force: end_force, eps, origin, key, flip: count.flip() };
-        self.set_next(rows, lanes, next, true);
-        let zero = L::splat(0.0);
-        let searched = Searched {
-            left: first,
-            after: zero,
-            travel: zero,
-            count: count.drawn(1).spent(),
-            x,
-            start: after,
-            eps,
-            interval,
-            origin,
-            key,
-        };
-        self.began(rows, lanes, noise, start_force);
+        let is_long = remaining.gt(L::splat(SHORTEST * length));
+        let is_part = remaining.lt(L::splat(length * (1.0 - SAME_LENGTH)));
+        let good = L::bitmask(L::and(L::and(is_long, is_part), interval.end.is_finite())) & lanes;
+        self.odd_lanes(rows, lanes & !good);
+        let next = Border { x: end.x, v: end.v, n: end.n, force: end_force, eps, origin, key, flip: count.flip() };
+        self.set_next(rows, good, next, true);
+        self.began(rows, good, noise, force);
+        let count = count.drawn(1).spent();
+        let searched =
+            SearchedSlip { left: first, after: zero, travel: zero, count, x, start: after, eps, interval, origin, key };
         // Under weak noise the motion inside a step is known better than its division by the
         // quintic would say, so a clear step stays whole.
-        let is_clear = self.paths.noisy.search().is_clear(first, &interval);
-        let clear = L::bitmask(is_clear) & lanes;
+        let is_clear = search.is_clear(first, &interval);
+        let clear = L::bitmask(is_clear) & good;
         self.saw_slip(rows, clear, &searched, &interval);
         let normals = searched.draws(self.cell.index).three_normals(self.paths.normals, 0);
         let parts = early_parts(first, &interval, normals);
-        self.search_parts(searched, rows, lanes & !clear, parts, L::not(is_clear));
+        self.search_parts(searched, rows, good & !clear, parts, L::not(is_clear));
+    }
+
+    /// Draws the state at the end of the cell of a sub-phase that begins in it, and b there.
+    #[inline(always)]
+    fn drawn_to_the_end(
+        &self,
+        begun: &Begun<L>,
+        start: SlipState<L>,
+        remaining: L,
+        rows: &RowNumbers,
+    ) -> (SlipState<L>, L) {
+        let Noisy { scene, oscillator, .. } = self.paths.noisy;
+        let mut transition = oscillator.series(remaining);
+        transition.given_noise = given_noise(&transition.covariance);
+        let friction = begun.eps * scene.friction.dynamic_force;
+        let (mean, forcing) = self.mean_state(&transition, start, begun.after, friction);
+        let draws = begun.count.draws(self.cell.index, begun.origin, begun.key);
+        let end = transition.drawn(mean, self.end_noise(rows), draws.normal_pair(self.paths.normals, 0));
+        (end, force(&scene.oscillator, forcing, end))
     }
 
     /// Notes n and b at the start of a step, for observing it.
     #[inline(always)]
-    fn began(&mut self, rows: &Rows, lanes: u32, noise: L, force: L) {
+    fn began(&mut self, rows: &RowNumbers, lanes: u32, noise: L, force: L) {
         if self.paths.records.is_watched() {
             let (mut noises, mut forces) = ([0.0; ROW], [0.0; ROW]);
             noise.store(&mut noises);
@@ -341,13 +337,13 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// n at the end of the cell.
     #[inline(always)]
-    fn end_noise(&self, rows: &Rows) -> L {
+    fn end_noise(&self, rows: &RowNumbers) -> L {
         Border::<L>::get(&self.paths.next, rows).n
     }
 
     /// Sets the states of these lanes at the end of the cell.
     #[inline(always)]
-    pub(super) fn set_next(&mut self, rows: &Rows, lanes: u32, next: Border<L>, is_slip: bool) {
+    pub(super) fn set_next(&mut self, rows: &RowNumbers, lanes: u32, next: Border<L>, is_slip: bool) {
         let own = self.paths.jobs.only::<L>(rows, lanes);
         next.put(&mut self.paths.next, &own);
         self.paths.phases.set_all(rows, lanes, is_slip);
@@ -357,7 +353,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     pub(super) fn tell(
         &mut self,
-        rows: &Rows,
+        rows: &RowNumbers,
         mut lanes: u32,
         (after, x, force): (L, L, L),
         kind: impl Fn(f64, u32) -> EventKind,
@@ -391,14 +387,14 @@ pub(super) struct Begun<L: Lanes> {
 
 impl<L: Lanes> Begun<L> {
     #[inline(always)]
-    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+    pub fn put(&self, jobs: &mut Jobs, rows: &RowNumbers) {
         let Begun { after, noise, force, eps, x, count, .. } = *self;
         let (origin, key) = (L::from_bits(self.origin), L::from_bits(self.key));
         L::scatter_rows([after, noise, force, eps, count.number(), x, origin, key], &mut jobs.left, rows);
     }
 
     #[inline(always)]
-    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+    fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [after, noise, force, eps, count, x, origin, key] = L::gather_rows(&jobs.left, rows);
         let (origin, key) = (origin.to_bits(), key.to_bits());
         Begun { after, noise, force, eps, x, count: Count::of(count), origin, key }

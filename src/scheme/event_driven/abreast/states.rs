@@ -1,7 +1,7 @@
 //! The states of the paths at the border of two cells: one row of numbers for each lane, so that
 //! any lanes can be taken into a register together.
 
-use super::jobs::{Queue, Rows};
+use super::jobs::{Queue, RowNumbers};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
 
@@ -24,13 +24,13 @@ pub(super) struct Border<L: Lanes> {
 
 impl<L: Lanes> Border<L> {
     #[inline(always)]
-    pub fn get(states: &[Row], rows: &Rows) -> Self {
+    pub fn get(states: &[Row], rows: &RowNumbers) -> Self {
         let [x, v, n, force, eps, origin, key, flip] = L::gather_rows(states, rows);
         Border { x, v, n, force, eps, origin: origin.to_bits(), key: key.to_bits(), flip: flip.to_bits() }
     }
 
     #[inline(always)]
-    pub fn put(self, states: &mut [Row], rows: &Rows) {
+    pub fn put(self, states: &mut [Row], rows: &RowNumbers) {
         let Border { x, v, n, force, eps, origin, key, flip } = self;
         let [origin, key, flip] = [L::from_bits(origin), L::from_bits(key), L::from_bits(flip)];
         L::scatter_rows([x, v, n, force, eps, origin, key, flip], states, rows);
@@ -45,7 +45,7 @@ impl<L: Lanes> Border<L> {
 
 /// The rows of [`ROW`] neighbouring lanes.
 #[inline(always)]
-pub(super) fn rows_from(lane: usize) -> Rows {
+pub(super) fn rows_from(lane: usize) -> RowNumbers {
     let mut rows = [0; ROW];
     for (i, row) in (0..).zip(&mut rows) {
         *row = lane as u32 + i;
@@ -84,7 +84,7 @@ impl Phases {
 
     /// Sets the phase of the lanes of a mask.
     #[inline(always)]
-    pub fn set_all(&mut self, rows: &Rows, mut lanes: u32, is_slip: bool) {
+    pub fn set_all(&mut self, rows: &RowNumbers, mut lanes: u32, is_slip: bool) {
         while lanes != 0 {
             self.set(rows[lanes.trailing_zeros() as usize] as usize, is_slip);
             lanes &= lanes - 1;

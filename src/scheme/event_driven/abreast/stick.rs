@@ -1,21 +1,20 @@
 //! Sticks that may be left in the cell.
 
 use super::crossing::Crossing;
-use super::jobs::{Count, DEPTH, Jobs, Rows, Task};
+use super::jobs::{Count, DEPTH, Jobs, RowNumbers, Task};
 use super::slip::Begun;
 use super::states::Border;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{EventKind, Sign};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
-use crate::scheme::event_driven::cell_loop::Cascade as _;
-use crate::scheme::event_driven::corridor::{Node, ends};
-use crate::scheme::event_driven::scene::Scene;
-use crate::scheme::event_driven::stick_step::{ATTEMPTS, StickStep};
-use crate::scheme::event_driven::watch::StickEnd;
+use crate::scheme::event_driven::law::corridor::{Node, ends};
+use crate::scheme::event_driven::law::inside::StickEnd;
+use crate::scheme::event_driven::law::scene::Scene;
+use crate::scheme::event_driven::law::stick_step::{ATTEMPTS, StickStep};
 
 /// A piece of a stick between two known values of n.
 #[derive(Clone, Copy)]
-pub(super) struct Piece<L: Lanes> {
+pub(super) struct SearchedStick<L: Lanes> {
     pub left: Node<L>,
     pub right: Node<L>,
     pub x: L,
@@ -26,9 +25,9 @@ pub(super) struct Piece<L: Lanes> {
     pub key: L::Bits,
 }
 
-impl<L: Lanes> Piece<L> {
+impl<L: Lanes> SearchedStick<L> {
     #[inline(always)]
-    pub fn put(&self, jobs: &mut Jobs, rows: &Rows) {
+    pub fn put(&self, jobs: &mut Jobs, rows: &RowNumbers) {
         let Node { after, noise, force, curvature } = self.left;
         let zero = L::splat(0.0);
         L::scatter_rows(
@@ -40,10 +39,18 @@ impl<L: Lanes> Piece<L> {
     }
 
     #[inline(always)]
-    fn get(jobs: &Jobs, rows: &Rows) -> Self {
+    fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [after, noise, force, curvature, count, x, side, _] = L::gather_rows(&jobs.left, rows);
         let (right, origin, key) = node_of(L::gather_rows(&jobs.right, rows));
-        Piece { left: Node { after, noise, force, curvature }, right, x, side, count: Count::of(count), origin, key }
+        SearchedStick {
+            left: Node { after, noise, force, curvature },
+            right,
+            x,
+            side,
+            count: Count::of(count),
+            origin,
+            key,
+        }
     }
 
     #[inline(always)]
@@ -77,11 +84,11 @@ fn node_of<L: Lanes>([after, noise, force, curvature, _, _, origin, key]: [L; RO
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Begins a stick in the cell, in these lanes.
     #[inline(always)]
-    pub(super) fn begin_stick(&mut self, rows: &Rows, lanes: u32, piece: &Piece<L>) {
+    pub(super) fn begin_stick(&mut self, rows: &RowNumbers, lanes: u32, piece: &SearchedStick<L>) {
         let zero = L::splat(0.0);
-        let spring = piece.x * self.paths.noisy.scene().oscillator.stiffness;
+        let spring = piece.x * self.paths.noisy.scene.oscillator.stiffness;
         let end_force = L::splat(self.cell.last.value) + piece.right.noise - spring;
-        let Piece { x, count, origin, key, .. } = *piece;
+        let SearchedStick { x, count, origin, key, .. } = *piece;
         let flip = count.flip();
         let next = Border { x, v: zero, n: piece.right.noise, force: end_force, eps: zero, origin, key, flip };
         self.set_next(rows, lanes, next, false);
@@ -92,11 +99,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Puts each piece into the queue of its next task. Where the piece is clear, the lane goes on
     /// to the next waiting piece. `own` are the rows that are written.
     #[inline(always)]
-    fn queue_piece(&mut self, mut piece: Piece<L>, rows: &Rows, own: &Rows, lanes: u32) {
+    fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let corridor = self.paths.noisy.corridor();
-        let reach = corridor.reach(self.paths.noisy.scene(), piece.length(), &piece.left, &piece.right);
+        let corridor = &self.paths.noisy.corridor;
+        let reach = corridor.reach(&self.paths.noisy.scene, piece.length(), &piece.left, &piece.right);
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
         self.paths.jobs.push::<L>(Task::Halve, rows, long);
@@ -108,12 +115,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Draws n in the middle of the pieces.
     #[inline(always)]
-    pub(super) fn halve(&mut self, rows: &Rows, lanes: u32) {
-        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+    pub(super) fn halve(&mut self, rows: &RowNumbers, lanes: u32) {
+        let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         let odd = L::bitmask(piece.count.has(DEPTH as f64 - 1.0)) & lanes;
         self.odd_lanes(rows, odd);
         let lanes = lanes & !odd;
-        let scene = self.paths.noisy.scene();
+        let scene = &self.paths.noisy.scene;
         let h = piece.length();
         let (weight, sd) = short_bridge_middle(scene.relaxation_rate, scene.diffusion, h);
         let normal = piece.draws(self.cell.index).normal(self.paths.normals, 0);
@@ -129,8 +136,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Goes on to the next piece.
     #[inline(always)]
-    pub(super) fn stick_on(&mut self, rows: &Rows, lanes: u32) {
-        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
+    pub(super) fn stick_on(&mut self, rows: &RowNumbers, lanes: u32) {
+        let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         piece.left = piece.right;
         piece.count = piece.count.taken();
         (piece.right, ..) = node_of(self.paths.jobs.last_behind(rows, piece.count));
@@ -139,9 +146,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Decides whether pieces are left.
     #[inline(always)]
-    pub(super) fn decide(&mut self, rows: &Rows, lanes: u32) {
-        let mut piece = Piece::<L>::get(&self.paths.jobs, rows);
-        let scene = self.paths.noisy.scene();
+    pub(super) fn decide(&mut self, rows: &RowNumbers, lanes: u32) {
+        let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
+        let scene = &self.paths.noisy.scene;
         let step = piece.step(scene);
         let [up, down] = step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right));
         let u = piece.draws(self.cell.index).uniform(0);
@@ -163,11 +170,11 @@ impl<L: Lanes> Crossing<'_, '_, L> {
 
     /// Finds when pieces are left.
     #[inline(always)]
-    pub(super) fn leave(&mut self, rows: &Rows, lanes: u32) {
-        let piece = Piece::<L>::get(&self.paths.jobs, rows);
-        let scene = self.paths.noisy.scene();
+    pub(super) fn leave(&mut self, rows: &RowNumbers, lanes: u32) {
+        let piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
+        let scene = &self.paths.noisy.scene;
         let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
-        let Piece { x, side, origin, key, count, .. } = piece;
+        let SearchedStick { x, side, origin, key, count, .. } = piece;
         let draws = piece.draws(self.cell.index);
         let numbers = [draws.normal(self.paths.normals, 0), draws.uniform(1), draws.uniform(2)];
         let (passed, is_accepted) = step.meeting_time(scene, side, &ends, numbers);
@@ -176,7 +183,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         if again != 0 {
             let own = self.paths.jobs.only::<L>(rows, again);
             let count = count.drawn(3).behind_where(L::always());
-            Piece { count, ..piece }.put(&mut self.paths.jobs, &own);
+            SearchedStick { count, ..piece }.put(&mut self.paths.jobs, &own);
             self.paths.jobs.push::<L>(Task::Leave, rows, again);
         }
         let lanes = lanes & !again;

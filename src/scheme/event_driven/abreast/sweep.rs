@@ -2,16 +2,16 @@
 
 use super::Abreast;
 use super::crossing::Crossing;
-use super::jobs::{Count, Rows, Task};
+use super::jobs::{Count, RowNumbers, Task};
 use super::shared_step::SharedStep;
-use super::slip::Searched;
+use super::slip::SearchedSlip;
 use super::states::Border;
-use super::stick::Piece;
+use super::stick::SearchedStick;
 use crate::lanes::Lanes;
-use crate::scheme::event_driven::cell_loop::{Cascade as _, EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
-use crate::scheme::event_driven::corridor::Node;
-use crate::scheme::event_driven::first_stop::Interval;
-use crate::scheme::event_driven::slip_step::{State, force, motion, resolved_travel};
+use crate::scheme::event_driven::law::cells::{EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
+use crate::scheme::event_driven::law::corridor::Node;
+use crate::scheme::event_driven::law::slip_step::{Extent, SlipState, force};
+use crate::scheme::event_driven::noisy::Noisy;
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
@@ -35,6 +35,17 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         }
     }
 
+    /// The extent of a step over the whole cell.
+    #[inline(always)]
+    pub(super) fn whole_extent(&self) -> Extent<L> {
+        let Noisy { search, step, .. } = self.paths.noisy;
+        Extent {
+            length: L::splat(self.cell.length),
+            inverse: L::splat(1.0 / self.cell.length),
+            noise: L::splat(search.noise * step.root_length),
+        }
+    }
+
     /// Draws n at the end of the cell.
     #[inline(always)]
     fn end_noise_of(&self, now: &Border<L>) -> L {
@@ -43,8 +54,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    fn stick_whole(&mut self, rows: &Rows, lanes: u32) {
-        let scene = self.paths.noisy.scene();
+    fn stick_whole(&mut self, rows: &RowNumbers, lanes: u32) {
+        let scene = &self.paths.noisy.scene;
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let Border { x, n, force, .. } = now;
@@ -55,12 +66,12 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let curvature = L::splat(self.cell.last.curvature);
         let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
         let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
-        let reach = self.paths.noisy.corridor().reach(scene, right.after, &left, &right);
+        let reach = self.paths.noisy.corridor.reach(scene, right.after, &left, &right);
         let near = L::bitmask(reach.is_near) & lanes & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
             let count = Count::from(EVENT_PLACE, now.flip);
-            let piece = Piece { left, right, x, side: L::splat(0.0), count, origin: now.origin, key: now.key };
+            let piece = SearchedStick { left, right, x, side: L::splat(0.0), count, origin: now.origin, key: now.key };
             let own = self.paths.jobs.only::<L>(rows, near);
             piece.put(&mut self.paths.jobs, &own);
             self.paths.jobs.flag::<L>(rows, near);
@@ -71,35 +82,25 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &Rows, lanes: u32) {
-        let scene = self.paths.noisy.scene();
-        let body = &scene.oscillator;
+    fn slip_whole(&mut self, whole: &SharedStep<L>, rows: &RowNumbers, lanes: u32) {
+        let scene = &self.paths.noisy.scene;
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let eps = now.eps;
-        let start = State { x: now.x, v: now.v, n: now.n };
+        let start = SlipState { x: now.x, v: now.v, n: now.n };
         let friction = eps * scene.friction.dynamic_force;
         let normals = now.draws(self.cell.index << 32).normal_pair(self.paths.normals, WHOLE_PLACE);
         let end = whole.transition.drawn(whole.mean(start, friction), end_noise, normals);
-        let end_force = force(body, L::splat(whole.forcing), end);
+        let end_force = force(&scene.oscillator, L::splat(whole.forcing), end);
         Border { x: end.x, v: end.v, n: end_noise, force: end_force, ..now }.put(&mut self.paths.next, rows);
-        let first = motion(body, eps, start.v, now.force, friction);
-        let last = motion(body, eps, end.v, end_force, friction);
-        let length = L::splat(self.cell.length);
-        let search = self.paths.noisy.search();
-        let interval = Interval {
-            end: last,
-            travel: resolved_travel(eps * start.x, eps * end.x, first, last, length),
-            length,
-            inverse: L::splat(1.0 / self.cell.length),
-            noise: L::splat(search.noise * self.paths.noisy.root_length()),
-        };
-        let finite = L::bitmask(last.is_finite()) & lanes;
+        let (first, interval) = self.whole_extent().between(scene, eps, (&start, now.force), (&end, end_force));
+        let search = &self.paths.noisy.search;
+        let finite = L::bitmask(interval.end.is_finite()) & lanes;
         let clear = L::bitmask(search.is_clear(first, &interval)) & finite;
         let flagged = lanes & !clear;
         if flagged != 0 {
             let zero = L::splat(0.0);
-            let searched = Searched {
+            let searched = SearchedSlip {
                 left: first,
                 after: zero,
                 travel: zero,
@@ -119,14 +120,14 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
             self.odd_lanes(rows, flagged & !searches);
             let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
-            self.paths.jobs.push::<L>(Task::Stop, rows, stops);
+            self.paths.jobs.push::<L>(Task::FindStop, rows, stops);
             self.paths.jobs.push::<L>(Task::Bisect, rows, searches & !stops);
         }
     }
 
     /// Marks lanes that have to cross the cell again, alone.
     #[inline(always)]
-    pub(super) fn odd_lanes(&mut self, rows: &Rows, mut lanes: u32) {
+    pub(super) fn odd_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             self.paths.odd.push(rows[lanes.trailing_zeros() as usize]);
             lanes &= lanes - 1;

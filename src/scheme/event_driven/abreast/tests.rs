@@ -3,9 +3,10 @@ use crate::lanes::InstructionSet;
 use crate::model::paper::paper;
 use crate::model::{Event, Harmonic, Model};
 use crate::noise::MIRROR;
-use crate::scheme::event_driven::cell_loop::{self, OneByOne};
+use crate::scheme::event_driven::alone::OneByOne;
+use crate::scheme::event_driven::cell_loop;
+use crate::scheme::event_driven::law::step_rules::StepRules;
 use crate::scheme::event_driven::noisy::Noisy;
-use crate::scheme::event_driven::step_rules::StepRules;
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
 /// All events and snapshots of every path, in bits.

@@ -1,145 +1,107 @@
-//! A static phase inside a cell: whether and when b leaves the corridor |b| <= f_s, given n at the
-//! end of the cell.
-//!
-//! Between two known values of n the noise is a bridge. A piece of the bridge
-//!
-//! - is *clear* if it cannot meet a threshold: the probability that it does, after the threshold
-//!   has been moved towards the noise by the most that it bends, is below exp(-35);
-//! - is *decided* by [`StickStep::exit`] if it is short enough. A bridge between these two ends
-//!   meets first one threshold and then the other with a probability below 2 exp(-4), which is
-//!   taken into account: h <= width (width - |b1 - b0|)/(2 s^2), where b1 counts as f_s or -f_s if
-//!   it lies beyond. And the threshold is straight enough: |c| h^2/8 <= kappa s sqrt(h) for each
-//!   threshold that may be met, where c is the bend of the threshold ([`super::stick_step`]) and
-//!   kappa follows from the tolerance;
-//! - is otherwise divided: n is drawn in the middle, and the halves are treated from left to right.
+//! A stick of one path in a cell: whether and when b leaves the corridor |b| <= f_s, given n at the
+//! end of the cell ([`crate::scheme::event_driven::law::corridor`]).
 
-use super::cell_loop::Path;
-use super::cells::Cell;
-use super::scene::Scene;
-use super::stick_step::{StickEnds, StickStep};
-use super::watch::{StickEnd, StickPiece, Watch};
-use super::work::Unresolved;
-use crate::lanes::{Choose, Lanes};
-use crate::model::Sign;
-use crate::noise::bridge_middle;
-
-/// exp(-FAR_EXPONENT) is a probability that is negligible even in 1e10 steps.
-const FAR_EXPONENT: f64 = 35.0;
-
-/// The number in the width rule.
-const WIDTH_RULE: f64 = 2.0;
+use super::path::{Cascade, Path};
+use super::watch::Watch;
+use crate::model::{Event, EventKind, Sign};
+use crate::noise::{AddressedDraws, bridge_middle};
+use crate::scheme::event_driven::law::cells::Cell;
+use crate::scheme::event_driven::law::corridor::{Corridor, Node, ends, stick_piece};
+use crate::scheme::event_driven::law::inside::StickEnd;
+use crate::scheme::event_driven::law::scene::Scene;
+use crate::scheme::event_driven::law::stick_step::StickStep;
+use crate::scheme::event_driven::work::Unresolved;
 
 /// The number of halvings after which a piece is decided, whatever its bend.
-const DEPTH: usize = 60;
-
-/// Finds the exits from sticks.
-#[derive(Clone, Debug)]
-pub struct Corridor {
-    /// The longest piece by the width rule for each unit of width - |b1 - b0|, a time over a force.
-    widest: f64,
-    /// (8 kappa s)^2, the largest |c|^2 h^3 of a piece that is decided.
-    most_bend: f64,
-}
-
-/// What is known of a stick at one time.
-#[derive(Clone, Copy, Debug)]
-pub struct Node<L = f64> {
-    /// Time after the start of the cell.
-    pub after: L,
-    pub noise: L,
-    /// b.
-    pub force: L,
-    /// B''.
-    pub curvature: L,
-}
+const HALVINGS: usize = 60;
 
 /// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
 /// so that it need not be initialised again.
 #[derive(Clone, Debug)]
-pub struct Pending([Node; DEPTH + 1]);
+pub struct PendingNodes([Node; HALVINGS + 1]);
 
-impl Pending {
+impl PendingNodes {
     /// An empty stack.
     pub fn new() -> Self {
-        Pending([Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 }; DEPTH + 1])
+        PendingNodes([Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 }; HALVINGS + 1])
     }
 }
 
-/// One threshold over a piece.
-#[derive(Clone, Copy)]
-struct Side<L: Lanes> {
-    /// The larger |U'' - theta^2 U| of both ends, where U is the value of n at which the threshold
-    /// is met.
-    bend: L,
-    /// Whether the bridge may meet the threshold.
-    is_near: L::Mask,
-}
-
-/// Both thresholds over a piece.
-#[derive(Clone, Copy)]
-pub struct Reach<L: Lanes> {
-    /// Whether the bridge may meet at least one of them.
-    pub is_near: L::Mask,
-    /// Whether the piece is too long to be decided.
-    pub is_long: L::Mask,
-}
-
-impl Corridor {
-    pub fn new(scene: &Scene, kappa: f64) -> Self {
-        let (width, s) = (2.0 * scene.friction.static_force, scene.diffusion);
-        Corridor { widest: width / (WIDTH_RULE * s * s), most_bend: (8.0 * kappa * s) * (8.0 * kappa * s) }
+/// Takes a path in a static phase to the end of the cell, or to its exit if this comes first.
+/// Returns the exit.
+#[inline(always)]
+pub(super) fn stick<C: Cascade>(
+    cascade: &C,
+    cell: &Cell,
+    path: &mut Path<C::Memory>,
+    end_noise: f64,
+    pending: &mut PendingNodes,
+    watch: &mut impl Watch,
+) -> Result<Option<Event>, Unresolved> {
+    let (scene, displacement) = (cascade.scene(), path.displacement);
+    let slip = |force: f64, after: f64| Event {
+        kind: EventKind::SlipStarted(Sign::of(force)),
+        time: cell.start + after,
+        displacement,
+        force,
+    };
+    if path.force.abs() >= scene.friction.static_force {
+        return Ok(Some(slip(path.force, path.after)));
     }
+    let stick = Stick::new(scene, cascade.corridor(), cell, displacement, end_noise);
+    let Some(exit) = stick.exit(path, pending, watch)? else {
+        path.force = cell.last.value + end_noise - stick.spring;
+        return Ok(None);
+    };
+    (path.after, path.noise) = (exit.after, exit.noise);
+    Ok(Some(slip(exit.force, exit.after)))
+}
 
-    /// The exit of a path from its static phase before the end of the cell, where n is `end_noise`:
-    /// the time after the start of the cell, and the sign of b. None if the path stays inside the
-    /// corridor.
+/// A stick in a cell, at whose end n is known.
+struct Stick<'a> {
+    scene: &'a Scene,
+    corridor: &'a Corridor,
+    cell: &'a Cell,
+    displacement: f64,
+    /// K x.
+    spring: f64,
+    end_noise: f64,
+}
+
+impl<'a> Stick<'a> {
     #[inline(always)]
-    pub fn exit<M>(
+    fn new(scene: &'a Scene, corridor: &'a Corridor, cell: &'a Cell, displacement: f64, end_noise: f64) -> Self {
+        Stick { scene, corridor, cell, displacement, spring: scene.oscillator.stiffness * displacement, end_noise }
+    }
+
+    /// The exit of a path before the end of the cell; none if the path stays inside the corridor.
+    #[inline(always)]
+    fn exit<M>(
         &self,
-        scene: &Scene,
-        cell: &Cell,
         path: &mut Path<M>,
-        end_noise: f64,
-        Pending(pending): &mut Pending,
+        PendingNodes(pending): &mut PendingNodes,
         watch: &mut impl Watch,
-    ) -> Result<Option<(f64, Sign)>, Unresolved> {
-        let Path { after, displacement, noise, force, ref mut draws, ref mut work, .. } = *path;
-        let spring = scene.oscillator.stiffness * displacement;
-        let node = |after: f64, noise: f64| {
-            let forcing = cell.forcing(after);
-            Node { after, noise, force: forcing.value - spring + noise, curvature: forcing.curvature }
-        };
-        let piece = |left: &Node, right: &Node, kind| (stick_piece(left, right, displacement), kind);
-        let curvature = if after == 0.0 { cell.first.curvature } else { cell.forcing(after).curvature };
-        let mut left = Node { after, noise, force, curvature };
-        let end_force = cell.last.value - spring + end_noise;
-        pending[0] = Node { after: cell.length, noise: end_noise, force: end_force, curvature: cell.last.curvature };
+    ) -> Result<Option<Node>, Unresolved> {
+        let mut left = self.start(path);
+        pending[0] = self.end();
         let mut top = 0;
         loop {
-            work.spend()?;
+            path.work.spend()?;
             let right = pending[top];
-            let h = right.after - left.after;
-            let reach = self.reach(scene, h, &left, &right);
-            if reach.is_near {
-                if reach.is_long && top < DEPTH {
-                    let (weight, sd) = bridge_middle(scene.relaxation_rate, scene.diffusion, h);
-                    let middle = weight * (left.noise + right.noise) + sd * draws.normal();
-                    top += 1;
-                    pending[top] = node(left.after + 0.5 * h, middle);
-                    continue;
-                }
-                let step = StickStep::new(scene, h);
-                if let Some((sign, passed)) = step.exit(scene, &ends(&left, &right), draws) {
-                    let after = left.after + passed;
-                    let force = sign.value() * scene.friction.static_force;
-                    let noise = force - cell.forcing(after).value + spring;
-                    let right = Node { after, noise, force, curvature: 0.0 };
-                    watch.look(scene, || piece(&left, &right, StickEnd::Exit));
-                    return Ok(Some((after, sign)));
-                }
+            let reach = self.corridor.reach(self.scene, right.after - left.after, &left, &right);
+            if reach.is_near && reach.is_long && top < HALVINGS {
+                top += 1;
+                pending[top] = self.middle(&left, &right, &mut path.draws);
+                continue;
+            }
+            if reach.is_near
+                && let Some(exit) = self.exit_between(&left, &right, &mut path.draws)
+            {
+                watch.look(self.scene, || (stick_piece(&left, &exit, self.displacement), StickEnd::Exit));
+                return Ok(Some(exit));
             }
             let kind = if reach.is_near { StickEnd::Kept } else { StickEnd::Clear };
-            watch.look(scene, || piece(&left, &right, kind));
+            watch.look(self.scene, || (stick_piece(&left, &right, self.displacement), kind));
             if top == 0 {
                 return Ok(None);
             }
@@ -147,78 +109,87 @@ impl Corridor {
             top -= 1;
         }
     }
-}
 
-impl Corridor {
-    /// Whether the bridge between two nodes may leave the corridor, and whether the piece is too
-    /// long to be decided without halving it.
+    /// Where the path is.
     #[inline(always)]
-    pub fn reach<L: Lanes>(&self, scene: &Scene, h: L, left: &Node<L>, right: &Node<L>) -> Reach<L> {
-        let (up, down) = (side(scene, 1.0, h, left, right), side(scene, -1.0, h, left, right));
-        let zero = L::splat(0.0);
-        let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
-        let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
-        let f_s = scene.friction.static_force;
-        let way = (right.force.or_at_most(L::splat(f_s)).or_at_least(L::splat(-f_s)) - left.force).abs();
-        let is_wide = h.gt((L::splat(2.0 * f_s) - way) * self.widest);
-        Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
+    fn start<M>(&self, &Path { after, noise, force, .. }: &Path<M>) -> Node {
+        let curvature = if after == 0.0 { self.cell.first.curvature } else { self.cell.forcing(after).curvature };
+        Node { after, noise, force, curvature }
+    }
+
+    /// The end of the cell.
+    #[inline(always)]
+    fn end(&self) -> Node {
+        let (last, noise) = (self.cell.last, self.end_noise);
+        Node { after: self.cell.length, noise, force: last.value - self.spring + noise, curvature: last.curvature }
+    }
+
+    /// Draws n in the middle between two nodes.
+    #[inline(always)]
+    fn middle(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> Node {
+        let h = right.after - left.after;
+        let (weight, sd) = bridge_middle(self.scene.relaxation_rate, self.scene.diffusion, h);
+        let noise = weight * (left.noise + right.noise) + sd * draws.normal();
+        let after = left.after + 0.5 * h;
+        let forcing = self.cell.forcing(after);
+        Node { after, noise, force: forcing.value - self.spring + noise, curvature: forcing.curvature }
+    }
+
+    /// The exit between two nodes, if there is one.
+    #[inline(always)]
+    fn exit_between(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> Option<Node> {
+        let step = StickStep::new(self.scene, right.after - left.after);
+        let (sign, passed) = step.exit(self.scene, &ends(left, right), draws)?;
+        let after = left.after + passed;
+        let force = sign.value() * self.scene.friction.static_force;
+        let noise = force - self.cell.forcing(after).value + self.spring;
+        Some(Node { after, noise, force, curvature: 0.0 })
     }
 }
-
-/// The piece of a stick between two nodes.
-#[inline(always)]
-pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -> StickPiece<L> {
-    StickPiece {
-        after: (left.after, right.after),
-        noise: (left.noise, right.noise),
-        force: (left.force, right.force),
-        displacement,
-    }
-}
-
-/// What [`StickStep`] needs to know of a piece between two nodes.
-#[inline(always)]
-pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
-    StickEnds {
-        start: left.force,
-        end: right.force,
-        bend: (left.curvature + right.curvature) * -0.5,
-        mean_noise: (left.noise + right.noise) * 0.5,
-    }
-}
-
-/// One threshold (`side` = 1: upper, -1: lower) over a piece between two nodes.
-#[inline(always)]
-fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L>) -> Side<L> {
-    let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
-    let (d0, d1) = (f_s - left.force * side, f_s - right.force * side);
-    let (bend0, bend1) = (bend(theta, side, left, d0), bend(theta, side, right, d1));
-    let bend = bend0.or_at_least(bend1);
-    let shift = bend * 0.125 * h * h;
-    let y = h * theta;
-    let variance = h * (scene.diffusion * scene.diffusion) * (y * y * SINH_BOUND + 1.0);
-    let (d0, d1) = (d0 - shift, d1 - shift);
-    let zero = L::splat(0.0);
-    let is_beyond = (d0 * 2.0 * d1).ge(variance * FAR_EXPONENT);
-    let is_far = L::and(L::and(d0.gt(zero), d1.gt(zero)), is_beyond);
-    Side { bend, is_near: L::not(is_far) }
-}
-
-/// |U'' - theta^2 U| at one end, where `d` is the distance to the threshold.
-#[inline(always)]
-fn bend<L: Lanes>(theta: f64, side: f64, node: &Node<L>, d: L) -> L {
-    (node.curvature * side + (node.noise * side + d) * (theta * theta)).abs()
-}
-
-/// sinh y <= y (1 + SINH_BOUND y^2) for 0 <= y <= 1.
-const SINH_BOUND: f64 = 0.1753;
 
 #[cfg(test)]
 mod tests {
-    use super::super::harness::{exits, mean_and_error, noise_alone};
-    use super::super::step_rules::{DEFAULT_TOLERANCE, StepRules};
+    use super::super::watch::Nobody;
+    use super::*;
     use crate::model::paper::paper;
-    use crate::model::{Harmonic, Sign};
+    use crate::model::{Harmonic, Model};
+    use crate::noise::{AddressedDraws, Transition};
+    use crate::scheme::event_driven::law::cells::cell_length;
+    use crate::scheme::event_driven::law::harness::{mean_and_error, noise_alone};
+    use crate::scheme::event_driven::law::ladder::Ladder;
+    use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
+    use crate::scheme::event_driven::work::Work;
+
+    /// The time and the side of the first exit from the initial stick of each path, started at n =
+    /// `noise`.
+    fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, paths: u64) -> Vec<(f64, Sign)> {
+        let scene = Scene::new(model);
+        let corridor = Corridor::new(&scene, kappa);
+        let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
+        let length = cell_length(0.5 / rates.fold(scene.relaxation_rate, f64::max), f64::INFINITY);
+        let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
+        let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
+        let ladder = Ladder::even(length);
+        let (mut cell, mut pending) = (Cell::new(&scene, &ladder, 0), PendingNodes::new());
+        (0..paths)
+            .map(|number| {
+                let draws = AddressedDraws::new(seed, number);
+                let mut path = Path::<()>::new(&scene, noise, draws, Work::new(1_000_000));
+                for index in 0..(horizon / length).ceil() as u64 {
+                    cell.move_to(&scene, &ladder, index);
+                    let end_noise = transition.next(path.noise, draws.at(index, 0).normal());
+                    path.draws = draws.at(index, 2);
+                    path.force = cell.first.value - spring_force + path.noise;
+                    let stick = Stick::new(&scene, &corridor, &cell, path.displacement, end_noise);
+                    match stick.exit(&mut path, &mut pending, &mut Nobody).expect("bounded work") {
+                        Some(exit) => return (cell.start + exit.after, Sign::of(exit.force)),
+                        None => path.noise = end_noise,
+                    }
+                }
+                panic!("no exit before {horizon}")
+            })
+            .collect()
+    }
 
     /// The statistical tests have the null hypothesis that the mean is the exact one. With fixed
     /// seeds, each comparison fails by chance once in 1e4 (3.9 standard errors).

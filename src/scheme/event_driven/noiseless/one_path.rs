@@ -13,9 +13,9 @@
 //! is missed, and are found to rounding. Nothing is random, so one path is computed and reported
 //! for every lane.
 
+use super::super::work::{Simulated, Unresolved, WORK_LIMIT, Work};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
-use super::work::{Simulated, Unresolved, WORK_LIMIT, Work};
 use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow};
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
@@ -29,7 +29,7 @@ pub struct Noiseless {
     /// 1/max(w0, |z_j|): the time over which one bound of the second derivative is used.
     span: f64,
     /// The number of evaluations that the path may make.
-    pub(super) work_limit: u64,
+    pub work_limit: u64,
 }
 
 impl Leg {

@@ -1,8 +1,8 @@
 //! The times at which cells begin and end.
 //!
 //! All cells have one length, which follows from the scene and the tolerance. Where the temperature
-//! was measured, a cell also ends at every sample, so that B is a straight line inside each cell:
-//! the time between two samples is divided into the smallest number of equal cells that are not
+//! was measured, a cell also ends at every sample, so that B is a straight line inside each cell.
+//! The time between two samples is divided into the smallest number of equal cells that are not
 //! longer than this length.
 
 use crate::model::Series;
@@ -46,7 +46,7 @@ impl Ladder {
     /// Cells of at most this length, which also end at every sample.
     pub fn cut(series: &Series, longest: f64) -> Self {
         let times = series.times().to_vec();
-        let parts = |spacing: f64| (spacing / longest * (1.0 - ALIGNMENT)).ceil().max(1.0);
+        let parts = |spacing: f64| (spacing / longest * (1.0 - SAME_LENGTH)).ceil().max(1.0);
         let mut firsts = vec![0];
         for pair in times.windows(2) {
             firsts.push(firsts[firsts.len() - 1] + parts(pair[1] - pair[0]) as u64);
@@ -85,7 +85,7 @@ impl Ladder {
 
 /// Two lengths whose relative difference is smaller than this differ only by the rounding of the
 /// times from which they were computed.
-const ALIGNMENT: f64 = 1e-9;
+pub const SAME_LENGTH: f64 = 1e-9;
 
 #[cfg(test)]
 mod tests {

@@ -11,6 +11,12 @@ use crate::lanes::{Lanes, small_unit};
 use crate::model::Complex;
 use crate::noise::Transition;
 
+/// Places of the random numbers of a cell: n at its end, the motion of a slip over the whole cell,
+/// and from `EVENT_PLACE` on everything else inside the cell.
+pub const NOISE_PLACE: u64 = 0;
+pub const WHOLE_PLACE: u64 = 1;
+pub const EVENT_PLACE: u64 = 2;
+
 /// One cell of time, with the quantities in it that are the same for all paths.
 #[derive(Clone, Debug)]
 pub struct Cell {

@@ -22,17 +22,17 @@
 //! likewise of n2. The cells are so short that theta_j h <= 0.1 at the default tolerance, which
 //! leaves an error of 0.13 % of n1 in the middle of a cell.
 
-use super::scene::part;
+use super::scene::one_noise;
 use crate::model::Noise;
 use crate::noise::{AddressedDraws, Transition};
 
 /// Two noises, measured as forces.
 #[derive(Clone, Copy, Debug)]
-pub struct TwoNoises([Part; 2]);
+pub struct TwoNoises([OneNoise; 2]);
 
 /// One Ornstein-Uhlenbeck noise, measured as a force.
 #[derive(Clone, Copy, Debug)]
-pub struct Part {
+pub struct OneNoise {
     /// theta_j.
     pub relaxation_rate: f64,
     /// s_j.
@@ -47,17 +47,17 @@ const SHORTER: f64 = 5.0;
 impl TwoNoises {
     /// Two noises, where `gain` is the force per unit of temperature.
     pub fn new(noises: [Noise; 2], gain: f64) -> Self {
-        TwoNoises(noises.map(|noise| part(&noise, gain)))
+        TwoNoises(noises.map(|noise| one_noise(&noise, gain)))
     }
 
     /// The single process that approximates their sum inside a cell.
-    pub fn inside(&self) -> Part {
+    pub fn inside(&self) -> OneNoise {
         let [a, b] = self.0;
         let diffusion = a.diffusion.hypot(b.diffusion);
-        let rate = |part: Part| part.relaxation_rate * (part.diffusion / diffusion);
+        let rate = |noise: OneNoise| noise.relaxation_rate * (noise.diffusion / diffusion);
         let relaxation_rate = if diffusion > 0.0 { rate(a).hypot(rate(b)) } else { self.fastest() };
         let initial = (a.initial.0 + b.initial.0, a.initial.1.hypot(b.initial.1));
-        Part { relaxation_rate, diffusion, initial }
+        OneNoise { relaxation_rate, diffusion, initial }
     }
 
     /// The rate that the length of a cell must resolve, in the way in which it resolves theta of
@@ -68,13 +68,13 @@ impl TwoNoises {
 
     /// The transition of each noise over a cell of this length.
     pub fn transitions(&self, length: f64) -> [Transition; 2] {
-        self.0.map(|part| Transition::new(part.relaxation_rate, part.diffusion, length))
+        self.0.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, length))
     }
 
     /// Draws n1(0) and n2(0) of a path.
     pub fn draw(&self, path: AddressedDraws) -> [f64; 2] {
         let normals = path.for_start().normal_pair();
-        let drawn = |(part, normal): (Part, f64)| part.initial.0 + part.initial.1 * normal;
+        let drawn = |(noise, normal): (OneNoise, f64)| noise.initial.0 + noise.initial.1 * normal;
         [drawn((self.0[0], normals[0])), drawn((self.0[1], normals[1]))]
     }
 

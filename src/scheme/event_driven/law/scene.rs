@@ -6,7 +6,7 @@
 //! x' - eps f_d + n.
 
 use super::ladder::{Ladder, Rung};
-use super::two_noises::{Part, TwoNoises};
+use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
 use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
@@ -27,7 +27,7 @@ pub struct Scene {
     /// m, K, alpha, beta.
     pub oscillator: Oscillator,
     /// f_s and f_d as they are simulated; the scheme may raise f_s (see
-    /// [`super::StepRules::added_gap`]).
+    /// [`super::step_rules::StepRules::added_gap`]).
     pub friction: Friction,
     /// x(0).
     pub initial_displacement: f64,
@@ -82,8 +82,8 @@ impl Scene {
                 let both = TwoNoises::new([first, second], gain);
                 (both.inside(), Some(both))
             }
-            (Some(noise), None) => (part(&noise, gain), None),
-            (None, _) => (Part { relaxation_rate: 1.0, diffusion: 0.0, initial: (0.0, 0.0) }, None),
+            (Some(noise), None) => (one_noise(&noise, gain), None),
+            (None, _) => (OneNoise { relaxation_rate: 1.0, diffusion: 0.0, initial: (0.0, 0.0) }, None),
         };
         Scene {
             oscillator,
@@ -186,13 +186,13 @@ impl Scene {
 }
 
 /// One noise, measured as a force. `gain` is K beta.
-pub fn part(noise: &Noise, gain: f64) -> Part {
+pub fn one_noise(noise: &Noise, gain: f64) -> OneNoise {
     let force = gain * noise.intensity;
     let initial = match noise.initial {
         InitialNoise::At(v) => (force * v, 0.0),
         InitialNoise::Stationary => (0.0, force.abs() * noise.stationary_sd()),
     };
-    Part { relaxation_rate: noise.relaxation_rate, diffusion: force.abs() * noise.diffusion, initial }
+    OneNoise { relaxation_rate: noise.relaxation_rate, diffusion: force.abs() * noise.diffusion, initial }
 }
 
 /// The largest angle by which the harmonic that represents a straight line turns from sample to

@@ -1,9 +1,9 @@
 //! Noise that is too weak to change the motion, but is part of the temperature that is recorded.
 //!
 //! With K beta = 0, or with noise below the rounding of the other forces, the motion is that of the
-//! scene without diffusion. The temperature T still fluctuates: v = E v + u, where E v relaxes from
-//! v(0) and is computed with the motion, and u is an Ornstein-Uhlenbeck process that starts at 0 or
-//! in its stationary law. Its exact transition from one instant to the next is added to the T of
+//! scene without diffusion. The temperature T still fluctuates, because v = E v + u. E v relaxes
+//! from v(0) and is computed with the motion. u is an Ornstein-Uhlenbeck process that starts at 0
+//! or in its stationary law. Its exact transition from one instant to the next is added to the T of
 //! every snapshot.
 
 use crate::model::{Event, InitialNoise, Model, Noise};

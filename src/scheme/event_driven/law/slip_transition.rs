@@ -60,13 +60,13 @@ pub struct DrivenOscillator {
     fastest: f64,
     /// S/h, m g_x/h^2, m int e^{-theta r} g_x/h^3, m^2 int g_v^2/h^3, m^2 int g_x^2/h^5, m G_0/h^2,
     /// e^{-theta h} and (1 - e^{-2 theta h})/(2 theta h).
-    responses: SeriesOf8,
-    /// m G_w / h^2 and e^{i w h}, real and imaginary parts, for two harmonics in each entry.
-    harmonic: Vec<SeriesOf8>,
+    responses: SideBySide<8>,
+    /// For each harmonic, m G_w / h^2 and e^{i w h}, real and imaginary parts.
+    harmonic: Vec<SideBySide<4>>,
 }
 
-/// Eight series side by side: for each power, the coefficients of all eight.
-type SeriesOf8 = [[f64; 8]; TERMS];
+/// Several series side by side: for each power, the coefficients of all of them.
+type SideBySide<const N: usize> = [[f64; N]; TERMS];
 
 /// The response of (x, v) to a harmonic force Re[P e^{i w r}]: x += Re[P x], v += Re[P v].
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -139,13 +139,8 @@ impl DrivenOscillator {
             let re = |k: usize| [1.0, 0.0, -1.0, 0.0][k % 4] * w.powi(k as i32);
             let im = |k: usize| [0.0, 1.0, 0.0, -1.0][k % 4] * w.powi(k as i32);
             let turn = |part: &dyn Fn(usize) -> f64| std::array::from_fn(|k| part(k) / factorial(k));
-            [answer(&re), if w == 0.0 { answer(&zero) } else { answer(&im) }, turn(&re), turn(&im)]
+            side_by_side([answer(&re), if w == 0.0 { answer(&zero) } else { answer(&im) }, turn(&re), turn(&im)])
         };
-        let harmonic = frequencies.chunks(2).map(|pair| {
-            let first = of_harmonic(pair[0] / fastest);
-            let second = pair.get(1).map_or([[0.0; TERMS]; 4], |w| of_harmonic(w / fastest));
-            side_by_side([first[0], first[1], first[2], first[3], second[0], second[1], second[2], second[3]])
-        });
         DrivenOscillator {
             per_mass: 1.0 / mass,
             two_gamma: 2.0 * g,
@@ -155,7 +150,7 @@ impl DrivenOscillator {
             frequencies: frequencies.to_vec(),
             fastest,
             responses: side_by_side([impulse, g_x, cov_nx, cov_vv, cov_xx, constant, decay, spread]),
-            harmonic: harmonic.collect(),
+            harmonic: frequencies.iter().map(|w| of_harmonic(w / fastest)).collect(),
         }
     }
 
@@ -179,8 +174,8 @@ impl DrivenOscillator {
             doublings += 1;
         }
         let mut step = self.series(base);
-        for (pair, responses) in harmonics.chunks_mut(2).enumerate() {
-            self.one_or_two_responses(&step, pair, responses);
+        for (harmonic, response) in harmonics.iter_mut().enumerate() {
+            *response = self.response(&step, harmonic);
         }
         for _ in 0..doublings {
             step = self.doubled(&step, harmonics);
@@ -227,30 +222,15 @@ impl DrivenOscillator {
         }
     }
 
-    /// The responses over a step of [`series`](Self::series) to harmonic 2 `pair`, and to the next
-    /// one if `responses` has two entries.
+    /// The response to a harmonic over a step of [`series`](Self::series).
     #[inline(always)]
-    pub fn one_or_two_responses<L: Lanes>(
-        &self,
-        step: &SlipTransition<L>,
-        pair: usize,
-        responses: &mut [HarmonicResponse<L>],
-    ) {
-        let r = step.length * self.fastest;
+    pub fn response<L: Lanes>(&self, step: &SlipTransition<L>, harmonic: usize) -> HarmonicResponse<L> {
         let (h2, impulse, per_mass) = (step.length * step.length, step.x[1], self.per_mass);
-        let zero = L::splat(0.0);
-        let sums = if let [_] = responses {
-            let [x_re, x_im, cos, sin] = sums(&self.harmonic[pair], r);
-            [x_re, x_im, cos, sin, zero, zero, zero, zero]
-        } else {
-            sums(&self.harmonic[pair], r)
-        };
-        for (j, (response, &w)) in responses.iter_mut().zip(&self.frequencies[2 * pair..]).enumerate() {
-            let x = (h2 * sums[4 * j] * per_mass, h2 * sums[4 * j + 1] * per_mass);
-            // G' = i w G + S/m.
-            let v = (impulse * per_mass - x.1 * w, x.0 * w);
-            *response = HarmonicResponse { x, v, turn: (sums[4 * j + 2], sums[4 * j + 3]) };
-        }
+        let [x_re, x_im, cos, sin] = sums(&self.harmonic[harmonic], step.length * self.fastest);
+        let (x, w) = ((h2 * x_re * per_mass, h2 * x_im * per_mass), self.frequencies[harmonic]);
+        // G' = i w G + S/m.
+        let v = (impulse * per_mass - x.1 * w, x.0 * w);
+        HarmonicResponse { x, v, turn: (cos, sin) }
     }
 
     fn noise_variance(&self, h: f64) -> f64 {
@@ -343,14 +323,14 @@ fn factorial(k: usize) -> f64 {
     (1..=k).map(|i| i as f64).product()
 }
 
-/// The coefficients of eight series, power by power.
-fn side_by_side(series: [Series; 8]) -> SeriesOf8 {
+/// The coefficients of several series, power by power.
+fn side_by_side<const N: usize>(series: [Series; N]) -> SideBySide<N> {
     std::array::from_fn(|k| std::array::from_fn(|i| series[i][k]))
 }
 
-/// The sums of the first `N` of eight series, all at once, by Horner's rule.
+/// The sums of several series, all at once, by Horner's rule.
 #[inline(always)]
-fn sums<L: Lanes, const N: usize>(series: &SeriesOf8, r: L) -> [L; N] {
+fn sums<L: Lanes, const N: usize>(series: &SideBySide<N>, r: L) -> [L; N] {
     let mut sums = [L::splat(0.0); N];
     for coefficients in series.iter().rev() {
         for (sum, &c) in sums.iter_mut().zip(coefficients) {

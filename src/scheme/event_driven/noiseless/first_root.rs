@@ -14,7 +14,7 @@
 //! the resolution of r. For the first zero of several functions, the step is the smallest of their
 //! u*.
 
-use super::work::{Unresolved, Work};
+use super::super::work::{Unresolved, Work};
 
 /// A function g at one point, and a bound of its second derivative ahead of this point.
 #[derive(Clone, Copy, Debug)]

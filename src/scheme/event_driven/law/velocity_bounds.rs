@@ -55,8 +55,9 @@ impl<L: Lanes> VelocityBounds<L> {
         L::and(at_ends, L::and(self.is_above(first), self.is_above(second)))
     }
 
-    /// Whether V is positive at first, has one zero, where it falls, and is negative from there on:
-    /// on the first half V is positive or falls, and on the second half it falls or is negative.
+    /// Whether V is positive at first, has one zero, where it falls, and is negative from there on.
+    /// This is so if V is positive or falls on the first half, and falls or is negative on the
+    /// second.
     #[inline(always)]
     pub fn has_one_zero(&self) -> L::Mask {
         let [v0, c1, c2, c3, v1] = self.controls;
@@ -98,9 +99,8 @@ impl<L: Lanes> VelocityBounds<L> {
     }
 }
 
-/// The control points of both halves by de Casteljau's algorithm, those of the second half in
-/// reverse, without the first one, which is that of the whole: 2, 4, 8 and 16 times the second to
-/// the fifth.
+/// The control points of both halves by de Casteljau's algorithm: 2, 4, 8 and 16 times the second
+/// to the fifth. The first one is that of the whole. The points of the second half are in reverse.
 #[inline(always)]
 fn halves<L: Lanes>([c0, c1, c2, c3, c4]: [L; 5]) -> [[L; 4]; 2] {
     let (s01, s12, s23, s34) = (c0 + c1, c1 + c2, c2 + c3, c3 + c4);
@@ -121,7 +121,7 @@ fn slope_halves<L: Lanes>([d0, d1, d2, d3]: [L; 4]) -> [[L; 4]; 2] {
 
 #[cfg(test)]
 mod tests {
-    use super::super::first_stop::{Step, conditional_factor};
+    use super::super::first_stop::{KnownStep, conditional_factor};
     use super::super::harness::free_step;
     use super::*;
     use crate::noise::AddressedDraws;
@@ -190,7 +190,7 @@ mod tests {
         for _ in 0..200_000 {
             let (left, next) = any_interval(&mut draws);
             let bounds = VelocityBounds::new(left, &next, CAUTION);
-            let step = Step {
+            let step = KnownStep {
                 start: left,
                 end: next.end,
                 travel: next.travel,
@@ -236,7 +236,8 @@ mod tests {
         let left = Motion { velocity: 0.7, acceleration: -1.3 };
         let next = Interval::new(Motion { velocity: -0.4, acceleration: 0.9 }, 0.31, 0.8, 0.0);
         let controls = VelocityBounds::new(left, &next, 4.0).controls;
-        let step = Step { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
+        let step =
+            KnownStep { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };
         let [first, second] = halves(controls);
         let [falling, fallen] = slope_halves([0, 1, 2, 3].map(|i| controls[i + 1] - controls[i]));
         let scaled = |outer: f64, [a, b, c, d]: [f64; 4]| [outer, a / 2.0, b / 4.0, c / 8.0, d / 16.0];

@@ -1,0 +1,25 @@
+//! One path alone: the order of work for paths that cross a cell one after the other.
+//!
+//! ```text
+//! path           the state of a path, and how it crosses a cell: stick, slip, stick, ..
+//!   stick          does b leave the corridor before the end of the cell?
+//!   slip           exact steps, each of which is searched for a stop
+//!     stop_search    bisects a step from left to right
+//!     step_flow      the motion of the step without noise, for feeble noise and for observers
+//! watch          draws the state at instants inside a cell, without changing the path
+//! one_by_one     all paths, one after the other
+//! ```
+
+mod one_by_one;
+mod path;
+mod slip;
+mod step_flow;
+mod stick;
+mod stop_search;
+mod watch;
+
+pub use one_by_one::OneByOne;
+pub use path::{Cascade, Path, cross, start};
+pub use slip::SlipBuffers;
+pub use stick::PendingNodes;
+pub use watch::{Glances, Nobody, Watch, WatchedPiece};

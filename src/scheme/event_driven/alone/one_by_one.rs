@@ -1,0 +1,117 @@
+//! Paths that cross the cells one after the other.
+
+use super::path::{Cascade, Path, cross, start};
+use super::stick::PendingNodes;
+use super::watch::Nobody;
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use crate::model::{Event, Phase};
+use crate::scheme::Observer;
+use crate::scheme::columns::{Columns, LOST, Seen};
+use crate::scheme::event_driven::cell_loop::{Inside, PathSet};
+use crate::scheme::event_driven::law::cells::Cell;
+use crate::scheme::event_driven::work::Simulated;
+
+/// Paths that are simulated one after the other.
+pub struct OneByOne<'a, C: Cascade> {
+    cascade: &'a C,
+    instructions: InstructionSet,
+    paths: Vec<Path<C::Memory>>,
+    /// The events of the cells that were crossed last, with their lanes.
+    events: Vec<(usize, Event)>,
+    scratch: (C::Scratch, PendingNodes),
+}
+
+impl<'a, C: Cascade> OneByOne<'a, C> {
+    /// The paths with these numbers, at t = 0.
+    pub fn new(cascade: &'a C, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
+        OneByOne {
+            cascade,
+            instructions,
+            paths: paths.iter().map(|&path| start(cascade, seed, path)).collect(),
+            events: Vec::new(),
+            scratch: (cascade.scratch(), PendingNodes::new()),
+        }
+    }
+}
+
+/// Takes one path after the other across cells, with or without stops inside. This scalar program
+/// is compiled for each instruction set together with everything that it calls often (hence
+/// `inline(always)` there), so that a fused multiply-add is an instruction instead of a call. The
+/// bits are the same on all instruction sets.
+struct CrossOneByOne<'p, 'a, C: Cascade> {
+    all: &'p mut OneByOne<'a, C>,
+    cells: &'p [Cell],
+    inside: Option<&'p mut Inside>,
+    is_stopped: &'p dyn Fn() -> bool,
+}
+
+impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let OneByOne { cascade, paths, events, scratch, .. } = &mut *self.all;
+        for (lane, path) in paths.iter_mut().enumerate() {
+            let mut cells = self.cells.iter();
+            if (self.is_stopped)() {
+                return;
+            }
+            while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
+                if let Some(inside) = &mut self.inside {
+                    inside.cross(lane, *cascade, cell, path, scratch);
+                } else {
+                    let emit = |event| events.push((lane, event));
+                    path.is_lost = cross(*cascade, cell, path, scratch, &mut Nobody, emit).is_err();
+                }
+            }
+        }
+    }
+}
+
+impl<C: Cascade> PathSet for OneByOne<'_, C> {
+    type Cascade = C;
+
+    fn cascade(&self) -> &C {
+        self.cascade
+    }
+
+    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
+        let instructions = self.instructions;
+        let is_stopped = &|| observer.is_stopped();
+        instructions.run(&mut CrossOneByOne { all: self, cells, inside: None, is_stopped });
+        for (lane, event) in self.events.drain(..) {
+            observer.event(lane, event);
+        }
+    }
+
+    fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
+        let cells = std::slice::from_ref(cell);
+        let instructions = self.instructions;
+        instructions.run(&mut CrossOneByOne { all: self, cells, inside: Some(inside), is_stopped: &|| false });
+    }
+
+    fn look(&self, passed: &Cell, columns: &mut Columns) {
+        for (lane, path) in self.paths.iter().enumerate() {
+            columns.set(lane, at_the_end(self.cascade, passed, path));
+        }
+    }
+
+    fn are_lost(&self) -> bool {
+        self.paths.iter().all(|path| path.is_lost)
+    }
+
+    fn simulated(&self) -> Simulated {
+        Simulated {
+            lost: self.paths.iter().enumerate().filter(|(_, path)| path.is_lost).map(|(lane, _)| lane).collect(),
+            evaluations: self.paths.iter().map(|path| self.cascade.work_limit() - path.work.left()).sum(),
+        }
+    }
+}
+
+/// The state that an observer sees of a path at the end of a cell.
+fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Memory>) -> Seen {
+    if path.is_lost {
+        return LOST;
+    }
+    let (x, v) = cascade.look(path, cell);
+    let temperature = cascade.scene().temperature(cell.last.value, path.noise);
+    (x, v, temperature, path.phase == Phase::Static)
+}

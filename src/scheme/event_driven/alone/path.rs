@@ -1,0 +1,140 @@
+//! One path, and how it crosses a cell: phase by phase.
+
+use super::stick::{PendingNodes, stick};
+use super::watch::Watch;
+use crate::model::{Event, Phase, Sign};
+use crate::noise::AddressedDraws;
+use crate::scheme::Timeline;
+use crate::scheme::event_driven::law::cells::{Cell, EVENT_PLACE, NOISE_PLACE};
+use crate::scheme::event_driven::law::corridor::Corridor;
+use crate::scheme::event_driven::law::ladder::Ladder;
+use crate::scheme::event_driven::law::scene::Scene;
+use crate::scheme::event_driven::work::{Unresolved, Work};
+
+/// The state of one path.
+#[derive(Clone, Debug)]
+pub struct Path<M> {
+    /// The time up to which it has been simulated, after the start of the cell.
+    pub after: f64,
+    /// x, or x at the start of the phase if the scheme computes x from that.
+    pub displacement: f64,
+    /// n.
+    pub noise: f64,
+    /// The part of n that is the second noise, at the start of the cell; 0 where there is only one
+    /// noise.
+    pub second_noise: f64,
+    /// b. Where a phase begins it is the value that is known exactly (the threshold, or the force
+    /// at a stop), not a difference of larger forces.
+    pub force: f64,
+    pub phase: Phase,
+    /// What else the scheme needs to know of the motion.
+    pub motion: M,
+    pub draws: AddressedDraws,
+    pub work: Work,
+    pub is_lost: bool,
+}
+
+/// What the loop needs from a scheme.
+pub trait Cascade {
+    /// What the scheme knows of the motion of a path besides displacement, noise, force and phase.
+    type Memory: Default;
+    /// Buffers for the computation of one path at a time.
+    type Scratch;
+
+    fn scene(&self) -> &Scene;
+    fn timeline(&self) -> &Timeline;
+    /// The division of time into cells.
+    fn ladder(&self) -> &Ladder;
+    /// Finds the exits from sticks.
+    fn corridor(&self) -> &Corridor;
+    /// The number of evaluations that a path may make.
+    fn work_limit(&self) -> u64;
+    /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
+    /// for a closer look at a path.
+    fn closeness(&self) -> usize;
+    fn scratch(&self) -> Self::Scratch;
+
+    /// Takes a path in a sub-phase to the end of the cell, where n is `end_noise`, or to the event
+    /// that ends the sub-phase if this comes first. Returns that event.
+    fn slip(
+        &self,
+        cell: &Cell,
+        path: &mut Path<Self::Memory>,
+        direction: Sign,
+        end_noise: f64,
+        scratch: &mut Self::Scratch,
+        watch: &mut impl Watch,
+    ) -> Result<Option<Event>, Unresolved>;
+
+    /// The motion at the start of the phase that follows an event.
+    fn motion_after(&self, event: &Event) -> Self::Memory;
+
+    /// x and x' at the end of the cell to which the path has been taken.
+    fn look(&self, path: &Path<Self::Memory>, cell: &Cell) -> (f64, f64);
+}
+
+/// A path at t = 0.
+pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Memory> {
+    let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
+    let (noise, second_noise) = scene.draw_initial_noise(draws);
+    Path { second_noise, ..Path::new(scene, noise, draws, Work::new(cascade.work_limit())) }
+}
+
+impl<M: Default> Path<M> {
+    /// A path at t = 0, at rest, with this n.
+    pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: Work) -> Self {
+        let displacement = scene.initial_displacement;
+        Path {
+            after: 0.0,
+            displacement,
+            noise,
+            second_noise: 0.0,
+            force: scene.initial_forcing() + noise - scene.oscillator.stiffness * displacement,
+            phase: Phase::Static,
+            motion: M::default(),
+            draws,
+            work,
+            is_lost: false,
+        }
+    }
+}
+
+/// Takes a path across a cell, phase by phase.
+#[inline(always)]
+pub fn cross<C: Cascade>(
+    cascade: &C,
+    cell: &Cell,
+    path: &mut Path<C::Memory>,
+    (scratch, pending): &mut (C::Scratch, PendingNodes),
+    watch: &mut impl Watch,
+    mut emit: impl FnMut(Event),
+) -> Result<(), Unresolved> {
+    let end_noise = noise_at_the_end(cell, path);
+    path.draws = path.draws.at(cell.index, EVENT_PLACE);
+    path.after = 0.0;
+    loop {
+        let event = match path.phase {
+            Phase::Static => stick(cascade, cell, path, end_noise, pending, watch)?,
+            Phase::Slip(direction) => cascade.slip(cell, path, direction, end_noise, scratch, watch)?,
+        };
+        let Some(event) = event else { break };
+        path.work.spend()?;
+        path.displacement = event.displacement;
+        path.force = event.force;
+        (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
+        emit(event);
+    }
+    path.noise = end_noise;
+    Ok(())
+}
+
+/// Draws n at the end of a cell, given n at its start: the next value of the skeleton.
+#[inline(always)]
+fn noise_at_the_end<M>(cell: &Cell, path: &mut Path<M>) -> f64 {
+    let mut draws = path.draws.at(cell.index, NOISE_PLACE);
+    let Some([first, second]) = cell.two_transitions else { return cell.transition.next(path.noise, draws.normal()) };
+    let [for_first, for_second] = draws.normal_pair();
+    let first = first.next(path.noise - path.second_noise, for_first);
+    path.second_noise = second.next(path.second_noise, for_second);
+    first + path.second_noise
+}

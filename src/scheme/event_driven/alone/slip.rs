@@ -1,0 +1,266 @@
+//! A slip of one path in a cell: exact steps of (x, x', n), given n at their ends, each of which is
+//! searched for the first zero of x'.
+
+use super::path::{Cascade, Path};
+use super::step_flow::{FlowBuffers, StepFlow};
+use super::stop_search::{Passed, PendingIntervals};
+use super::watch::{Watch, WatchedPiece};
+use crate::model::{Complex, Event, EventKind, Phase, Sign};
+use crate::noise::AddressedDraws;
+use crate::scheme::Timeline;
+use crate::scheme::columns::Seen;
+use crate::scheme::event_driven::law::cells::{Cell, WHOLE_PLACE};
+use crate::scheme::event_driven::law::corridor::Corridor;
+use crate::scheme::event_driven::law::first_stop::{Motion, SlipStop};
+use crate::scheme::event_driven::law::inside::{Glance, Known, noise_between};
+use crate::scheme::event_driven::law::ladder::{Ladder, SAME_LENGTH};
+use crate::scheme::event_driven::law::scene::{Scene, forcing};
+use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipState, SlipStep, force, motion};
+use crate::scheme::event_driven::noisy::Noisy;
+use crate::scheme::event_driven::work::Unresolved;
+use std::cell::RefCell;
+
+/// Buffers for the computation of one path at a time.
+#[derive(Debug)]
+pub struct SlipBuffers {
+    /// A step that is shorter than the usual one.
+    partial: SlipStep,
+    pending: PendingIntervals,
+    /// The terms of B at the end of a step.
+    terms: Vec<Complex>,
+    flow: RefCell<FlowBuffers>,
+    /// The intervals of a step, kept where its state is observed.
+    passed: Vec<Passed>,
+}
+
+impl Cascade for Noisy {
+    /// x'.
+    type Memory = f64;
+    type Scratch = SlipBuffers;
+
+    fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    fn ladder(&self) -> &Ladder {
+        &self.ladder
+    }
+
+    fn corridor(&self) -> &Corridor {
+        &self.corridor
+    }
+
+    fn work_limit(&self) -> u64 {
+        self.work_limit
+    }
+
+    fn closeness(&self) -> usize {
+        self.closeness
+    }
+
+    fn scratch(&self) -> SlipBuffers {
+        let terms = vec![Complex::ZERO; self.scene.harmonics.len()];
+        let flow = RefCell::new(FlowBuffers { part: self.step.clone(), terms: terms.clone() });
+        let (partial, pending) = (self.step.clone(), PendingIntervals::new());
+        SlipBuffers { partial, pending, terms, flow, passed: Vec::new() }
+    }
+
+    #[inline(always)]
+    fn slip(
+        &self,
+        cell: &Cell,
+        path: &mut Path<f64>,
+        direction: Sign,
+        end_noise: f64,
+        scratch: &mut SlipBuffers,
+        watch: &mut impl Watch,
+    ) -> Result<Option<Event>, Unresolved> {
+        Slip { noisy: self, cell, direction, end_noise }.go_on(path, scratch, watch)
+    }
+
+    fn motion_after(&self, _: &Event) -> f64 {
+        0.0
+    }
+
+    fn look(&self, path: &Path<f64>, _: &Cell) -> (f64, f64) {
+        match path.phase {
+            Phase::Static => (path.displacement, 0.0),
+            Phase::Slip(_) => (path.displacement, path.motion),
+        }
+    }
+}
+
+/// A sub-phase in a cell, at whose end n is known.
+pub(super) struct Slip<'a> {
+    pub noisy: &'a Noisy,
+    pub cell: &'a Cell,
+    pub direction: Sign,
+    end_noise: f64,
+}
+
+impl Slip<'_> {
+    /// Takes a path to the end of the cell, or to the event that ends the sub-phase if this comes
+    /// first. Returns that event.
+    #[inline(always)]
+    fn go_on(
+        &self,
+        path: &mut Path<f64>,
+        buffers: &mut SlipBuffers,
+        watch: &mut impl Watch,
+    ) -> Result<Option<Event>, Unresolved> {
+        let SlipBuffers { partial, pending, terms, flow, passed } = buffers;
+        if path.after == 0.0 {
+            terms.copy_from_slice(&self.cell.terms);
+        } else {
+            self.cell.set_terms(path.after, terms);
+        }
+        let mut first = self.motion(path);
+        loop {
+            let remaining = self.cell.length - path.after;
+            if remaining <= SHORTEST * self.cell.length {
+                self.coast(path, watch);
+                return Ok(None);
+            }
+            path.work.spend()?;
+            let (step, is_last) = self.step_towards(remaining, partial);
+            let (began, start) = (path.after, SlipState { x: path.displacement, v: path.motion, n: path.noise });
+            self.take(step, is_last, path, terms);
+            let last = self.motion(path);
+            if !last.is_finite() {
+                return Err(Unresolved);
+            }
+            let searched = step.between(self.direction.value(), (start.x, first), (path.displacement, last));
+            let flow = StepFlow::new(self, step, (began, start), searched, flow);
+            let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
+            let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
+            flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
+            if event.is_some() || is_last {
+                return Ok(event);
+            }
+            first = last;
+        }
+    }
+
+    /// The next step, when this much of the cell remains, and whether it ends with the cell.
+    #[inline(always)]
+    fn step_towards<'s>(&'s self, remaining: f64, partial: &'s mut SlipStep) -> (&'s SlipStep, bool) {
+        let usual = &self.noisy.step;
+        // A remainder that differs from the usual length only by rounding takes the usual step.
+        let is_last = remaining <= usual.length() * (1.0 + SAME_LENGTH);
+        if is_last && remaining < usual.length() * (1.0 - SAME_LENGTH) {
+            partial.set_length(&self.noisy.oscillator, remaining);
+            (partial, is_last)
+        } else {
+            (usual, is_last)
+        }
+    }
+
+    /// Takes one exact step of (x, x', n), with one normal for x' and one for x, and moves B and b
+    /// with it. n at its end is known if the step ends with the cell, and is drawn otherwise.
+    #[inline(always)]
+    fn take(&self, step: &SlipStep, is_last: bool, path: &mut Path<f64>, terms: &mut [Complex]) {
+        let start = SlipState { x: path.displacement, v: path.motion, n: path.noise };
+        let is_whole = is_last && path.after == 0.0;
+        let mut noise = self.end_noise;
+        if !is_last {
+            let ends = [(0.0, start.n), (self.cell.length - path.after, self.end_noise)];
+            noise = noise_between(&self.noisy.scene, ends, step.length(), &mut path.draws);
+        }
+        let normals = match is_whole {
+            true => path.draws.at(self.cell.index, WHOLE_PLACE).normal_pair(),
+            false => path.draws.normal_pair(),
+        };
+        let end = step.transition.drawn(step.mean(start, terms, self.friction()), noise, normals);
+        path.after += step.length();
+        (path.displacement, path.motion, path.noise) = (end.x, end.v, end.n);
+        path.force = force(&self.noisy.scene.oscillator, forcing(terms), end);
+    }
+
+    /// eps f_d, the force of friction.
+    #[inline(always)]
+    pub fn friction(&self) -> f64 {
+        self.direction.value() * self.noisy.scene.friction.dynamic_force
+    }
+
+    /// eps x' and its derivative.
+    #[inline(always)]
+    fn motion(&self, path: &Path<f64>) -> Motion {
+        let body = &self.noisy.scene.oscillator;
+        motion(body, self.direction.value(), path.motion, path.force, self.friction())
+    }
+
+    /// Ends the sub-phase at a stop within a step, whose time and x at its start are given. n is
+    /// computed from the force at the stop.
+    #[inline(always)]
+    fn stopped(&self, path: &mut Path<f64>, (began, x0): (f64, f64), stop: &SlipStop) -> Event {
+        let Scene { oscillator, friction, .. } = &self.noisy.scene;
+        let eps = self.direction.value();
+        path.after = began + stop.after;
+        path.displacement = x0 + eps * stop.travel;
+        let force = self.friction() + oscillator.mass * eps * stop.acceleration;
+        path.noise = force - self.cell.forcing(path.after).value + oscillator.stiffness * path.displacement;
+        let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
+        Event { kind, time: self.cell.start + path.after, displacement: path.displacement, force }
+    }
+
+    /// Crosses the remainder of the cell with uniform acceleration, where it is too short for the
+    /// noise to be distinguished from rounding.
+    fn coast(&self, path: &mut Path<f64>, watch: &mut impl Watch) {
+        let Slip { noisy: Noisy { scene, .. }, cell, direction, end_noise } = *self;
+        let body = &scene.oscillator;
+        let piece = CoastPiece {
+            direction,
+            displacement: path.displacement,
+            velocity: path.motion,
+            acceleration: (path.force - self.friction()) / body.mass,
+            ends: [(path.after, path.noise), (cell.length, end_noise)],
+        };
+        watch.look(scene, || piece);
+        (path.displacement, path.motion) = piece.at(cell.length);
+        path.noise = end_noise;
+        path.force =
+            cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+    }
+}
+
+/// A piece of a slip that is too short for the noise to be distinguished from rounding: the body
+/// has a uniform acceleration.
+#[derive(Clone, Copy)]
+struct CoastPiece {
+    direction: Sign,
+    /// x, x' and x'' at the start of the piece.
+    displacement: f64,
+    velocity: f64,
+    acceleration: f64,
+    /// The times at which the piece begins and ends, and n there.
+    ends: [Known; 2],
+}
+
+impl CoastPiece {
+    /// x and x' at a time. The body does not turn.
+    #[inline(always)]
+    fn at(&self, time: f64) -> (f64, f64) {
+        let CoastPiece { direction, displacement, velocity, acceleration, ends } = *self;
+        let (eps, since) = (direction.value(), (time - ends[0].0).max(0.0));
+        let x = displacement + since * (velocity + 0.5 * since * acceleration);
+        (x, eps * (eps * (velocity + since * acceleration)).max(0.0))
+    }
+}
+
+impl WatchedPiece for CoastPiece {
+    fn end(&self) -> f64 {
+        self.ends[1].0
+    }
+
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let noise = noise_between(scene, self.ends, glance.time, draws);
+        let ((x, v), here) = (self.at(glance.time), (glance.time, noise));
+        let seen = (x, v, scene.temperature(glance.forcing, noise), false);
+        let behind = CoastPiece { displacement: x, velocity: v, ends: [here, self.ends[1]], ..*self };
+        (seen, CoastPiece { ends: [self.ends[0], here], ..*self }, behind)
+    }
+}

@@ -1,0 +1,229 @@
+//! The motion of a slip step of one path without noise. From it a stop is corrected where the noise
+//! is feeble, and the states inside the step are drawn for an observer.
+
+use super::path::Path;
+use super::slip::Slip;
+use super::stop_search::{Passed, PendingIntervals};
+use super::watch::{Watch, WatchedPiece};
+use crate::model::Complex;
+use crate::noise::AddressedDraws;
+use crate::scheme::columns::Seen;
+use crate::scheme::event_driven::law::first_stop::{FEEBLE, KnownStep, Motion, SlipStop, forwards};
+use crate::scheme::event_driven::law::inside::{Glance, Known, SlipPiece, Way, noise_between};
+use crate::scheme::event_driven::law::scene::{Scene, forcing};
+use crate::scheme::event_driven::law::slip_step::{SlipState, SlipStep, force, motion, resolved_travel};
+use crate::scheme::event_driven::noisy::Noisy;
+use crate::scheme::event_driven::work::Unresolved;
+use std::cell::{Cell, RefCell};
+
+/// The part of a step up to an instant, which all paths share that are observed at this instant,
+/// and the terms of B there.
+#[derive(Debug)]
+pub(super) struct FlowBuffers {
+    pub part: SlipStep,
+    pub terms: Vec<Complex>,
+}
+
+/// The motion of a step without noise, from the state at its start.
+pub(super) struct StepFlow<'a> {
+    slip: &'a Slip<'a>,
+    step: &'a SlipStep,
+    /// The time at which the step begins, after the start of the cell.
+    after: f64,
+    start: SlipState,
+    /// The drawn motion at both ends of the step, which is searched for a stop.
+    searched: KnownStep,
+    /// The last time at which n was drawn for an observer, and n there: for the rows of the run,
+    /// and for the rows between them.
+    last_drawn: Cell<[Known; 2]>,
+    buffers: &'a RefCell<FlowBuffers>,
+}
+
+impl<'a> StepFlow<'a> {
+    #[inline(always)]
+    pub fn new(
+        slip: &'a Slip<'a>,
+        step: &'a SlipStep,
+        (after, start): (f64, SlipState),
+        searched: KnownStep,
+        buffers: &'a RefCell<FlowBuffers>,
+    ) -> Self {
+        StepFlow { slip, step, after, start, searched, last_drawn: Cell::new([(after, start.n); 2]), buffers }
+    }
+
+    /// The motion a time after the start of the step.
+    #[inline(always)]
+    fn since(&self, since: f64) -> Way {
+        let Noisy { scene, oscillator, .. } = self.slip.noisy;
+        let (body, eps, friction) = (&scene.oscillator, self.slip.direction.value(), self.slip.friction());
+        let FlowBuffers { part, terms } = &mut *self.buffers.borrow_mut();
+        self.slip.cell.set_terms(self.after, terms);
+        let mut to = self.start;
+        if since == self.step.length() {
+            to = self.step.mean(self.start, terms, friction);
+        } else if since > 0.0 {
+            if part.length() != since {
+                part.set_length(oscillator, since);
+            }
+            to = part.mean(self.start, terms, friction);
+        }
+        let motion = motion(body, eps, to.v, force(body, forcing(terms), to), friction);
+        let travel = resolved_travel(eps * self.start.x, eps * to.x, self.searched.start, motion, since);
+        Way { travel, motion, noise: to.n }
+    }
+
+    /// The motion at a time after the start of the cell.
+    #[inline(always)]
+    fn at(&self, after: f64) -> Way {
+        self.since(after - self.after)
+    }
+
+    /// The first stop in the step; none if the body moves on. Where it is observed, `passed`
+    /// receives the intervals up to the stop, or to the end of the step.
+    #[inline(always)]
+    pub fn first_stop(
+        &self,
+        path: &mut Path<f64>,
+        pending: &mut PendingIntervals,
+        passed: &mut Vec<Passed>,
+        is_observed: bool,
+    ) -> Result<Option<SlipStop>, Unresolved> {
+        let search = &self.slip.noisy.search;
+        passed.clear();
+        let keep = |interval| {
+            if is_observed {
+                passed.push(interval);
+            }
+        };
+        let mut stop = search.first(&self.searched, &mut path.draws, pending, &mut path.work, keep)?;
+        if let Some(stop) = &mut stop
+            && search.noise * self.searched.root_length < FEEBLE * stop.acceleration.abs()
+        {
+            *stop = self.on_the_flow(*stop);
+            if let Some(last) = passed.last_mut() {
+                *last = last.ending_at(stop);
+            }
+        }
+        Ok(stop)
+    }
+
+    /// Moves a stop from the quintic of the search to the exact motion without noise; for feeble
+    /// noise.
+    ///
+    /// The search replaces the motion without noise by the quintic between the ends of the step.
+    /// Given both ends, the conditional laws of a linear system differ only by their means. Let X
+    /// be the motion from the start of the step without noise, and Q the quintic through its ends.
+    /// The search draws Q + (drawn deviation); the corrected motion is X + (the same deviation). At
+    /// the stop that was found it has the velocity V = X' - Q', so its own zero is a time -V/a
+    /// away. The first Newton step corrects the error of the quintic, some 1e-6 of a step; the
+    /// second one corrects what is left, the square of that. A deviation larger than the noise can
+    /// draw is rounding of the quintic, magnified by differentiation, and is bounded.
+    #[inline(always)]
+    fn on_the_flow(&self, stop: SlipStop) -> SlipStop {
+        let StepFlow { slip, searched, .. } = self;
+        let Scene { oscillator: body, relaxation_rate, .. } = &slip.noisy.scene;
+        let eps = slip.direction.value();
+        let Way { travel, motion: end, .. } = self.since(searched.length);
+        let (interpolated_travel, interpolated) = KnownStep { end, travel, ..*searched }.mean(stop.after);
+        let most = MOST_DEVIATIONS * slip.noisy.search.noise * searched.root_length;
+        let bounded =
+            |deviation: f64, most: f64| if deviation.abs() > most { most.copysign(deviation) } else { deviation };
+        let most_velocity = most * searched.length + (searched.end.velocity - end.velocity).abs();
+        let most_acceleration = most + (searched.end.acceleration - end.acceleration).abs();
+        let off = Motion {
+            velocity: bounded(-interpolated.velocity, most_velocity),
+            acceleration: bounded(stop.acceleration - interpolated.acceleration, most_acceleration),
+        };
+
+        let mut moved = stop;
+        for _ in 0..FLOW_STEPS {
+            let exact = self.since(moved.after);
+            let travel = stop.travel + (exact.travel - interpolated_travel);
+            let velocity = exact.motion.velocity + off.velocity;
+            let acceleration = exact.motion.acceleration + off.acceleration;
+            let slope = slip.noisy.scene.forcing_slope(&self.buffers.borrow().terms);
+            let change = slope - relaxation_rate * exact.noise - body.stiffness * (eps * exact.motion.velocity);
+            let jerk = (eps * change - 2.0 * body.damping * acceleration) / body.mass;
+            let late = -velocity / acceleration;
+            let after = moved.after + late;
+            if !(acceleration < 0.0 && after > 0.0 && after <= searched.length) {
+                return stop;
+            }
+            let travel = forwards(travel + late * (velocity + 0.5 * late * acceleration));
+            moved = SlipStop { after, acceleration: acceleration + late * jerk, travel };
+        }
+        moved
+    }
+
+    /// Shows an observer the intervals that were passed. The last of them ends at the stop, if
+    /// there is one. n is known at its end; at a stop it is what the balance of forces requires.
+    #[inline(always)]
+    pub fn show(&self, passed: &[Passed], stop: Option<&SlipStop>, known_end: Known, watch: &mut impl Watch) {
+        // This is not a closure, because a closure is not compiled for the instruction set.
+        for (i, &Passed { after, travel, start, interval }) in passed.iter().enumerate() {
+            let end = match stop {
+                Some(stop) if i + 1 == passed.len() => stop.after,
+                _ => after + interval.length,
+            };
+            let (after, until) = (self.after + after, self.after + end);
+            if watch.is_ahead(until) {
+                let (eps, x0) = (self.slip.direction.value(), self.start.x);
+                let piece = SlipPiece { eps, x0, after, until, travel, start, interval };
+                let piece = piece.less([&self.at(after), &self.at(until)]);
+                let known = [self.last_drawn.get()[0], known_end];
+                watch.look(&self.slip.noisy.scene, || FlowPiece { flow: self, piece, known });
+            }
+        }
+    }
+
+    /// Draws n at an instant from its bridge between two known times, or between the instant that
+    /// was drawn before it and the later of these times.
+    #[inline(always)]
+    fn noise(&self, glance: Glance, [mut before, behind]: [Known; 2], draws: &mut AddressedDraws) -> f64 {
+        let mut last_drawn = self.last_drawn.get();
+        let between = &mut last_drawn[usize::from(glance.is_closer)];
+        if between.0 > before.0 {
+            before = *between;
+        }
+        let noise = noise_between(&self.slip.noisy.scene, [before, behind], glance.time, draws);
+        *between = (glance.time, noise);
+        self.last_drawn.set(last_drawn);
+        noise
+    }
+}
+
+/// A piece of a slip of one path, with the motion of its step without noise.
+struct FlowPiece<'a> {
+    flow: &'a StepFlow<'a>,
+    piece: SlipPiece,
+    /// n at known times before and after, as drawn for the rows of the run.
+    known: [Known; 2],
+}
+
+impl WatchedPiece for FlowPiece<'_> {
+    fn end(&self) -> f64 {
+        self.piece.until
+    }
+
+    #[inline(always)]
+    fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
+        let FlowPiece { flow, ref piece, known } = *self;
+        let here = flow.at(glance.time);
+        let state = piece.state(scene, glance, &here, draws.three_normals());
+        let is_felt = piece.is_felt(scene, glance, &here, flow.step.length());
+        let noise = if is_felt { state.noise } else { flow.noise(glance, known, draws) };
+        let (x, v) = piece.seen(&state);
+        let [first, second] = piece.parted_at(glance, &state);
+        let now = (glance.time, noise);
+        let before = FlowPiece { flow, piece: first, known: [known[0], now] };
+        let behind = FlowPiece { flow, piece: second, known: [now, known[1]] };
+        ((x, v, scene.temperature(glance.forcing, noise), false), before, behind)
+    }
+}
+
+/// No draw is further from its mean than this number of standard deviations. These are at most c
+/// sqrt(h) for a and c h^{3/2} for V.
+const MOST_DEVIATIONS: f64 = 10.0;
+
+/// Newton steps from the stop of the quintic to that of the exact motion.
+const FLOW_STEPS: usize = 3;

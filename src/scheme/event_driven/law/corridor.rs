@@ -1,0 +1,139 @@
+//! A stick between two times at which n is known: whether b may leave the corridor |b| <= f_s.
+//!
+//! The noise between the two is a bridge. A piece of the bridge
+//!
+//! - is *clear* if it cannot meet a threshold: the probability that it does is below exp(-35), even
+//!   after the threshold has been moved towards the noise by the most that it bends;
+//! - is *decided* by [`super::stick_step`] if it is short enough;
+//! - is otherwise divided: n is drawn in the middle, and the halves are treated from left to right.
+//!
+//! A piece is short enough if it keeps two rules:
+//!
+//! ```text
+//! width    h <= width (width - |b1 - b0|)/(2 s^2), where b1 is f_s or -f_s if it lies beyond
+//! bend     |c| h^2/8 <= kappa s sqrt(h), for each threshold that may be met
+//! ```
+//!
+//! In a piece that keeps the first rule, the bridge meets first one threshold and then the other
+//! with a probability below 2 exp(-4), which is taken into account. In the second rule, c is the
+//! bend of the threshold ([`super::stick_step`]), and kappa follows from the tolerance.
+
+use super::inside::StickPiece;
+use super::scene::Scene;
+use super::stick_step::StickEnds;
+use crate::lanes::{Choose, Lanes};
+
+/// exp(-FAR_EXPONENT) is a probability that is negligible even in 1e10 steps.
+const FAR_EXPONENT: f64 = 35.0;
+
+/// The number in the width rule.
+const WIDTH_RULE: f64 = 2.0;
+
+/// The rules for the pieces of a stick.
+#[derive(Clone, Debug)]
+pub struct Corridor {
+    /// The longest piece by the width rule for each unit of width - |b1 - b0|, a time over a force.
+    widest: f64,
+    /// (8 kappa s)^2, the largest |c|^2 h^3 of a piece that is decided.
+    most_bend: f64,
+}
+
+/// What is known of a stick at one time.
+#[derive(Clone, Copy, Debug)]
+pub struct Node<L = f64> {
+    /// Time after the start of the cell.
+    pub after: L,
+    pub noise: L,
+    /// b.
+    pub force: L,
+    /// B''.
+    pub curvature: L,
+}
+
+/// One threshold over a piece.
+#[derive(Clone, Copy)]
+struct Side<L: Lanes> {
+    /// The larger |U'' - theta^2 U| of both ends, where U is the value of n at which the threshold
+    /// is met.
+    bend: L,
+    /// Whether the bridge may meet the threshold.
+    is_near: L::Mask,
+}
+
+/// Both thresholds over a piece.
+#[derive(Clone, Copy)]
+pub struct Reach<L: Lanes> {
+    /// Whether the bridge may meet at least one of them.
+    pub is_near: L::Mask,
+    /// Whether the piece is too long to be decided.
+    pub is_long: L::Mask,
+}
+
+impl Corridor {
+    pub fn new(scene: &Scene, kappa: f64) -> Self {
+        let (width, s) = (2.0 * scene.friction.static_force, scene.diffusion);
+        Corridor { widest: width / (WIDTH_RULE * s * s), most_bend: (8.0 * kappa * s) * (8.0 * kappa * s) }
+    }
+
+    /// Whether the bridge between two nodes may leave the corridor, and whether the piece is too
+    /// long to be decided without halving it.
+    #[inline(always)]
+    pub fn reach<L: Lanes>(&self, scene: &Scene, h: L, left: &Node<L>, right: &Node<L>) -> Reach<L> {
+        let (up, down) = (side(scene, 1.0, h, left, right), side(scene, -1.0, h, left, right));
+        let zero = L::splat(0.0);
+        let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
+        let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
+        let f_s = scene.friction.static_force;
+        let way = (right.force.or_at_most(L::splat(f_s)).or_at_least(L::splat(-f_s)) - left.force).abs();
+        let is_wide = h.gt((L::splat(2.0 * f_s) - way) * self.widest);
+        Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
+    }
+}
+
+/// The piece of a stick between two nodes.
+#[inline(always)]
+pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -> StickPiece<L> {
+    StickPiece {
+        after: (left.after, right.after),
+        noise: (left.noise, right.noise),
+        force: (left.force, right.force),
+        displacement,
+    }
+}
+
+/// What [`StickStep`] needs to know of a piece between two nodes.
+#[inline(always)]
+pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
+    StickEnds {
+        start: left.force,
+        end: right.force,
+        bend: (left.curvature + right.curvature) * -0.5,
+        mean_noise: (left.noise + right.noise) * 0.5,
+    }
+}
+
+/// One threshold (`side` = 1: upper, -1: lower) over a piece between two nodes.
+#[inline(always)]
+fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L>) -> Side<L> {
+    let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
+    let (d0, d1) = (f_s - left.force * side, f_s - right.force * side);
+    let (bend0, bend1) = (bend(theta, side, left, d0), bend(theta, side, right, d1));
+    let bend = bend0.or_at_least(bend1);
+    let shift = bend * 0.125 * h * h;
+    let y = h * theta;
+    let variance = h * (scene.diffusion * scene.diffusion) * (y * y * SINH_BOUND + 1.0);
+    let (d0, d1) = (d0 - shift, d1 - shift);
+    let zero = L::splat(0.0);
+    let is_beyond = (d0 * 2.0 * d1).ge(variance * FAR_EXPONENT);
+    let is_far = L::and(L::and(d0.gt(zero), d1.gt(zero)), is_beyond);
+    Side { bend, is_near: L::not(is_far) }
+}
+
+/// |U'' - theta^2 U| at one end, where `d` is the distance to the threshold.
+#[inline(always)]
+fn bend<L: Lanes>(theta: f64, side: f64, node: &Node<L>, d: L) -> L {
+    (node.curvature * side + (node.noise * side + d) * (theta * theta)).abs()
+}
+
+/// sinh y <= y (1 + SINH_BOUND y^2) for 0 <= y <= 1.
+const SINH_BOUND: f64 = 0.1753;

@@ -1,0 +1,17 @@
+//! Without noise: phases are closed forms, events are roots, and there is no time step.
+//!
+//! ```text
+//! one_path        the one path that there is, leg by leg
+//!   first_root      the first zero of a smooth function, without ever missing one
+//!   exact_time      time with twice the digits of a double
+//! unfelt_noise    the fluctuations of the temperature, where they do not change the motion
+//! ```
+
+mod exact_time;
+mod first_root;
+mod one_path;
+mod unfelt_noise;
+
+pub use exact_time::ExactTime;
+pub use one_path::Noiseless;
+pub use unfelt_noise::UnfeltNoise;
