@@ -49,7 +49,8 @@ fn examples_and_benchmarks_that_a_page_names_exist() {
     let is_declared = |name: &str| manifest.contains(&format!("name = \"{name}\""));
     for (shown, words) in commands("cargo run") {
         let Some(name) = after(&words, "--example") else { continue };
-        assert!(is_declared(name) || root().join(format!("examples/{name}.rs")).exists(), "{shown}");
+        let paths = [format!("examples/{name}.rs"), format!("examples/{name}/main.rs")];
+        assert!(is_declared(name) || paths.iter().any(|path| root().join(path).exists()), "{shown}");
     }
     for (shown, words) in commands("cargo bench") {
         let name = after(&words, "--bench").unwrap_or_else(|| panic!("{shown}: names none"));
