@@ -96,47 +96,64 @@ struct Arguments {
     verb: Verb,
 }
 
-#[derive(Debug, clap::Subcommand)]
-enum Verb {
+/// From one list: the verbs, and what each of them calls.
+macro_rules! verbs {
+    ($($(#[$about:meta])* $Verb:ident($module:ident),)+) => {
+        #[derive(Debug, clap::Subcommand)]
+        enum Verb {
+            $($(#[$about])* $Verb($module::$Verb),)+
+        }
+
+        impl Verb {
+            fn call(&self) -> Result<(), Failure> {
+                match self {
+                    $(Verb::$Verb(verb) => verb.call(),)+
+                }
+            }
+        }
+    };
+}
+
+verbs! {
     /// Simulate an ensemble of paths and write its statistics
-    Run(run::Run),
+    Run(run),
     /// Continue a run or a sweep that was interrupted or killed
-    Resume(resume::Resume),
+    Resume(resume),
     /// Join the parts of a run
-    Merge(merge::Merge),
+    Merge(merge),
     /// Validate a scenario; print it in full, what follows from it, and warnings
-    Check(check::Check),
+    Check(check),
     /// Print the results in a file again
-    Show(show::Show),
+    Show(show),
     /// Draw a run, a path or a trade as SVG, PNG or PDF
-    Plot(plot::Plot),
+    Plot(plot),
     /// Write a run as one page for a browser: table, warnings, and interactive charts
-    Report(html::Report),
+    Report(html),
     /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
-    Replay(replay::Replay),
+    Replay(replay),
     /// Check a file against its checksum, and some of its paths against a second simulation
-    Verify(verify::Verify),
+    Verify(verify),
     /// Measure what accuracy costs: every scheme at several settings, and the cheapest for a target
-    Trade(trade::Trade),
+    Trade(trade),
     /// Compute statistics as functions of keys of the scenario, with precise differences; or the
     /// effect of each key on them
-    Sweep(sweep::Sweep),
+    Sweep(sweep),
     /// Estimate friction, stiffness and dilatation of a bearing from measured temperatures and
     /// displacements
-    Calibrate(calibrate::Calibrate),
+    Calibrate(calibrate),
     /// Make synthetic measurements of a bearing with known parameters, to try a calibration on
-    Twin(twin::Twin),
+    Twin(twin),
     /// Fit harmonics and noise of a scenario to a measured temperature
-    FitTemperature(fit_temperature::FitTemperature),
+    FitTemperature(fit_temperature),
     /// Simulate future years of a measured bearing: sliding path, slips, displacements, forces
-    Forecast(forecast::Forecast),
+    Forecast(forecast),
     /// Write a commented scenario to start from
-    Init(init::Init),
+    Init(init),
     /// Print a completion script for a shell
-    Completions(completions::Completions),
+    Completions(completions),
     /// Read a file in a process of its own, which mc starts for files without a checksum
     #[command(hide = true)]
-    LookThrough(files::LookThrough),
+    LookThrough(files),
 }
 
 /// Parses the arguments, calls one verb, and returns its exit code. Other processes that share the
@@ -160,26 +177,7 @@ impl Arguments {
             let problem = "several ranks share the work of `mc run` and `mc resume`, and of no other verb";
             return Err(Failure::usage(problem, "leave out mpirun"));
         }
-        match &self.verb {
-            Verb::Run(run) => run.call(),
-            Verb::Resume(resume) => resume.call(),
-            Verb::Merge(merge) => merge.call(),
-            Verb::Check(check) => check.call(),
-            Verb::Show(show) => show.call(),
-            Verb::Plot(plot) => plot.call(),
-            Verb::Report(report) => report.call(),
-            Verb::Replay(replay) => replay.call(),
-            Verb::Verify(verify) => verify.call(),
-            Verb::Trade(trade) => trade.call(),
-            Verb::Sweep(sweep) => sweep.call(),
-            Verb::Calibrate(calibrate) => calibrate.call(),
-            Verb::Twin(twin) => twin.call(),
-            Verb::FitTemperature(fit) => fit.call(),
-            Verb::Forecast(forecast) => forecast.call(),
-            Verb::Init(init) => init.call(),
-            Verb::Completions(completions) => completions.call(),
-            Verb::LookThrough(look) => look.call(),
-        }
+        self.verb.call()
     }
 }
 
