@@ -19,6 +19,7 @@
 
 mod alarm;
 mod asked;
+mod course;
 mod crew;
 mod ending;
 mod error;

@@ -1,16 +1,17 @@
-//! The run itself: blocks are simulated, passed to the sinks, summed and judged, until all are done
-//! or something ends the run earlier.
+//! The run itself: what is asked of it, its beginning and its end. [`super::course`] is what happens
+//! in between.
 
 use super::alarm::Alarm;
+use super::course::{Clock, Course};
 use super::crew::Threads;
-use super::ending::{Endings, Look};
-use super::{Asked, BiasReport, Crew, EndedBy, Moment, Outcome, Part, Portion, Progress, RunError, Sink, Status, Work};
+use super::ending::Endings;
+use super::{Asked, BiasReport, Crew, EndedBy, Outcome, Part, Progress, RunError, Sink, Status, Work};
 use crate::bias::NoBias;
-use crate::ensemble::{BLOCK_SIZE, MOST_THREADS, check_threads};
+use crate::ensemble::{MOST_THREADS, check_threads};
 use crate::scenario::Scenario;
 use crate::stats::{Companion as _, Goal, RunTotals, Summary, Tallied, Tally};
 use crate::sums::{Measurement, Merge};
-use std::ops::ControlFlow;
+use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
@@ -171,131 +172,67 @@ impl<'a> Run<'a> {
     fn simulate_by<X: Merge + Clone + Send>(
         mut self,
         crew: &dyn Crew<X>,
-        mut totals: RunTotals<X>,
+        totals: RunTotals<X>,
         spent: Duration,
     ) -> Result<Outcome<X>, RunError> {
         check_threads(self.threads)?;
-        let start = Instant::now();
-        let before = spent;
-        let spent = move || before + start.elapsed();
-        let never = AtomicBool::new(false);
-        let stop = self.stop.unwrap_or(&never);
-        let mut nobody = ();
-        let progress = self.progress.take().unwrap_or(&mut nobody);
-        let plan = self.asked.plan(self.scenario);
-        let endings = self.endings();
-        let left = [endings.time, self.asked.max_time].map(|limit| limit.map(|limit| limit.saturating_sub(before)));
+        let (clock, endings, never, mut nobody) = (Clock::after(spent), self.endings(), AtomicBool::new(false), ());
+        let (stop, progress) = (self.stop.unwrap_or(&never), self.progress.take().unwrap_or(&mut nobody));
+        let left = [endings.time, self.asked.max_time].map(|limit| limit.map(|limit| limit.saturating_sub(spent)));
         let alarm = Alarm::new(stop, left);
-        for sink in &mut self.sinks {
+        let mut sinks = mem::take(&mut self.sinks);
+        for sink in &mut sinks {
             sink.begin(self.scenario, &self.asked).map_err(|error| RunError::Sink { error, outcome: None })?;
         }
-
-        let asked = self.asked.blocks();
-        let paths_before = |end: u64| (end * BLOCK_SIZE).min(plan.paths).saturating_sub(asked.start * BLOCK_SIZE);
-        let counts = totals.counts().clone();
-        // Blocks are done in order, so those that are done are the first ones.
-        let first = totals.blocks().last().map_or(asked.start, |done| done.end);
-        let look = |blocks: u64, totals: &RunTotals<X>| match endings.look(blocks, totals, spent()) {
-            // A run of which all blocks are done needs no more time.
-            Look::Stop(EndedBy::TimeLimit { blocks }) if blocks == asked.end => Look::GoOn(None),
-            look => look,
-        };
-        // An earlier process may have reached the end of the run, and was interrupted before it
-        // could finish.
-        let mut ended_by = match look(first, &totals) {
-            Look::Stop(reason) if first > asked.start => Some(reason),
-            _ => None,
-        };
-        let left = if ended_by.is_some() { first..first } else { first..asked.end };
-        let own_paths = self.asked.own_paths();
-        // Each sink would need an outlet of its own, so there is one only if there is a single
-        // sink.
-        let outlet = if let [sink] = self.sinks.as_mut_slice() { sink.outlet() } else { None };
-        let mut broken = None;
-        let mut deliver = |portion: Portion<X>| -> Result<ControlFlow<()>, RunError> {
-            let end = portion.end();
-            let done = paths_before(end);
-            let mut results = portion.results().iter();
-            let handed = results.try_for_each(|block| self.sinks.iter_mut().try_for_each(|sink| sink.block(block)));
-            let handed = handed.and_then(|()| {
-                let mut receipts = portion.receipts().iter();
-                receipts.try_for_each(|one| self.sinks.iter_mut().try_for_each(|sink| sink.left_in_outlet(one)))
-            });
-            portion.add_to(&mut totals, &counts)?;
-            let moment = Moment { spent: spent(), paths: done, is_last: false, state: &|| totals.to_bytes() };
-            let saved = handed.and_then(|()| self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)));
-            if let Err(error) = saved {
-                broken = Some(error);
-                alarm.halt.store(true, Ordering::Relaxed);
-                return Ok(ControlFlow::Break(()));
-            }
-            if let Some(statistic) = progress.watches() {
-                progress.estimate(&totals.estimate(statistic));
-            }
-            Ok(match look(end, &totals) {
-                Look::GoOn(needed) => {
-                    progress.paths(done, needed.unwrap_or(own_paths).min(own_paths));
-                    ControlFlow::Continue(())
-                }
-                Look::Stop(reason) => {
-                    ended_by = Some(reason);
-                    alarm.halt.store(true, Ordering::Relaxed);
-                    ControlFlow::Break(())
-                }
-            })
-        };
+        let plan = self.asked.plan(self.scenario);
+        let mut course = Course::new(&self.asked, &endings, &alarm.halt, clock, progress, sinks, totals);
         let work = Work {
             scenario: self.scenario,
             asked: &self.asked,
             plan: &plan,
-            blocks: left,
+            blocks: course.left(),
             threads: self.threads,
             stops: alarm.stops(),
-            outlet,
+            outlet: course.outlet(),
         };
-        let blocks = first + alarm.watching(|| crew.simulate(&work, &mut deliver))?;
-        let is_whole = blocks >= asked.end;
+        let done = alarm.watching(|| crew.simulate(&work, &mut |portion| course.deliver(portion)))?;
+        let blocks = work.blocks.start + done;
+        let is_whole = blocks >= self.asked.blocks().end;
         let is_stopped = || stop.load(Ordering::Relaxed);
-        if !is_whole && ended_by.is_none() && broken.is_none() && !is_stopped() {
+        if !is_whole && course.ended_by.is_none() && course.broken.is_none() && !is_stopped() {
             // Only the time limit remains as a reason for which blocks were given up.
-            ended_by = Some(EndedBy::TimeLimit { blocks });
+            course.ended_by = Some(EndedBy::TimeLimit { blocks });
         }
-        totals.settle();
-        let moment =
-            Moment { spent: spent(), paths: paths_before(blocks), is_last: true, state: &|| totals.to_bytes() };
-        if broken.is_none() {
-            broken = self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment)).err();
-        }
+        course.settle(blocks);
 
-        let mut summary = totals.totals().summary();
-        let bias = match broken {
-            None if self.asked.with_bias && self.asked.part.is_none() => {
-                // The alarm looks at the flag only from time to time, so it is checked here as
-                // well.
-                alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
-                alarm.watching(|| self.add_bias(summary.completed_paths, &alarm.end, progress, &mut summary))
+        let mut summary = course.totals.totals().summary();
+        let mut bias = BiasReport::default();
+        if course.broken.is_none() && self.asked.with_bias && self.asked.part.is_none() {
+            // The alarm looks at the flag only from time to time, so it is checked here as well.
+            alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
+            let paths = summary.completed_paths;
+            bias = alarm.watching(|| self.add_bias(paths, &alarm.end, course.progress(), &mut summary));
+        }
+        let status = match course.ended_by {
+            _ if course.broken.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {
+                Status::Interrupted
             }
-            _ => BiasReport::default(),
-        };
-        let status = match ended_by {
-            _ if broken.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => Status::Interrupted,
             Some(_) => Status::Ended,
             None if !is_whole => Status::Interrupted,
             None if self.asked.part.is_some() => Status::Part,
             None => Status::Complete,
         };
+        let ended_by = course.ended_by.take();
         let is_reached = status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
-        let missed = if is_reached { endings.missed(&totals, summary.completed_paths) } else { Vec::new() };
-        let seconds = spent().as_secs_f64();
+        let missed = if is_reached { endings.missed(&course.totals, summary.completed_paths) } else { Vec::new() };
         let (paths, part, threads) = (plan.paths, self.asked.part, crew.threads(self.threads));
+        let seconds = clock.spent().as_secs_f64();
         let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: () };
-        if broken.is_none() {
-            broken = self.sinks.iter_mut().try_for_each(|sink| sink.finish(&outcome)).err();
-        }
-        outcome.seconds = spent().as_secs_f64();
-        match broken {
+        course.finish(&outcome);
+        outcome.seconds = clock.spent().as_secs_f64();
+        match course.broken {
             Some(error) => Err(RunError::Sink { error, outcome: Some(Box::new(outcome)) }),
-            None => Ok(outcome.with_tally(totals.own())),
+            None => Ok(outcome.with_tally(course.totals.own())),
         }
     }
 
