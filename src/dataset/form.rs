@@ -1,8 +1,10 @@
 //! Where a data set is written and from where it is read back, be it a file or memory.
 
 use super::layout::Described;
+use super::{Column, ColumnView, Element, Kind};
 use crate::provenance::other_program;
 use crate::stats::Units;
+use crate::stats::column::values_of;
 
 /// An attribute of a data set or of a variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,152 +43,6 @@ impl From<u64> for Attribute {
     }
 }
 
-/// A type that the values of a variable may have.
-pub(crate) trait Element: Clone {
-    /// Which type this is.
-    const KIND: Kind;
-    /// These values, tagged with their type.
-    fn values(values: &[Self]) -> Values<'_>;
-    /// The values of a column; none if the column has another type.
-    fn of(column: Column) -> Option<Vec<Self>>;
-}
-
-/// Declares the types that the values of a variable may have: the enum `Kind` of their names, and
-/// the values themselves, borrowed as `Values` and owned as `Column`.
-macro_rules! kinds {
-    ($($kind:ident($type:ty): $meaning:literal;)*) => {
-        /// Types of values.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(crate) enum Kind {
-            $(#[doc = $meaning] $kind,)*
-        }
-
-        /// Values of a variable, row by row, the last axis fastest.
-        #[derive(Clone, Copy, Debug)]
-        pub(crate) enum Values<'a> {
-            $(#[doc = $meaning] $kind(&'a [$type]),)*
-        }
-
-        /// Owned values of a variable, row by row, the last axis fastest.
-        #[derive(Clone, Debug, PartialEq)]
-        pub enum Column {
-            $(#[doc = $meaning] $kind(Vec<$type>),)*
-        }
-
-        impl Values<'_> {
-            /// Number of values.
-            pub(crate) fn len(&self) -> usize {
-                match self {
-                    $(Values::$kind(values) => values.len(),)*
-                }
-            }
-
-            /// The type of the values.
-            pub(crate) fn kind(&self) -> Kind {
-                match self {
-                    $(Values::$kind(_) => Kind::$kind,)*
-                }
-            }
-
-            /// A column of this type without values.
-            pub(crate) fn empty_column(&self) -> Column {
-                match self {
-                    $(Values::$kind(_) => Column::$kind(Vec::new()),)*
-                }
-            }
-        }
-
-        impl Column {
-            /// Number of values.
-            pub fn len(&self) -> usize {
-                match self {
-                    $(Column::$kind(values) => values.len(),)*
-                }
-            }
-
-            /// The values, borrowed.
-            pub(crate) fn values(&self) -> Values<'_> {
-                match self {
-                    $(Column::$kind(values) => Values::$kind(values),)*
-                }
-            }
-
-            /// Some of the values; none if there are not so many.
-            pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
-                match self {
-                    $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
-                }
-            }
-
-            /// Add the values of another column. Fails if that column has another type.
-            pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
-                match (self, other) {
-                    $((Column::$kind(column), Column::$kind(values)) => column.extend_from_slice(values),)*
-                    _ => return Err(()),
-                }
-                Ok(())
-            }
-
-            /// Add values of the type of this column.
-            pub(crate) fn extend(&mut self, values: Values) {
-                match (self, values) {
-                    $((Column::$kind(column), Values::$kind(values)) => column.extend_from_slice(values),)*
-                    (column, values) => unreachable!("{values:?} for a column of {column:?}"),
-                }
-            }
-        }
-
-        $(impl Element for $type {
-            const KIND: Kind = Kind::$kind;
-
-            fn values(values: &[Self]) -> Values<'_> {
-                Values::$kind(values)
-            }
-
-            fn of(column: Column) -> Option<Vec<Self>> {
-                match column {
-                    Column::$kind(values) => Some(values),
-                    _ => None,
-                }
-            }
-        })*
-    };
-}
-
-kinds! {
-    F64(f64): "Real numbers.";
-    U64(u64): "Counts and seeds.";
-    U32(u32): "Small counts.";
-    I8(i8): "Flags.";
-    U8(u8): "Bytes.";
-    Text(String): "Names.";
-}
-
-impl Column {
-    /// Whether the column has no values.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
-    }
-}
-
-impl<'a, T: Element> From<&'a [T]> for Values<'a> {
-    fn from(values: &'a [T]) -> Self {
-        T::values(values)
-    }
-}
-
-impl<'a, T: Element> From<&'a Vec<T>> for Values<'a> {
-    fn from(values: &'a Vec<T>) -> Self {
-        T::values(values)
-    }
-}
-
-impl<'a, T: Element, const N: usize> From<&'a [T; N]> for Values<'a> {
-    fn from(values: &'a [T; N]) -> Self {
-        T::values(values)
-    }
-}
-
 /// Names as values of a variable.
 pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
@@ -201,7 +57,11 @@ pub(crate) trait Destination {
     fn units(&self) -> &Units;
 
     /// Write a variable. A variable without values is left out, and so is its dimension.
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error>;
+    fn write_variable<'a>(
+        &mut self,
+        variable: &Described,
+        values: impl Into<ColumnView<'a>>,
+    ) -> Result<(), Self::Error>;
 
     /// Set an attribute of the data set. It replaces an earlier value.
     fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
@@ -278,9 +138,7 @@ pub(crate) fn read_other_program<S: Source>(from: &S) -> Result<Option<String>, 
 /// an empty list. Any other absent variable is an error.
 pub(crate) fn read_or_empty<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
     match from.column(variable, T::KIND)? {
-        Some(column) => {
-            T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name).into())
-        }
+        Some(column) => Ok(values_of(variable, column)?),
         None if variable.axes.iter().all(|axis| *axis != variable.name && from.has(axis)) => {
             Err(format!("{} is missing", variable.name).into())
         }

@@ -1,86 +1,9 @@
 //! Every dimension and variable of a run, in one table for writers and readers: name, axes, unit
-//! and meaning.
+//! and meaning. The columns of single paths are declared where they are kept
+//! ([`crate::stats::PathColumns`], [`crate::stats::EventColumns`],
+//! [`crate::stats::TrajectoryRows`]).
 
-use crate::stats::{Dimension, Units};
-
-/// The unit of a variable; `label` gives its text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unit {
-    /// The variable has no `units` attribute: flags, names, and numbers of different dimensions in
-    /// one array.
-    None,
-    /// A product of units of the scenario.
-    Of(Dimension),
-    /// Seconds, whatever the unit of time of the scenario.
-    Seconds,
-}
-
-impl Unit {
-    pub(crate) const ONE: Unit = Unit::Of(Dimension::ONE);
-    pub(crate) const TIME: Unit = Unit::Of(Dimension::TIME);
-    const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
-    const FORCE: Unit = Unit::Of(Dimension::FORCE);
-    const TEMPERATURE: Unit = Unit::Of(Dimension::TEMPERATURE);
-    const VELOCITY: Unit = Unit::Of(Dimension::VELOCITY);
-    const AREA: Unit = Unit::Of(Dimension::AREA);
-    const WORK: Unit = Unit::Of(Dimension::WORK);
-
-    /// The `units` attribute, if there is one.
-    pub(crate) fn label(self, units: &Units) -> Option<String> {
-        match self {
-            Unit::None => None,
-            Unit::Of(dimension) => Some(dimension.udunits(units)),
-            Unit::Seconds => Some("s".to_owned()),
-        }
-    }
-}
-
-/// A variable whose description is constant.
-pub(crate) type Variable = Described<'static>;
-
-/// The description of one variable of a data set.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Described<'a> {
-    /// Name of the variable. A variable with the name of its only axis is the coordinate of that
-    /// dimension.
-    pub name: &'a str,
-    /// Names of the dimensions, the slowest first.
-    pub axes: &'a [&'a str],
-    /// Unit of the values.
-    pub unit: Unit,
-    /// Meaning of the variable, in words that fit the axis of a plot.
-    pub long_name: &'a str,
-    /// Further CF attributes: name and text.
-    pub attributes: &'a [(&'a str, &'a str)],
-    /// The values that flags may have. The attribute `flag_meanings` names them.
-    pub flags: &'a [i8],
-}
-
-impl<'a> Described<'a> {
-    /// Whether the variable gives a dimension its name and length.
-    pub(crate) fn is_coordinate(&self) -> bool {
-        *self.axes == [self.name]
-    }
-
-    /// Whether the variable is only a dimension, without values of its own.
-    pub(crate) fn is_bare_dimension(&self) -> bool {
-        self.long_name == BARE_DIMENSION
-    }
-
-    pub(crate) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
-        self.attributes = attributes;
-        self
-    }
-
-    pub(crate) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
-        self.flags = values;
-        self.with(meanings)
-    }
-}
-
-pub(crate) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
-    Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
-}
+pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
 /// Declares the variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
@@ -91,10 +14,6 @@ macro_rules! table {
         pub(crate) const ALL: &[&Variable] = &[$(&$constant),*];
     };
 }
-
-/// The phrase with which netCDF-4 marks a dimension that has no variable. The ten characters at its
-/// end hold a length that no reader uses.
-pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
 /// Declares the two ends of the interval of each variable, and the list of all such pairs.
 macro_rules! ends {
@@ -205,45 +124,9 @@ table! {
         "state of a part of a run, from which mc merge joins it to the others");
 
     PATH = variable("path", &["path"], Unit::ONE, "path number");
-    PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::LENGTH, "displacement at the end");
-    PATH_MAX_DISPLACEMENT = variable("path_max_displacement", &["path"], Unit::LENGTH,
-        "largest absolute displacement");
-    PATH_FIRST_STICK_DURATION = variable("path_first_stick_duration", &["path"], Unit::TIME,
-        "duration of the first stick, missing while it runs at the end");
-    PATH_STICK_TIME = variable("path_stick_time", &["path"], Unit::TIME, "total time in static phases");
-    PATH_FRICTION_WORK = variable("path_friction_work", &["path"], Unit::WORK, "work done against dynamic friction");
-    PATH_STICKS = variable("path_sticks", &["path"], Unit::ONE, "completed sticks, the first left out");
-    PATH_SLIPS = variable("path_slips", &["path"], Unit::ONE, "completed dynamic phases");
-    PATH_SUB_PHASES = variable("path_sub_phases", &["path"], Unit::ONE, "sub-phases of the completed dynamic phases");
-    PATH_DIVERGED = variable("path_diverged", &["path"], Unit::None, "whether the path diverged or was given up")
-        .flags(&[0, 1], &[("flag_meanings", "finite diverged")]);
-
     EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);
-    EVENT_COUNT = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
-        .with(&[("sample_dimension", "event")]);
-    EVENT_TIME = variable("event_time", &["event"], Unit::TIME, "time of the event");
-    EVENT_DISPLACEMENT = variable("event_displacement", &["event"], Unit::LENGTH, "displacement at the event");
-    EVENT_FORCE = variable("event_force", &["event"], Unit::FORCE, "total force besides friction (b) at the event");
-    EVENT_SIGN = variable("event_sign", &["event"], Unit::None, "direction of the sub-phase that starts")
-        .flags(&[-1, 0, 1], &[("flag_meanings", "negative none positive")]);
-    EVENT_KIND = variable("event_kind", &["event"], Unit::None, "kind of the event")
-        .flags(&[0, 1, 2], &[("flag_meanings", "stick_entered slip_started sub_phase_boundary")]);
-
-    TRAJECTORY = variable("trajectory", &["trajectory"], Unit::ONE, "path number");
-    TRAJECTORY_DISPLACEMENT = variable("trajectory_displacement", &["trajectory", "time"], Unit::LENGTH,
-        "displacement");
-    TRAJECTORY_VELOCITY = variable("trajectory_velocity", &["trajectory", "time"], Unit::VELOCITY, "velocity");
-    TRAJECTORY_TEMPERATURE = variable("trajectory_temperature", &["trajectory", "time"], Unit::TEMPERATURE,
-        "temperature");
-    TRAJECTORY_FORCE = variable("trajectory_force", &["trajectory", "time"], Unit::FORCE,
-        "total force besides friction (b)");
-    TRAJECTORY_FRICTION = variable("trajectory_friction", &["trajectory", "time"], Unit::FORCE,
-        "friction force (F)");
     TRAJECTORY_BEARING = variable("trajectory_bearing_displacement", &["trajectory", "time"], Unit::LENGTH,
         "displacement that a sensor at the bearing shows");
-    TRAJECTORY_STATIC = variable("trajectory_static", &["trajectory", "time"], Unit::None,
-        "whether the path is in a static phase")
-        .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);
 }
 
 ends! {

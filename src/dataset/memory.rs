@@ -3,8 +3,8 @@
 use super::layout::Described;
 use super::rows::{self, Rows, Table};
 use super::{
-    Attribute, Column, Destination, Kind, Source, StoredCalibration, StoredSweep, Values, calibration, forecast, run,
-    series, summary, sweep, trade, twin,
+    Attribute, Column, ColumnView, Destination, Kind, Source, StoredCalibration, StoredSweep, calibration, forecast,
+    run, series, summary, sweep, trade, twin,
 };
 use crate::bearing::calibration::{self as bearing, Twin};
 use crate::bearing::forecast::Forecast;
@@ -187,7 +187,7 @@ impl Dataset {
         Ok(())
     }
 
-    fn begin(&mut self, variable: &Described, values: Values) {
+    fn begin(&mut self, variable: &Described, values: ColumnView) {
         let mut attributes: Vec<(String, Attribute)> = vec![("long_name".into(), variable.long_name.into())];
         attributes.extend(variable.unit.label(&self.units).map(|label| ("units".into(), label.into())));
         if !variable.flags.is_empty() {
@@ -208,7 +208,11 @@ impl Destination for Dataset {
         &self.units
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error> {
+    fn write_variable<'a>(
+        &mut self,
+        variable: &Described,
+        values: impl Into<ColumnView<'a>>,
+    ) -> Result<(), Self::Error> {
         let values = values.into();
         if values.len() > 0 {
             self.begin(variable, values);

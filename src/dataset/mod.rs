@@ -31,11 +31,13 @@ pub(crate) mod sweep_layout;
 pub(crate) mod trade;
 mod twin;
 
+pub use crate::stats::column::Column;
+pub(crate) use crate::stats::column::{ColumnView, Element, Kind};
 pub use calibration::StoredCalibration;
-pub use form::{Attribute, Column};
+pub use form::Attribute;
 pub(crate) use form::{
-    Destination, Element, Kind, Source, Values, read_count, read_or_empty, read_other_program, read_real,
-    read_real_if_present, read_scalar, read_text, read_text_if_present, read_text_of, read_variable, texts,
+    Destination, Source, read_count, read_or_empty, read_other_program, read_real, read_real_if_present, read_scalar,
+    read_text, read_text_if_present, read_text_of, read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

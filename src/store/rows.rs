@@ -8,6 +8,7 @@ use crate::dataset::layout;
 use crate::dataset::{Column, Kind};
 use crate::saved::{self, RowSource};
 use crate::stats::PathColumns;
+use crate::stats::column::Columns as _;
 use hdf5::{Dataset, File, H5Type, Result};
 use ndarray::{IxDyn, s};
 use std::ops::Range;
@@ -19,7 +20,7 @@ pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathCol
     check_file(path)?;
     let file = open(path)?;
     let read = || -> Result<Option<PathColumns>> {
-        if !file.link_exists(layout::PATH_DISPLACEMENT_END.name) {
+        if !file.link_exists(PathColumns::VARIABLES[0].0.name) {
             return Ok(None);
         }
         let first: Vec<u64> = column(&file, &layout::PATH, &(0..1))?;

@@ -2,15 +2,15 @@
 
 use super::Difference;
 use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, Column, Destination, Kind, Source as _, Values, read_other_program};
+use crate::dataset::{Attribute, ColumnView, Destination, Kind, Source as _, read_other_program};
 use crate::stats::Units;
+use crate::stats::column::FirstDifference;
 use crate::store::StoreError;
 use crate::store::error::cause;
 use crate::store::reader::open;
 use crate::store::variable::{attributes_of, read_attribute};
 use hdf5::{File, Location, Result};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Attributes that name the program. They are not compared, because a file of another program is
@@ -169,7 +169,7 @@ impl Destination for Against {
         &self.units
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<()> {
         let values = values.into();
         if values.len() == 0 {
             return Ok(());
@@ -177,7 +177,7 @@ impl Destination for Against {
         self.describe(variable, values.kind())?;
         self.count(values.len());
         let found = match self.file.column(variable, values.kind())? {
-            Some(stored) => first_difference(&stored, values),
+            Some(stored) => stored.values().first_difference(values),
             None => Some((None, "missing".into(), "there".into())),
         };
         if let Some(found) = found {
@@ -190,32 +190,4 @@ impl Destination for Against {
         self.attributes.insert(name.to_owned(), value.into());
         Ok(())
     }
-}
-
-/// The index of a difference, and the stored and the computed value as text.
-pub(super) type FirstDifference = (Option<usize>, String, String);
-
-/// The first value that differs. Reals are compared bit for bit, except that all NaN are equal,
-/// since NaN means a missing value.
-pub(super) fn first_difference(stored: &Column, computed: Values) -> Option<FirstDifference> {
-    let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
-    match (stored, computed) {
-        // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
-        // them.
-        (Column::F64(stored), Values::F64(computed)) => first(stored, computed, same_real),
-        (Column::U64(stored), Values::U64(computed)) => first(stored, computed, u64::eq),
-        (Column::U32(stored), Values::U32(computed)) => first(stored, computed, u32::eq),
-        (Column::I8(stored), Values::I8(computed)) => first(stored, computed, i8::eq),
-        (Column::U8(stored), Values::U8(computed)) => first(stored, computed, u8::eq),
-        (Column::Text(stored), Values::Text(computed)) => first(stored, computed, String::eq),
-        _ => Some((None, "of another type".into(), "there".into())),
-    }
-}
-
-fn first<T: fmt::Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
-    if stored.len() != computed.len() {
-        return Some((None, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
-    }
-    let at = stored.iter().zip(computed).position(|(stored, computed)| !is_same(stored, computed))?;
-    Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
 }
