@@ -43,6 +43,60 @@ impl From<u64> for Attribute {
     }
 }
 
+/// A value that is kept as an attribute of a data set.
+pub(crate) trait AttributeValue: Sized {
+    /// The attribute; none if it is left out.
+    fn attribute(&self) -> Option<Attribute>;
+
+    /// The value of an attribute of this name, or what is wrong with it.
+    fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String>;
+}
+
+macro_rules! attribute_values {
+    ($($type:ty, $kind:ident, $words:literal;)*) => {$(
+        impl AttributeValue for $type {
+            fn attribute(&self) -> Option<Attribute> {
+                Some(Attribute::$kind(self.clone()))
+            }
+
+            fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String> {
+                match attribute {
+                    Some(Attribute::$kind(value)) => Ok(value),
+                    Some(_) => Err(format!("{name} is no {}", $words)),
+                    None => Err(format!("{name} is missing")),
+                }
+            }
+        }
+    )*};
+}
+
+attribute_values! {
+    String, Text, "text";
+    f64, Real, "real number";
+    u64, Count, "count";
+}
+
+impl<T: AttributeValue> AttributeValue for Option<T> {
+    fn attribute(&self) -> Option<Attribute> {
+        self.as_ref().and_then(T::attribute)
+    }
+
+    fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String> {
+        attribute.map(|attribute| T::of(Some(attribute), name)).transpose()
+    }
+}
+
+/// A flag, whose attribute is left out if it is not set.
+impl AttributeValue for bool {
+    fn attribute(&self) -> Option<Attribute> {
+        self.then_some(Attribute::Count(1))
+    }
+
+    fn of(attribute: Option<Attribute>, _: &str) -> Result<Self, String> {
+        Ok(attribute.is_some())
+    }
+}
+
 /// Names as values of a variable.
 pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
@@ -83,55 +137,26 @@ pub(crate) trait Source {
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, Self::Error>;
 }
 
-/// Read an attribute of the data set that is a text; none if there is no such attribute.
-pub(crate) fn read_text_if_present<S: Source>(from: &S, name: &str) -> Result<Option<String>, S::Error> {
-    text(from.attribute(None, name)?, name)
+/// Read an attribute of a data set.
+pub(crate) fn read_attribute<S: Source, T: AttributeValue>(from: &S, name: &str) -> Result<T, S::Error> {
+    Ok(T::of(from.attribute(None, name)?, name)?)
 }
 
-/// Read an attribute of the data set that is a text.
-pub(crate) fn read_text<S: Source>(from: &S, name: &str) -> Result<String, S::Error> {
-    read_text_if_present(from, name)?.ok_or_else(|| format!("{name} is missing").into())
-}
-
-/// Read an attribute of a variable that is a text.
-pub(crate) fn read_text_of<S: Source>(from: &S, variable: &str, name: &str) -> Result<String, S::Error> {
-    text(from.attribute(Some(variable), name)?, name)?.ok_or_else(|| format!("{name} of {variable} is missing").into())
-}
-
-fn text<E: From<String>>(attribute: Option<Attribute>, name: &str) -> Result<Option<String>, E> {
-    match attribute {
-        None => Ok(None),
-        Some(Attribute::Text(text)) => Ok(Some(text)),
-        Some(_) => Err(format!("{name} is no text").into()),
-    }
-}
-
-/// Read an attribute of the data set that is a real number; none if there is no such attribute.
-pub(crate) fn read_real_if_present<S: Source>(from: &S, name: &str) -> Result<Option<f64>, S::Error> {
-    match from.attribute(None, name)? {
-        None => Ok(None),
-        Some(Attribute::Real(number)) => Ok(Some(number)),
-        Some(_) => Err(format!("{name} is no real number").into()),
-    }
-}
-
-/// Read an attribute of the data set that is a real number.
-pub(crate) fn read_real<S: Source>(from: &S, name: &str) -> Result<f64, S::Error> {
-    read_real_if_present(from, name)?.ok_or_else(|| format!("{name} is missing").into())
-}
-
-/// Read an attribute of the data set that is a count.
-pub(crate) fn read_count<S: Source>(from: &S, name: &str) -> Result<u64, S::Error> {
-    match from.attribute(None, name)? {
-        Some(Attribute::Count(count)) => Ok(count),
-        Some(_) => Err(format!("{name} is no count").into()),
-        None => Err(format!("{name} is missing").into()),
-    }
+/// Read an attribute of a variable.
+pub(crate) fn read_attribute_of<S: Source, T: AttributeValue>(
+    from: &S,
+    variable: &str,
+    name: &str,
+) -> Result<T, S::Error> {
+    let attribute: Option<T> = AttributeValue::of(from.attribute(Some(variable), name)?, name)?;
+    attribute.ok_or_else(|| format!("{name} of {variable} is missing").into())
 }
 
 /// The program that wrote the data set, if it was another one.
 pub(crate) fn read_other_program<S: Source>(from: &S) -> Result<Option<String>, S::Error> {
-    Ok(other_program(&read_text(from, "program_version")?, &read_text(from, "git_hash")?))
+    let [version, hash]: [Result<String, _>; 2] =
+        ["program_version", "git_hash"].map(|name| read_attribute(from, name));
+    Ok(other_program(&version?, &hash?))
 }
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives

@@ -30,14 +30,15 @@ pub(crate) mod sweep;
 pub(crate) mod sweep_layout;
 pub(crate) mod trade;
 mod twin;
+mod walk;
 
 pub use crate::stats::column::Column;
 pub(crate) use crate::stats::column::{ColumnView, Element, Kind};
 pub use calibration::StoredCalibration;
 pub use form::Attribute;
 pub(crate) use form::{
-    Destination, Source, read_count, read_or_empty, read_other_program, read_real, read_real_if_present, read_scalar,
-    read_text, read_text_if_present, read_text_of, read_variable, texts,
+    Destination, Source, read_attribute, read_attribute_of, read_or_empty, read_other_program, read_scalar,
+    read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

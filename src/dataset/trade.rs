@@ -4,7 +4,7 @@
 use super::header::CONVENTIONS;
 use super::layout::{self, Unit, Variable, variable};
 use super::summary::write_statistics;
-use super::{Destination, Source, read_or_empty, read_text, read_variable, series, texts};
+use super::{Destination, Source, read_attribute, read_or_empty, read_variable, series, texts};
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::scheme::{Kind, Scheme};
@@ -115,7 +115,7 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
 /// and not read.
 pub(crate) fn read<S: Source>(from: &S, scenario: &Scenario) -> Result<Trade, S::Error> {
     let rungs = read_rungs(from)?;
-    let reference = read_text(from, "reference")?;
+    let reference: String = read_attribute(from, "reference")?;
     let reference = rungs.iter().position(|rung| rung.scheme.to_string() == reference);
     let reference = reference.ok_or_else(|| "reference is none of its rungs".to_string())?;
     let ratios: Vec<f64> =
@@ -169,7 +169,7 @@ fn read_rungs<S: Source>(from: &S) -> Result<Vec<Rung>, S::Error> {
 
 /// The prices of accuracy in a trade, for each statistic.
 pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
-    let title = read_text(from, "title")?;
+    let title: String = read_attribute(from, "title")?;
     let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
     let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
     let targets: Vec<f64> = read_or_empty(from, &TARGET)?;
@@ -215,7 +215,7 @@ pub struct CheapestRun {
 
 /// The title and the resolved scenario of a trade.
 pub(crate) fn read_origin<S: Source>(from: &S) -> Result<(String, String), S::Error> {
-    Ok((read_text(from, "title")?, read_text(from, "scenario")?))
+    Ok((read_attribute(from, "title")?, read_attribute(from, "scenario")?))
 }
 
 /// The cheapest runs for each statistic and each target.

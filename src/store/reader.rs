@@ -9,7 +9,7 @@ use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
 use crate::dataset::header::{FORMAT_NAME, FORMAT_VERSION};
 use crate::dataset::sweep::SWEEP_FORMAT_NAME;
 use crate::dataset::trade::TRADE_FORMAT_NAME;
-use crate::dataset::{header, layout, read_or_empty, read_text, series, summary};
+use crate::dataset::{header, layout, read_attribute, read_or_empty, series, summary};
 use crate::engine::{Part, Status};
 use crate::provenance::Provenance;
 use crate::stats::Summary;
@@ -61,7 +61,7 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
         other => other?,
     };
     let file = open(path)?;
-    match read_text(&file, "format_name").unwrap_or_default().as_str() {
+    match read_attribute::<_, String>(&file, "format_name").unwrap_or_default().as_str() {
         FORMAT_NAME => Ok(Some(FileKind::Run)),
         TRADE_FORMAT_NAME => Ok(Some(FileKind::Trade)),
         SWEEP_FORMAT_NAME => Ok(Some(FileKind::Sweep)),

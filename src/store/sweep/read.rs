@@ -1,7 +1,7 @@
 //! Reading the file of a sweep, finished or not.
 
 use crate::dataset::sweep::{self, SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name, program};
-use crate::dataset::{StoredSweep, read_text};
+use crate::dataset::{StoredSweep, read_attribute};
 use crate::provenance::Provenance;
 use crate::store::StoreError;
 use crate::store::error::cause;
@@ -52,11 +52,11 @@ fn lines(text: &str) -> Vec<String> {
 pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
     check_file(path)?;
     let file = open(path)?;
-    if read_text(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
+    if read_attribute::<_, String>(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
         return Err(StoreError::NotASweep { path: path.to_owned() });
     }
     let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let version = read_text(&file, "format_version").map_err(damaged)?;
+    let version: String = read_attribute(&file, "format_version").map_err(damaged)?;
     let major = version.split('.').next().and_then(|major| major.parse().ok()).unwrap_or(u32::MAX);
     if major > SWEEP_FORMAT_VERSION.0 {
         return Err(StoreError::Newer { path: path.to_owned(), major, minor: 0 });
