@@ -34,6 +34,11 @@ pub(crate) trait Walk {
     /// Fail because what was read is wrong. A walk that writes has read nothing and does not fail.
     fn refuse(&mut self, cause: String) -> Result<(), Self::Error>;
 
+    /// Fail unless what was read is right.
+    fn check(&mut self, is_right: bool, cause: impl FnOnce() -> String) -> Result<(), Self::Error> {
+        if is_right { Ok(()) } else { self.refuse(cause()) }
+    }
+
     /// A variable that must have so many values.
     fn along<T: Element>(
         &mut self,
@@ -42,10 +47,7 @@ pub(crate) trait Walk {
         length: usize,
     ) -> Result<(), Self::Error> {
         self.variable(variable, values)?;
-        match values.len() == length {
-            true => Ok(()),
-            false => self.refuse(format!("{} has {} values, not {length}", variable.name, values.len())),
-        }
+        self.check(values.len() == length, || format!("{} has {} values, not {length}", variable.name, values.len()))
     }
 
     /// The same with another message.
@@ -56,10 +58,7 @@ pub(crate) trait Walk {
         length: usize,
     ) -> Result<(), Self::Error> {
         self.variable(variable, values)?;
-        match values.len() == length {
-            true => Ok(()),
-            false => self.refuse(format!("{} has another size", variable.name)),
-        }
+        self.check(values.len() == length, || format!("{} has another size", variable.name))
     }
 
     /// The values of a curve with the ends of their intervals.
