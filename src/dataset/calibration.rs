@@ -3,9 +3,8 @@
 
 use super::header::walk_origin;
 use super::layout::{Unit, Variable, table, variable};
-use super::summary::columns_of;
 use super::walk::{Reading, Walk};
-use super::{Destination, Source, read_other_program, texts};
+use super::{Destination, Source, columns_of, read_other_program, texts};
 use crate::bearing::calibration::{
     Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, SeenSlip, Spikes, Start, Values,
     response_of,

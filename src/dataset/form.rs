@@ -43,6 +43,14 @@ impl From<u64> for Attribute {
     }
 }
 
+/// The attributes of a variable, in the order in which they are written.
+pub(crate) fn attributes_of<'a>(variable: &Described<'a>, units: &Units) -> Vec<(&'a str, Attribute)> {
+    let flags = (!variable.flags.is_empty()).then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
+    let unit = variable.unit.label(units).map(|label| ("units", Attribute::Text(label)));
+    let others = variable.attributes.iter().map(|&(name, value)| (name, Attribute::from(value)));
+    [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others).collect()
+}
+
 /// A value that is kept as an attribute of a data set.
 pub(crate) trait AttributeValue: Sized {
     /// The attribute; none if it is left out.
@@ -100,6 +108,13 @@ impl AttributeValue for bool {
 /// Names as values of a variable.
 pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
+}
+
+/// The columns of a table with these rows.
+pub(crate) fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> [Vec<f64>; N] {
+    let mut columns = [const { Vec::new() }; N];
+    rows.into_iter().for_each(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value)));
+    columns
 }
 
 /// Where a data set is written.

@@ -2,7 +2,7 @@
 
 use super::layout;
 use super::walk::{Reading, Walk};
-use super::{Destination, Source, read_or_empty, read_variable, texts};
+use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
     Bands, Bias, Corrected, Estimate, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
     Summary, Transient,
@@ -95,13 +95,6 @@ pub(super) fn estimate_of(statistic: Statistic, numbers: [f64; 7]) -> Estimate {
 /// The corrected estimate with its interval; NaN where there is none.
 pub(super) fn corrected_of(e: &Estimate) -> [f64; 3] {
     e.corrected().map_or([f64::NAN; 3], |Corrected { estimate, low, high }| [estimate, low, high])
-}
-
-/// The columns of a table with these rows.
-pub(super) fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> [Vec<f64>; N] {
-    let mut columns = [const { Vec::new() }; N];
-    rows.into_iter().for_each(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value)));
-    columns
 }
 
 fn estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[String]) -> Result<(), W::Error> {

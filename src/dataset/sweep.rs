@@ -2,11 +2,11 @@
 //! points.
 
 use super::header::walk_origin;
-use super::layout::{Described, Unit, variable};
-use super::summary::{columns_of, corrected_of, estimate_of, numbers_of, write_statistics};
+use super::layout::{Unit, variable};
+use super::summary::{corrected_of, estimate_of, numbers_of, write_statistics};
 use super::sweep_layout::{self as own, along};
 use super::walk::{Reading, Walk};
-use super::{Destination, Source, read_attribute_of, read_variable, series, texts};
+use super::{Destination, Source, columns_of, read_attribute_of, read_variable, series, texts};
 use crate::engine::Status;
 use crate::model::Series;
 use crate::provenance::{Provenance, other_program};
@@ -80,10 +80,7 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, sweep: &Swe
     coordinates(to, sweep)?;
     let seeds: Vec<u64> = sweep.question.points.iter().map(|scenario| scenario.ensemble.seed).collect();
     points(to, design, &seeds, &mut sweep.points.clone())?;
-    match design {
-        Design::Star { keys, .. } => elasticities(to, sweep, keys.len()),
-        Design::Grid(_) | Design::Zip(_) => differences(to, sweep),
-    }
+    comparisons(to, sweep)
 }
 
 /// What the attributes of a sweep say about it, besides where it comes from.
@@ -242,40 +239,30 @@ fn points<W: Walk>(
     Ok(())
 }
 
-fn numbers(paired: Option<Paired>) -> [f64; 5] {
-    let Paired { measurement: m, gain } = paired.unwrap_or(Paired::NOTHING);
-    [m.estimate, m.standard_error, m.low, m.high, gain]
-}
-
-fn differences<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error> {
-    let mut all: Vec<[f64; 5]> = Vec::new();
-    for dimension in 0..sweep.question.design.along().len() {
-        for point in 0..sweep.points.len() {
-            let of = |statistic| numbers(sweep.difference(point, dimension, statistic));
-            all.extend(Statistic::ALL.map(of));
+/// Write the differences between points, or the elasticities.
+fn comparisons<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error> {
+    let numbers = |paired: Option<Paired>| {
+        let Paired { measurement: m, gain } = paired.unwrap_or(Paired::NOTHING);
+        [m.estimate, m.standard_error, m.low, m.high, gain]
+    };
+    let design = &sweep.question.design;
+    let (variables, dimensions, rows): (_, _, Vec<[f64; 5]>) = match design {
+        Design::Star { keys, .. } => {
+            let of = |key| Statistic::ALL.map(|statistic| numbers(sweep.elasticity(key, statistic)));
+            (&own::PER_ELASTICITY, vec!["key", "statistic"], (0..keys.len()).flat_map(of).collect())
         }
-    }
-    let dimensions = [&["along"][..], &shape(&sweep.question.design), &["statistic"]].concat();
-    write_each(to, &own::PER_DIFFERENCE, &dimensions, &all)
-}
-
-fn elasticities<D: Destination>(to: &mut D, sweep: &Sweep, keys: usize) -> Result<(), D::Error> {
-    let of = |key: usize| Statistic::ALL.map(|statistic| numbers(sweep.elasticity(key, statistic)));
-    let all: Vec<[f64; 5]> = (0..keys).flat_map(of).collect();
-    write_each(to, &own::PER_ELASTICITY, &["key", "statistic"], &all)
-}
-
-fn write_each<D: Destination>(
-    to: &mut D,
-    variables: &[Described],
-    dimensions: &[&str],
-    all: &[[f64; 5]],
-) -> Result<(), D::Error> {
-    for (i, variable) in variables.iter().enumerate() {
-        let described = Described { axes: dimensions, ..*variable };
-        to.write_variable(&described, &all.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>())?;
-    }
-    Ok(())
+        Design::Grid(_) | Design::Zip(_) => {
+            let of =
+                |(along, point)| Statistic::ALL.map(|statistic| numbers(sweep.difference(point, along, statistic)));
+            let places =
+                (0..design.along().len()).flat_map(|along| (0..design.points()).map(move |point| (along, point)));
+            let dimensions = [&["along"][..], &shape(design), &["statistic"]].concat();
+            (&own::PER_DIFFERENCE, dimensions, places.flat_map(of).collect())
+        }
+    };
+    let columns = columns_of(rows);
+    let mut each = variables.iter().zip(&columns);
+    each.try_for_each(|(variable, values)| to.write_variable(&along(variable, &dimensions, &[]), values))
 }
 
 /// Read a sweep.

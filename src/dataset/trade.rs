@@ -3,9 +3,9 @@
 
 use super::header::walk_origin;
 use super::layout::{self, Unit, Variable, table, variable};
-use super::summary::{columns_of, estimate_of, write_statistics};
+use super::summary::{estimate_of, write_statistics};
 use super::walk::{Reading, Walk};
-use super::{Destination, Source, read_attribute, read_or_empty, series, texts};
+use super::{Destination, Source, columns_of, read_attribute, read_or_empty, series, texts};
 use crate::provenance::Provenance;
 use crate::scenario::Scenario;
 use crate::scheme::{Kind, Scheme};
@@ -175,7 +175,7 @@ pub(crate) fn read<S: Source>(from: &S, scenario: &Scenario) -> Result<Trade, S:
 }
 
 /// The prices of accuracy in a trade, for each statistic.
-pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
+fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
     let title: String = read_attribute(from, "title")?;
     let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
     let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
@@ -194,6 +194,15 @@ pub(crate) fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> 
         Some(Prices { title: title.clone(), statistic: Statistic::from_name(name)?, curves })
     };
     Ok(statistics.iter().enumerate().filter_map(of).collect())
+}
+
+/// The prices of accuracy in a trade for this statistic, or for the first statistic that has any.
+pub(crate) fn find_prices<S: Source>(from: &S, statistic: Option<Statistic>) -> Result<Option<Prices>, S::Error> {
+    let mut prices = read_prices(from)?.into_iter();
+    Ok(match statistic {
+        Some(statistic) => prices.find(|prices| prices.statistic == statistic),
+        None => prices.find(Prices::has_points),
+    })
 }
 
 /// The cheapest run for one statistic and one target.

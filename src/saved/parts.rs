@@ -160,7 +160,7 @@ pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
         let place = (first_path - origin) as usize..(end - origin) as usize;
         let mut owned = OwnedRows { first_path, paths: end - first_path, ..OwnedRows::default() };
         if record.paths {
-            owned.path_columns = Some(paths(from, &place)?);
+            owned.path_columns = Some(PathColumns::read(|variable, kind| from.rows(variable, kind, &place))?);
         }
         if record.events {
             let (found, next) = events(from, &place, event)?;
@@ -195,11 +195,6 @@ impl RowSource for Dataset {
         let width = self.shape(entry).iter().skip(1).product::<usize>();
         entry.column.slice(rows.start * width..rows.end * width).ok_or_else(|| format!("{name} is too short"))
     }
-}
-
-/// Read the scalars of some paths.
-pub(crate) fn paths<S: RowSource>(from: &S, rows: &Range<usize>) -> Result<PathColumns, S::Error> {
-    PathColumns::read(|variable, kind| from.rows(variable, kind, rows))
 }
 
 /// Read the events of some paths. `first` is the row of their first event; the row after their last

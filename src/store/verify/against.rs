@@ -2,16 +2,15 @@
 
 use super::Difference;
 use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, ColumnView, Destination, Kind, Source as _, read_other_program};
+use crate::dataset::{Attribute, ColumnView, Destination, Kind, Source as _, attributes_of, read_other_program};
 use crate::stats::Units;
 use crate::stats::column::FirstDifference;
 use crate::store::StoreError;
-use crate::store::error::cause;
 use crate::store::reader::open;
-use crate::store::variable::{attributes_of, read_attribute};
+use crate::store::variable::read_attribute;
 use hdf5::{File, Location, Result};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Attributes that name the program. They are not compared, because a file of another program is
 /// told apart before it is compared.
@@ -36,7 +35,6 @@ const OF_LIBRARY: [&str; 8] = [
 /// A file while a data set is compared with it.
 #[derive(Debug)]
 pub(super) struct Against {
-    path: PathBuf,
     pub file: File,
     units: Units,
     /// Names of the variables that were compared.
@@ -51,7 +49,7 @@ pub(super) struct Against {
 impl Against {
     pub fn open(path: &Path, units: Units) -> std::result::Result<Against, StoreError> {
         let (seen, attributes) = Default::default();
-        Ok(Against { path: path.to_owned(), file: open(path)?, units, seen, attributes, values: 0, difference: None })
+        Ok(Against { file: open(path)?, units, seen, attributes, values: 0, difference: None })
     }
 
     /// Number of values and texts that were compared so far.
@@ -67,11 +65,6 @@ impl Against {
     /// The first difference that was found, if any.
     pub fn difference(&self) -> Option<&Difference> {
         self.difference.as_ref()
-    }
-
-    /// The error that the file could not be read.
-    pub fn damaged(&self, error: &hdf5::Error) -> StoreError {
-        StoreError::Damaged { path: self.path.clone(), cause: cause(error) }
     }
 
     /// Keep a difference if it is the first one. Later differences often follow from the first.

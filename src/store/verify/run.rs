@@ -13,6 +13,7 @@ use crate::saved::{RowSource as _, of_bytes};
 use crate::scenario::Bearing;
 use crate::stats::column::FirstDifference;
 use crate::stats::{BlockResult, EVENT_COUNT, Record, Summary};
+use crate::store::reader::damaged;
 use crate::store::rows::{column, some_rows};
 use crate::store::variable::read_variable;
 use crate::store::{StoreError, Stored};
@@ -95,14 +96,14 @@ impl Verification {
     /// given in ascending order.
     pub fn block(&mut self, block: &BlockResult) -> std::result::Result<(), StoreError> {
         let compared = rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table));
-        compared.map_err(|error| self.against.damaged(&error))
+        compared.map_err(damaged(&self.path))
     }
 
     /// Compare everything but the rows: attributes, coordinates, lengths and statistics. `summary`
     /// holds the statistics that were computed again, or else those of the file, whose derived
     /// values are then compared.
     pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> std::result::Result<(), StoreError> {
-        self.compare_rest(expected, summary).map_err(|error| self.against.damaged(&error))?;
+        self.compare_rest(expected, summary).map_err(damaged(&self.path))?;
         if self.difference().is_none() && expected.part.is_some() {
             self.part_state(expected)?;
         }
@@ -176,12 +177,11 @@ impl Verification {
     /// The state from which a part is joined to the others must have the scenario and the statistics
     /// of the part.
     fn part_state(&mut self, expected: &Expected) -> std::result::Result<(), StoreError> {
-        let bytes: Vec<u8> =
-            read_variable(&self.against.file, &layout::PART_STATE).map_err(|error| self.against.damaged(&error))?;
+        let bytes: Vec<u8> = read_variable(&self.against.file, &layout::PART_STATE).map_err(damaged(&self.path))?;
         let state = of_bytes(&bytes, &self.path)?;
         let mut derived = Against::open(&self.path, expected.header.units.clone())?;
         let compared = summary::write(&mut derived, &state.so_far.totals.totals().summary());
-        compared.map_err(|error| self.against.damaged(&error))?;
+        compared.map_err(damaged(&self.path))?;
         if let Some(difference) = derived.difference() {
             let variable = format!("{} in {}", difference.variable, layout::PART_STATE.name);
             self.against.differ(Difference { variable, ..difference.clone() });
