@@ -48,19 +48,37 @@ pub(super) fn walk_origin<W: Walk>(
 }
 
 fn walk<W: Walk>(walk: &mut W, header: &mut Provenance) -> Result<(), W::Error> {
-    let program = [&mut header.program_version, &mut header.git_hash];
-    walk_origin(walk, (FORMAT_NAME, FORMAT_VERSION), &mut header.title, program)?;
-    walk.attribute("scheme", &mut header.scheme)?;
-    walk.attribute("step", &mut header.step)?;
-    walk.attribute("resolution", &mut header.resolution)?;
-    walk.attribute("seed", &mut header.seed)?;
-    walk.attribute("generator", &mut header.generator)?;
-    walk.attribute("paths", &mut header.paths)?;
-    walk.attribute("antithetic", &mut header.antithetic)?;
-    walk.attribute("block_size", &mut header.block_size)?;
+    let Provenance {
+        title,
+        scenario_text,
+        scheme,
+        step,
+        resolution,
+        seed,
+        generator,
+        paths,
+        antithetic,
+        block_size,
+        program_version,
+        git_hash,
+        units: Units { time, length, force, temperature },
+        // Coordinates and variables, and what only a scenario knows.
+        time: _,
+        series: _,
+        series_start: _,
+        bearing: _,
+    } = header;
+    walk_origin(walk, (FORMAT_NAME, FORMAT_VERSION), title, [program_version, git_hash])?;
+    walk.attribute("scheme", scheme)?;
+    walk.attribute("step", step)?;
+    walk.attribute("resolution", resolution)?;
+    walk.attribute("seed", seed)?;
+    walk.attribute("generator", generator)?;
+    walk.attribute("paths", paths)?;
+    walk.attribute("antithetic", antithetic)?;
+    walk.attribute("block_size", block_size)?;
     walk.derived_attribute("status", Status::Running.name())?;
     walk.derived_attribute("completed_paths", 0)?;
-    let Units { time, length, force, temperature } = &mut header.units;
     for (name, label) in
         [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
     {
@@ -70,7 +88,7 @@ fn walk<W: Walk>(walk: &mut W, header: &mut Provenance) -> Result<(), W::Error> 
         walk.attribute(name, &mut there)?;
         *label = there.unwrap_or_default();
     }
-    walk.attribute("scenario", &mut header.scenario_text)
+    walk.attribute("scenario", scenario_text)
 }
 
 /// Write the status with which the run ended, its number of paths, and how many of them diverged.

@@ -4,9 +4,10 @@ use super::layout;
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
-    Bands, Bias, Corrected, Estimate, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
-    Summary, Transient,
+    Band, Bands, Bias, Corrected, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
+    SubPhaseCounts, Summary, Transient,
 };
+use crate::sums::Measurement;
 use ndarray::Array2;
 
 /// Write the coordinates that are known before a run: statistics, quantile levels, and times.
@@ -52,15 +53,17 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
 /// Walk over all statistics; `names` are those of the data set. Another minor version may have
 /// fewer or more of them.
 fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Result<(), W::Error> {
-    estimates(walk, &mut summary.estimates, names)?;
-    bands(walk, &mut summary.bands)?;
-    stick_durations(walk, &mut summary.stick_durations)?;
-    sub_phases(walk, &mut summary.sub_phases)?;
-    periods(walk, &mut summary.periods)?;
-    if let Some(of) = walk.present(&layout::TRANSIENT_END, &mut summary.transient) {
-        transient(walk, of)?;
+    let Summary { completed_paths: _, diverged, estimates, stick_durations, sub_phases, transient, periods, bands } =
+        summary;
+    walk_estimates(walk, estimates, names)?;
+    walk_bands(walk, bands)?;
+    walk_stick_durations(walk, stick_durations)?;
+    walk_sub_phases(walk, sub_phases)?;
+    walk_periods(walk, periods)?;
+    if let Some(transient) = walk.present(&layout::TRANSIENT_END, transient) {
+        walk_transient(walk, transient)?;
     }
-    walk.variable(&layout::DIVERGED_PATH, &mut summary.diverged)
+    walk.variable(&layout::DIVERGED_PATH, diverged)
 }
 
 /// One estimate for each entry of `Statistic::ALL`.
@@ -97,7 +100,7 @@ pub(super) fn corrected_of(e: &Estimate) -> [f64; 3] {
     e.corrected().map_or([f64::NAN; 3], |Corrected { estimate, low, high }| [estimate, low, high])
 }
 
-fn estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[String]) -> Result<(), W::Error> {
+fn walk_estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[String]) -> Result<(), W::Error> {
     let mut columns = columns_of(estimates.each_ref().map(numbers_of));
     for (variable, values) in PER_STATISTIC.iter().zip(&mut columns) {
         walk.variable(variable, values)?;
@@ -116,65 +119,84 @@ fn estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[String])
     variables.into_iter().zip(&corrected).try_for_each(|(variable, values)| walk.derived(variable, values))
 }
 
-fn bands<W: Walk>(walk: &mut W, bands: &mut Bands) -> Result<(), W::Error> {
-    for ([mean, sd, quantile], band) in [
-        (layout::DISPLACEMENT, &mut bands.displacement),
-        (layout::VELOCITY, &mut bands.velocity),
-        (layout::TEMPERATURE, &mut bands.temperature),
-    ] {
-        let mut quantiles = band.quantiles.iter().copied().collect();
-        walk.curve(&mean, &mut band.mean, &mut band.mean_ends)?;
-        walk.curve(&sd, &mut band.sd, &mut band.sd_ends)?;
-        walk.curve(&quantile, &mut quantiles, &mut band.quantile_ends)?;
-        let levels = quantiles.len().checked_div(band.mean.len()).unwrap_or(QUANTILE_LEVELS.len());
-        match Array2::from_shape_vec((levels, band.mean.len()), quantiles) {
-            Ok(quantiles) => band.quantiles = quantiles,
+fn walk_bands<W: Walk>(walk: &mut W, bands: &mut Bands) -> Result<(), W::Error> {
+    let Bands { time: _, displacement, velocity, temperature, static_probability, static_probability_ends } = bands;
+    for ([mean, sd, quantile], band) in
+        [(layout::DISPLACEMENT, displacement), (layout::VELOCITY, velocity), (layout::TEMPERATURE, temperature)]
+    {
+        let Band { mean: values, mean_ends, sd: sds, sd_ends, quantiles, quantile_ends } = band;
+        let mut matrix = quantiles.iter().copied().collect();
+        walk.curve(&mean, values, mean_ends)?;
+        walk.curve(&sd, sds, sd_ends)?;
+        walk.curve(&quantile, &mut matrix, quantile_ends)?;
+        let levels = matrix.len().checked_div(values.len()).unwrap_or(QUANTILE_LEVELS.len());
+        match Array2::from_shape_vec((levels, values.len()), matrix) {
+            Ok(matrix) => *quantiles = matrix,
             Err(error) => walk.refuse(error.to_string())?,
         }
     }
-    let ends = &mut bands.static_probability_ends;
-    walk.curve(&layout::STATIC_PROBABILITY, &mut bands.static_probability, ends)
+    walk.curve(&layout::STATIC_PROBABILITY, static_probability, static_probability_ends)
 }
 
-fn stick_durations<W: Walk>(walk: &mut W, sticks: &mut StickDurations) -> Result<(), W::Error> {
-    let edges = &mut sticks.histogram.edges;
+fn walk_stick_durations<W: Walk>(walk: &mut W, sticks: &mut StickDurations) -> Result<(), W::Error> {
+    let StickDurations {
+        step: _,
+        completed,
+        completed_ends,
+        censored,
+        censored_ends,
+        first_completed,
+        first_completed_ends,
+        first_censored,
+        first_censored_ends,
+        histogram: Histogram { edges, counts },
+        count_ends,
+        censored_counts,
+        censored_count_ends,
+        survival,
+        survival_ends,
+        quantiles,
+        quantile_ends,
+    } = sticks;
     let mut lower = edges.get(..edges.len().saturating_sub(1)).unwrap_or_default().to_vec();
     let mut upper = edges.get(1..).unwrap_or_default().to_vec();
     walk.variable(&layout::DURATION_BIN, &mut upper)?;
     walk.variable(&layout::DURATION_BIN_LOWER, &mut lower)?;
     *edges = lower.into_iter().chain(upper.last().copied()).collect();
-    walk.curve(&layout::STICK_DURATION_COUNT, &mut sticks.histogram.counts, &mut sticks.count_ends)?;
-    let ends = &mut sticks.censored_count_ends;
-    walk.curve(&layout::STICK_DURATION_CENSORED_COUNT, &mut sticks.censored_counts, ends)?;
-    walk.curve(&layout::STICK_DURATION_SURVIVAL, &mut sticks.survival, &mut sticks.survival_ends)?;
-    walk.curve(&layout::STICK_DURATION_QUANTILE, &mut sticks.quantiles, &mut sticks.quantile_ends)?;
-    walk.number(&layout::STICK_DURATION_COMPLETED, &mut sticks.completed, &mut sticks.completed_ends)?;
-    walk.number(&layout::STICK_DURATION_CENSORED, &mut sticks.censored, &mut sticks.censored_ends)?;
-    walk.number(&layout::FIRST_STICK_COMPLETED, &mut sticks.first_completed, &mut sticks.first_completed_ends)?;
-    walk.number(&layout::FIRST_STICK_CENSORED, &mut sticks.first_censored, &mut sticks.first_censored_ends)
+    walk.curve(&layout::STICK_DURATION_COUNT, counts, count_ends)?;
+    walk.curve(&layout::STICK_DURATION_CENSORED_COUNT, censored_counts, censored_count_ends)?;
+    walk.curve(&layout::STICK_DURATION_SURVIVAL, survival, survival_ends)?;
+    walk.curve(&layout::STICK_DURATION_QUANTILE, quantiles, quantile_ends)?;
+    walk.number(&layout::STICK_DURATION_COMPLETED, completed, completed_ends)?;
+    walk.number(&layout::STICK_DURATION_CENSORED, censored, censored_ends)?;
+    walk.number(&layout::FIRST_STICK_COMPLETED, first_completed, first_completed_ends)?;
+    walk.number(&layout::FIRST_STICK_CENSORED, first_censored, first_censored_ends)
 }
 
-fn sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Result<(), W::Error> {
-    walk.derived(&layout::SUB_PHASE, &(1..).take(sub_phases.counts.len()).collect::<Vec<u32>>())?;
-    walk.curve(&layout::SUB_PHASE_COUNT, &mut sub_phases.counts, &mut sub_phases.count_ends)?;
-    walk.curve(&layout::SUB_PHASE_SHARE, &mut sub_phases.shares, &mut sub_phases.share_ends)?;
-    walk.number(&layout::SUB_PHASE_CENSORED, &mut sub_phases.censored, &mut sub_phases.censored_ends)
+fn walk_sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Result<(), W::Error> {
+    let SubPhaseCounts { counts, count_ends, shares, share_ends, censored, censored_ends } = sub_phases;
+    walk.derived(&layout::SUB_PHASE, &(1..).take(counts.len()).collect::<Vec<u32>>())?;
+    walk.curve(&layout::SUB_PHASE_COUNT, counts, count_ends)?;
+    walk.curve(&layout::SUB_PHASE_SHARE, shares, share_ends)?;
+    walk.number(&layout::SUB_PHASE_CENSORED, censored, censored_ends)
 }
 
-fn periods<W: Walk>(walk: &mut W, periods: &mut PeriodMoments) -> Result<(), W::Error> {
-    walk.derived(&layout::PERIOD, &(1..).take(periods.time.len()).collect::<Vec<u32>>())?;
-    walk.variable(&layout::PERIOD_TIME, &mut periods.time)?;
-    walk.curve(&layout::DISPLACEMENT_PERIOD_MEAN, &mut periods.mean, &mut periods.mean_ends)?;
-    walk.curve(&layout::DISPLACEMENT_PERIOD_VARIANCE, &mut periods.variance, &mut periods.variance_ends)
+fn walk_periods<W: Walk>(walk: &mut W, periods: &mut PeriodMoments) -> Result<(), W::Error> {
+    let PeriodMoments { time, mean, mean_ends, variance, variance_ends } = periods;
+    walk.derived(&layout::PERIOD, &(1..).take(time.len()).collect::<Vec<u32>>())?;
+    walk.variable(&layout::PERIOD_TIME, time)?;
+    walk.curve(&layout::DISPLACEMENT_PERIOD_MEAN, mean, mean_ends)?;
+    walk.curve(&layout::DISPLACEMENT_PERIOD_VARIANCE, variance, variance_ends)
 }
 
-fn transient<W: Walk>(walk: &mut W, transient: &mut Transient) -> Result<(), W::Error> {
+fn walk_transient<W: Walk>(walk: &mut W, transient: &mut Transient) -> Result<(), W::Error> {
     let Transient { end, sticks, stick_ends, slips, slip_ends, displacement } = transient;
+    let Measurement { estimate, standard_error, low, high } = displacement;
     walk.scalar(&layout::TRANSIENT_END, end)?;
     walk.number(&layout::TRANSIENT_STICKS, sticks, stick_ends)?;
     walk.number(&layout::TRANSIENT_SLIPS, slips, slip_ends)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.value, &mut displacement.estimate)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT_ERROR, &mut displacement.standard_error)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.low, &mut displacement.low)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.high, &mut displacement.high)
+    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.value, estimate)?;
+    walk.scalar(&layout::TRANSIENT_DISPLACEMENT_ERROR, standard_error)?;
+    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.low, low)?;
+    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.high, high)
 }

@@ -392,7 +392,7 @@ mod tests {
         let result = observer.finish(100, 5, vec![101, 104]);
 
         let columns = result.path_columns.expect("asked for");
-        assert_eq!(columns.diverged, [false, true, false, false, true]);
+        assert_eq!(columns.diverged, [0, 1, 0, 0, 1]);
         assert_eq!(columns.slips, [0, 0, 1, 0, 0]);
         assert_eq!(columns.sub_phases, [0, 0, 1, 0, 0]);
         // With f_d = 2:

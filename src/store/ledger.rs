@@ -1,6 +1,6 @@
 //! What was to be written to a file.
 //!
-//! ColumnView are kept as checksums, so that a ledger is small however large the file is.
+//! Values are kept as checksums, so that a ledger is small however large the file is.
 
 use crate::dataset::{Attribute, ColumnView, Kind};
 use crate::saved::checksum;
