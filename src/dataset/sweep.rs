@@ -202,14 +202,17 @@ fn points<W: Walk>(
     let dimensions = [&shape, own::ESTIMATE_WITHOUT.axes].concat();
     walk.sized(&along(&own::ESTIMATE_WITHOUT, &dimensions, &[]), &mut without, count * GROUPS * STATISTICS)?;
 
+    let whole =
+        |of: fn(&Point) -> u64| -> Vec<u64> { points.iter().map(|point| point.as_ref().map_or(0, of)).collect() };
     let done = |point: &Option<Point>| match point {
-        None => (0, (0, (0, f64::NAN))),
-        Some(Point { completed_paths, diverged_paths, seconds, .. }) => {
-            (if diverged_paths < completed_paths { 1 } else { 2 }, (*completed_paths, (*diverged_paths, *seconds)))
-        }
+        None => 0,
+        Some(point) if point.diverged_paths < point.completed_paths => 1,
+        Some(_) => 2_i8,
     };
-    type Columns = (Vec<i8>, (Vec<u64>, (Vec<u64>, Vec<f64>)));
-    let (mut status, (mut completed, (mut diverged, mut seconds))): Columns = points.iter().map(done).unzip();
+    let mut status: Vec<i8> = points.iter().map(done).collect();
+    let (mut completed, mut diverged) = (whole(|point| point.completed_paths), whole(|point| point.diverged_paths));
+    let seconds = |point: &Option<Point>| point.as_ref().map_or(f64::NAN, |point| point.seconds);
+    let mut seconds: Vec<f64> = points.iter().map(seconds).collect();
     walk.sized(&along(&own::POINT_STATUS, &shape, &[]), &mut status, count)?;
     walk.sized(&along(&own::POINT_COMPLETED_PATHS, &shape, &[]), &mut completed, count)?;
     walk.sized(&along(&own::POINT_DIVERGED_PATHS, &shape, &[]), &mut diverged, count)?;

@@ -50,7 +50,7 @@ pub(crate) trait Walk {
         self.check(values.len() == length, || format!("{} has {} values, not {length}", variable.name, values.len()))
     }
 
-    /// The same with another message.
+    /// The same; the refusal does not say how many there are.
     fn sized<T: Element>(
         &mut self,
         variable: &Described,
