@@ -58,17 +58,6 @@ macro_rules! measured {
     };
 }
 
-/// Declares mean, standard deviation and quantiles of a quantity on the output grid.
-macro_rules! band {
-    ($of:literal, $unit:expr) => {
-        [
-            measured!(concat!($of, "_mean"), &["time"], $unit, concat!("mean of the ", $of)),
-            measured!(concat!($of, "_sd"), &["time"], $unit, concat!("standard deviation of the ", $of)),
-            measured!(concat!($of, "_quantile"), &["quantile", "time"], $unit, concat!("quantiles of the ", $of)),
-        ]
-    };
-}
-
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
 const PER_BIN: &[(&str, &str)] = &[("coordinates", "duration_bin_lower")];
 
@@ -185,9 +174,21 @@ table! {
 }
 
 /// Mean, standard deviation and quantiles of a quantity on the output grid.
-pub(crate) const DISPLACEMENT: [Measured; 3] = band!("displacement", Unit::LENGTH);
-pub(crate) const VELOCITY: [Measured; 3] = band!("velocity", Unit::VELOCITY);
-pub(crate) const TEMPERATURE: [Measured; 3] = band!("temperature", Unit::TEMPERATURE);
+pub(crate) const DISPLACEMENT: [Measured; 3] = [
+    measured!("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement"),
+    measured!("displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement"),
+    measured!("displacement_quantile", &["quantile", "time"], Unit::LENGTH, "quantiles of the displacement"),
+];
+pub(crate) const VELOCITY: [Measured; 3] = [
+    measured!("velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity"),
+    measured!("velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity"),
+    measured!("velocity_quantile", &["quantile", "time"], Unit::VELOCITY, "quantiles of the velocity"),
+];
+pub(crate) const TEMPERATURE: [Measured; 3] = [
+    measured!("temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature"),
+    measured!("temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature"),
+    measured!("temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE, "quantiles of the temperature"),
+];
 
 #[cfg(test)]
 mod tests {
