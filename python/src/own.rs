@@ -79,7 +79,7 @@ impl Kept {
 
 impl Own {
     fn numbers<'py>(&self, py: Python<'py>, first: u64, events: &EventColumns) -> PyResult<Numbers<'py>> {
-        let EventColumns { count, time, displacement, force, sign, kind } = events;
+        let EventColumns { count, time, displacement, force, sign, kind, .. } = events;
         let [time, displacement, force] = [time, displacement, force].map(|column| column.clone().into_pyarray(py));
         let [sign, kind] = [sign, kind].map(|column| column.clone().into_pyarray(py));
         let shown = (first, count.clone().into_pyarray(py), time, displacement, force, sign, kind);

@@ -3,19 +3,16 @@
 use crate::ensemble::{BLOCK_SIZE, Plan};
 use crate::model::Model;
 use crate::scenario::Scenario;
+use crate::stats::column::Columns as _;
+use crate::stats::{EventColumns, ON_THE_GRID, PathColumns, TrajectoryRows};
 use std::f64::consts::PI;
 
 /// Bytes of one row of the bands: the time; and x, x' and T, each with mean, sd and five quantiles,
 /// and P(static), each of these with the two ends of its interval.
 const ROW_BYTES: f64 = 8.0 * (3.0 * (3.0 * 7.0 + 1.0) + 1.0);
-/// Bytes of a path's scalars: its number, five doubles, three counts, one flag.
-const PATH_BYTES: f64 = 8.0 * 6.0 + 4.0 * 3.0 + 1.0;
-/// Bytes of an event: three doubles and two flags.
-const EVENT_BYTES: f64 = 8.0 * 3.0 + 2.0;
-/// Bytes of one row of a trajectory: five doubles and a flag. A sensor at the bearing adds one
-/// double.
-const TRAJECTORY_BYTES: f64 = 8.0 * 5.0 + 1.0;
-const SENSOR_BYTES: f64 = 8.0;
+/// Bytes of the number of a path, and of what a sensor at the bearing shows at one time.
+const NUMBER_BYTES: usize = 8;
+const SENSOR_BYTES: usize = 8;
 /// Bytes of a sample of a measured temperature: its time and its value.
 const SAMPLE_BYTES: f64 = 8.0 * 2.0;
 /// Bytes of a file without any data.
@@ -60,11 +57,14 @@ fn block_bytes(scenario: &Scenario) -> f64 {
 fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
     let record = &scenario.record;
     let events = scenario.steps().map_or(f64::INFINITY, |steps| steps as f64).min(events(scenario)) + 1.0;
-    let sensor = if scenario.bearing.is_some() { SENSOR_BYTES } else { 0.0 };
+    let sensor = if scenario.bearing.is_some() { SENSOR_BYTES } else { 0 };
     let rows = scenario.timeline().rows() as f64;
-    let scalars = if record.paths { paths * PATH_BYTES } else { 0.0 };
-    let events = if record.events { paths * (4.0 + events * EVENT_BYTES) } else { 0.0 };
-    scalars + events + paths.min(record.trajectories as f64) * rows * (TRAJECTORY_BYTES + sensor)
+    let of_path = (NUMBER_BYTES + PathColumns::bytes_along(&["path"])) as f64;
+    let [count, of_event] = [["path"], ["event"]].map(|axes| EventColumns::bytes_along(&axes) as f64);
+    let of_row = (TrajectoryRows::bytes_along(ON_THE_GRID) + sensor) as f64;
+    let scalars = if record.paths { paths * of_path } else { 0.0 };
+    let events = if record.events { paths * (count + events * of_event) } else { 0.0 };
+    scalars + events + paths.min(record.trajectories as f64) * rows * of_row
 }
 
 /// Estimated size of the output file in bytes, uncompressed.

@@ -9,7 +9,7 @@ use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status, other_program};
 use stick_slip::ensemble::Plan;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{PathColumns, Record};
+use stick_slip::stats::Record;
 use stick_slip::store::{self, Writer};
 
 const EXAMPLE: &str = "\
@@ -69,7 +69,7 @@ impl Replay {
         let Some(held) = store::read_path(&self.file, self.path)? else { return Ok(()) };
         let record = Record { paths: true, ..Record::NOTHING };
         let made = Plan { record, ..scenario.plan() }.replay(self.path).path_columns.unwrap_or_default();
-        if bits(&held) == bits(&made) {
+        if held.is_same(&made) {
             return Ok(());
         }
         let (file, path) = (self.file.display(), self.path);
@@ -78,27 +78,6 @@ impl Replay {
              scenario, seed or rows were changed), or the program that wrote it"
         )))
     }
-}
-
-/// The bits of all numbers of one path.
-fn bits(path: &PathColumns) -> Vec<u64> {
-    let PathColumns {
-        displacement_end,
-        max_displacement,
-        first_stick_duration,
-        stick_time,
-        friction_work,
-        sticks,
-        slips,
-        sub_phases,
-        diverged,
-    } = path;
-    let reals = [displacement_end, max_displacement, first_stick_duration, stick_time, friction_work];
-    // All NaNs count as equal: they mean that a value is missing.
-    let real = |x: &f64| if x.is_nan() { f64::NAN.to_bits() } else { x.to_bits() };
-    let reals = reals.into_iter().flatten().map(real);
-    let counts = [sticks, slips, sub_phases].into_iter().flatten().map(|&count| count.into());
-    reals.chain(counts).chain(diverged.iter().map(|&flag| flag.into())).collect()
 }
 
 /// Simulates one path, writes it, and prints its events.

@@ -1,15 +1,13 @@
 //! A calibration as a data set: the measured record, what was found in it, and what the model
 //! gives.
 
-use super::header::CONVENTIONS;
-use super::layout::{Unit, Variable, variable};
-use super::{
-    Destination, Source, read_count, read_or_empty, read_other_program, read_real, read_real_if_present, read_text,
-    read_text_if_present, texts,
-};
+use super::header::walk_origin;
+use super::layout::{Unit, Variable, table, variable};
+use super::walk::{Reading, Walk};
+use super::{Destination, Source, columns_of, read_other_program, texts};
 use crate::bearing::calibration::{
-    Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, Record, Residuals, SeenSlip, Spikes,
-    Start, Values, response_of,
+    Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, SeenSlip, Spikes, Start, Values,
+    response_of,
 };
 use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
@@ -57,256 +55,191 @@ pub(crate) fn units() -> Units {
 
 /// Write a calibration.
 pub(crate) fn write<D: Destination>(to: &mut D, stored: &StoredCalibration) -> Result<(), D::Error> {
-    attributes(to, stored)?;
-    write_question(to, &stored.calibration.question)?;
-    variables(to, &stored.calibration)
+    walk(to, &mut stored.clone())
 }
 
-fn attributes<D: Destination>(to: &mut D, stored: &StoredCalibration) -> Result<(), D::Error> {
+/// Read a calibration.
+pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
+    let other_program = read_other_program(from)?;
+    let mut stored = StoredCalibration { other_program, ..StoredCalibration::of("", "", Calibration::default()) };
+    walk(&mut Reading(from), &mut stored)?;
+    Ok(stored)
+}
+
+/// Walk over a calibration. Everything that follows from other things is computed again.
+fn walk<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::Error> {
+    // Files of format 1.0 lack some of what was asked.
+    stored.is_repeatable = walk.present(&HELD, &mut Some(())).is_some();
+    attributes(walk, stored)?;
+    let calibration = &mut stored.calibration;
+    if stored.is_repeatable {
+        asked(walk, &mut calibration.question)?;
+    }
+    found(walk, calibration)?;
+    calibration.response = response_of(&calibration.estimates.map(|estimate| estimate.estimate));
+    if !stored.is_repeatable {
+        calibration.question.guess = calibration.response.motion;
+    }
+    calibration.question.starts = calibration.starts.len() as u32;
+    measured(walk, calibration)
+}
+
+fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::Error> {
     let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
     let Calibration { question, lag, spikes, .. } = calibration;
-    let (major, minor) = CALIBRATION_FORMAT_VERSION;
-    for (name, value) in [
-        ("Conventions", CONVENTIONS),
-        ("title", title),
-        ("format_name", CALIBRATION_FORMAT_NAME),
-        ("format_version", &format!("{major}.{minor}")),
-        ("program_version", PROGRAM_VERSION),
-        ("git_hash", GIT_HASH),
-        ("scenario", scenario_text),
-        ("method", question.method.name()),
-        ("lag_choice", if question.lag == Lag::Auto { "auto" } else { "given" }),
-    ] {
-        to.set_attribute(name, value)?;
+    let format = (CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION);
+    walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut GIT_HASH.into()])?;
+    walk.attribute("scenario", scenario_text)?;
+    let mut method = question.method.name().to_owned();
+    let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();
+    walk.attribute("method", &mut method)?;
+    match Method::from_name(&method) {
+        Some(method) => question.method = method,
+        None => walk.refuse("an unknown method".into())?,
     }
-    if let Some(shear_stiffness) = question.shear_stiffness {
-        to.set_attribute("shear_stiffness", shear_stiffness)?;
+    walk.attribute("lag_choice", &mut choice)?;
+    walk.attribute("shear_stiffness", &mut question.shear_stiffness)?;
+    walk.attribute("interval", &mut question.level)?;
+    walk.attribute("lag", &mut lag.estimate)?;
+    walk.attribute("lag_low", &mut lag.low)?;
+    walk.attribute("lag_high", &mut lag.high)?;
+    question.lag = if choice == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) };
+    walk.attribute("residual_rms", &mut calibration.residuals.rms)?;
+    match stored.is_repeatable {
+        true => walk.attribute("temperature_resolution", &mut calibration.resolution)?,
+        false => calibration.resolution = f64::NAN,
     }
-    for (name, value) in [
-        ("interval", question.level),
-        ("lag", lag.estimate),
-        ("lag_low", lag.low),
-        ("lag_high", lag.high),
-        ("residual_rms", calibration.residuals.rms),
-        ("temperature_resolution", calibration.resolution),
-    ] {
-        to.set_attribute(name, value)?;
+    if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
+        walk.attribute("lag_likeliest", &mut profile.likeliest)?;
+        walk.attribute("lag_gain", &mut profile.gain)?;
     }
-    if let Some(profile) = &calibration.lag_profile {
-        to.set_attribute("lag_likeliest", profile.likeliest)?;
-        to.set_attribute("lag_gain", profile.gain)?;
+    let mut counts = [spikes.readings as u64, spikes.temperatures as u64, calibration.is_mirrored.into()];
+    for (name, count) in ["spikes_displacement", "spikes_temperature", "mirrored"].into_iter().zip(&mut counts) {
+        walk.attribute(name, count)?;
     }
-    for (name, value) in [
-        ("spikes_displacement", spikes.readings as u64),
-        ("spikes_temperature", spikes.temperatures as u64),
-        ("mirrored", u64::from(calibration.is_mirrored)),
-    ] {
-        to.set_attribute(name, value)?;
-    }
+    *spikes = Spikes { readings: counts[0] as usize, temperatures: counts[1] as usize };
+    calibration.is_mirrored = counts[2] != 0;
     let lines: Vec<String> = warnings.iter().map(|(name, sentence)| format!("{name}: {sentence}")).collect();
-    if lines.is_empty() { Ok(()) } else { to.set_attribute("warnings", lines.join("\n")) }
-}
-
-/// Write what was asked and does not follow from the answer.
-fn write_question<D: Destination>(to: &mut D, question: &Question) -> Result<(), D::Error> {
-    let Motion { reach, jump, start } = question.guess;
-    to.set_attribute("guess_reach", reach)?;
-    to.set_attribute("guess_jump", jump)?;
-    to.set_attribute("guess_start", start)?;
-    let held = |quantity| question.held.iter().find(|held| held.0 == quantity).map_or(f64::NAN, |held| held.1);
-    let bound = |quantity, end: usize| {
-        question.bounds.iter().find(|bound| bound.0 == quantity).map_or(f64::NAN, |bound| bound.1[end])
-    };
-    to.write_variable(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
-    to.write_variable(&HELD, &Quantity::ALL.map(held))?;
-    to.write_variable(&BOUND_LOW, &Quantity::ALL.map(|quantity| bound(quantity, 0)))?;
-    to.write_variable(&BOUND_HIGH, &Quantity::ALL.map(|quantity| bound(quantity, 1)))
-}
-
-/// Read what `write_question` has written into a question.
-fn read_question<S: Source>(from: &S, question: &mut Question) -> Result<(), S::Error> {
-    let [held, low, high]: [Result<Vec<f64>, _>; 3] =
-        [&HELD, &BOUND_LOW, &BOUND_HIGH].map(|variable| read_or_empty(from, variable));
-    let (held, low, high) = (held?, low?, high?);
-    if [&held, &low, &high].iter().any(|values| values.len() != Quantity::ALL.len()) {
-        return Err(format!("{} has another size", HELD.name).into());
-    }
-    let is_held = |quantity: &Quantity| !held[*quantity as usize].is_nan();
-    question.held =
-        Quantity::FITTED.into_iter().filter(is_held).map(|quantity| (quantity, held[quantity as usize])).collect();
-    let is_bound = |quantity: &Quantity| !low[*quantity as usize].is_nan();
-    let bound = |quantity: Quantity| (quantity, [low[quantity as usize], high[quantity as usize]]);
-    question.bounds = Quantity::ALL.into_iter().filter(is_bound).map(bound).collect();
-    let [reach, jump, start] = ["guess_reach", "guess_jump", "guess_start"].map(|name| read_real(from, name));
-    question.guess = Motion { reach: reach?, jump: jump?, start: start? };
+    let mut lines = Some(lines.join("\n")).filter(|lines| !lines.is_empty());
+    walk.attribute("warnings", &mut lines)?;
+    let split = |line: &str| line.split_once(": ").map(|(name, text)| (name.to_string(), text.to_string()));
+    *warnings = lines.unwrap_or_default().lines().filter_map(split).collect();
     Ok(())
 }
 
-fn ends(estimates: &[Estimate]) -> [Vec<f64>; 3] {
-    let of = |end: fn(&Estimate) -> f64| estimates.iter().map(end).collect();
-    [of(|estimate| estimate.estimate), of(|estimate| estimate.low), of(|estimate| estimate.high)]
-}
-
-fn variables<D: Destination>(to: &mut D, calibration: &Calibration) -> Result<(), D::Error> {
-    to.write_variable(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
-    to.write_variable(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
-    for (variable, values) in [&ESTIMATE, &LOW, &HIGH].into_iter().zip(ends(&calibration.estimates)) {
-        to.write_variable(variable, &values)?;
-    }
-    if let Some(others) = &calibration.least_squares {
-        for (variable, values) in [&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH].into_iter().zip(ends(others)) {
-            to.write_variable(variable, &values)?;
+/// What was asked and does not follow from the answer.
+fn asked<W: Walk>(walk: &mut W, question: &mut Question) -> Result<(), W::Error> {
+    let Motion { reach, jump, start } = &mut question.guess;
+    walk.attribute("guess_reach", reach)?;
+    walk.attribute("guess_jump", jump)?;
+    walk.attribute("guess_start", start)?;
+    let held = |quantity| question.held.iter().find(|held| held.0 == quantity).map_or(f64::NAN, |held| held.1);
+    let bound =
+        |quantity| question.bounds.iter().find(|bound| bound.0 == quantity).map_or([f64::NAN; 2], |bound| bound.1);
+    let mut held = Quantity::ALL.map(held).to_vec();
+    let [mut low, mut high] = columns_of(Quantity::ALL.map(bound));
+    walk.derived(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
+    for (variable, values) in [(&HELD, &mut held), (&BOUND_LOW, &mut low), (&BOUND_HIGH, &mut high)] {
+        walk.variable(variable, values)?;
+        if values.len() != Quantity::ALL.len() {
+            walk.refuse(format!("{} has another size", HELD.name))?;
         }
     }
-    if !calibration.correlations.is_empty() {
-        to.write_variable(&OTHER, &texts(Quantity::ALL.map(Quantity::key)))?;
-        to.write_variable(&CORRELATION, &calibration.correlations.concat())?;
+    let known = |quantity: Quantity, value: f64| (!value.is_nan()).then_some((quantity, value));
+    let fitted = Quantity::FITTED.into_iter();
+    question.held = fitted.filter_map(|quantity| known(quantity, held[quantity as usize])).collect();
+    let bound = |quantity| known(quantity, low[quantity as usize]).map(|(of, low)| (of, [low, high[of as usize]]));
+    question.bounds = Quantity::ALL.into_iter().filter_map(bound).collect();
+    Ok(())
+}
+
+/// One estimate for each of [`Quantity::ALL`].
+type Estimates = [Estimate; Quantity::ALL.len()];
+
+fn estimates<W: Walk>(walk: &mut W, variables: [&Variable; 3], estimates: &mut Estimates) -> Result<(), W::Error> {
+    let mut columns = columns_of(estimates.map(|Estimate { estimate, low, high }| [estimate, low, high]));
+    for (variable, values) in variables.into_iter().zip(&mut columns) {
+        walk.along(variable, values, Quantity::ALL.len())?;
     }
-    let slips = &calibration.slips;
-    let of = |value: fn(&SeenSlip) -> f64| slips.iter().map(value).collect::<Vec<f64>>();
-    to.write_variable(&SLIP, &numbers(slips.len()))?;
-    to.write_variable(&SLIP_TIME, &of(|slip| slip.time))?;
-    to.write_variable(&SLIP_TEMPERATURE, &of(|slip| slip.temperature))?;
-    to.write_variable(&SLIP_JUMP, &of(|slip| slip.jump))?;
-    to.write_variable(&SLIP_USUAL, &slips.iter().map(|slip| i8::from(slip.is_usual)).collect::<Vec<_>>())?;
-    to.write_variable(&START, &numbers(calibration.starts.len()))?;
-    to.write_variable(&START_ERR, &calibration.starts.iter().map(|start| start.err).collect::<Vec<_>>())?;
-    to.write_variable(&START_VALUE, &calibration.start_values().concat())?;
-    if let Some(profile) = &calibration.lag_profile {
-        to.write_variable(&LAG, &profile.profile.iter().map(|(lag, _)| *lag).collect::<Vec<_>>())?;
-        to.write_variable(&LAG_DEVIANCE, &profile.profile.iter().map(|(_, deviance)| *deviance).collect::<Vec<_>>())?;
+    let [estimate, low, high] = columns;
+    *estimates = std::array::from_fn(|i| Estimate { estimate: estimate[i], low: low[i], high: high[i] });
+    Ok(())
+}
+
+/// The estimates, and what was seen on the way to them.
+fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::Error> {
+    let all = Quantity::ALL.len();
+    let rows = |values: &[f64]| -> Vec<Values> {
+        values.chunks_exact(all).map(|row| std::array::from_fn(|i| row[i])).collect()
+    };
+    walk.derived(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
+    walk.derived(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
+    estimates(walk, [&ESTIMATE, &LOW, &HIGH], &mut calibration.estimates)?;
+    if let Some(others) = walk.present(&ERR_ESTIMATE, &mut calibration.least_squares) {
+        estimates(walk, [&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH], others)?;
     }
-    let correlation = &calibration.residuals.autocorrelation;
-    to.write_variable(&DELAY, &correlation.iter().map(|(delay, _)| *delay).collect::<Vec<_>>())?;
-    to.write_variable(&AUTOCORRELATION, &correlation.iter().map(|(_, correlation)| *correlation).collect::<Vec<_>>())?;
-    to.write_variable(&TIME, &calibration.record.times)?;
-    to.write_variable(&TEMPERATURE, &calibration.record.temperatures)?;
-    to.write_variable(&STEEL, &calibration.steel)?;
-    to.write_variable(&READING, &calibration.record.readings)?;
-    to.write_variable(&MODELLED, &calibration.modelled)
+    let mut correlations = calibration.correlations.concat();
+    if !correlations.is_empty() {
+        walk.derived(&OTHER, &texts(Quantity::ALL.map(Quantity::key)))?;
+    }
+    walk.variable(&CORRELATION, &mut correlations)?;
+    calibration.correlations = rows(&correlations);
+
+    let slips = &mut calibration.slips;
+    let [mut times, mut temperatures, mut jumps] =
+        columns_of(slips.iter().map(|slip| [slip.time, slip.temperature, slip.jump]));
+    let mut usual: Vec<i8> = slips.iter().map(|slip| slip.is_usual.into()).collect();
+    walk.derived(&SLIP, &numbers(slips.len()))?;
+    walk.variable(&SLIP_TIME, &mut times)?;
+    walk.along(&SLIP_TEMPERATURE, &mut temperatures, times.len())?;
+    walk.along(&SLIP_JUMP, &mut jumps, times.len())?;
+    walk.variable(&SLIP_USUAL, &mut usual)?;
+    let slip = |(i, time)| {
+        let is_usual = usual.get(i) == Some(&1);
+        SeenSlip { time, temperature: temperatures[i], jump: jumps[i], is_usual }
+    };
+    *slips = times.into_iter().enumerate().map(slip).collect();
+
+    let mut errs: Vec<f64> = calibration.starts.iter().map(|start| start.err).collect();
+    let mut values = calibration.start_values().concat();
+    walk.derived(&START, &numbers(errs.len()))?;
+    walk.variable(&START_ERR, &mut errs)?;
+    walk.along(&START_VALUE, &mut values, errs.len() * all)?;
+    let starts = errs.into_iter().zip(rows(&values));
+    calibration.starts = starts.map(|(err, values)| Start { err, response: response_of(&values) }).collect();
+    if let Some(LagProfile { profile, .. }) = &mut calibration.lag_profile {
+        pairs(walk, [&LAG, &LAG_DEVIANCE], profile)?;
+    }
+    pairs(walk, [&DELAY, &AUTOCORRELATION], &mut calibration.residuals.autocorrelation)
+}
+
+/// Walk over points: their places, and the values there.
+fn pairs<W: Walk>(walk: &mut W, [at, of]: [&Variable; 2], pairs: &mut Vec<(f64, f64)>) -> Result<(), W::Error> {
+    let (mut places, mut values): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
+    walk.variable(at, &mut places)?;
+    walk.along(of, &mut values, places.len())?;
+    *pairs = places.into_iter().zip(values).collect();
+    Ok(())
+}
+
+/// The measurement, and what the model gives.
+fn measured<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::Error> {
+    let Calibration { record, steel, modelled, .. } = calibration;
+    walk.variable(&TIME, &mut record.times)?;
+    let n = record.times.len();
+    walk.along(&TEMPERATURE, &mut record.temperatures, n)?;
+    walk.along(&STEEL, steel, n)?;
+    walk.along(&READING, &mut record.readings, n)?;
+    walk.along(&MODELLED, modelled, n)
 }
 
 fn numbers(count: usize) -> Vec<u32> {
     (0..).take(count).collect()
 }
 
-/// Read a calibration.
-pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
-    let number = |name: &str| read_real(from, name);
-    let whole = |name: &str| read_count(from, name);
-    let column = |variable: &Variable| read_or_empty::<S, f64>(from, variable);
-    // Every column has the length of its coordinate.
-    let along = |variable: &Variable, length: usize| match column(variable)? {
-        values if values.len() == length => Ok(values),
-        values => Err(S::Error::from(format!("{} has {} values, not {length}", variable.name, values.len()))),
-    };
-    let all = Quantity::ALL.len();
-    let estimates = |variables: [&Variable; 3]| -> Result<[Estimate; Quantity::ALL.len()], S::Error> {
-        let [estimate, low, high] = variables.map(|variable| along(variable, all));
-        let (estimate, low, high) = (estimate?, low?, high?);
-        Ok(std::array::from_fn(|i| Estimate { estimate: estimate[i], low: low[i], high: high[i] }))
-    };
-    let rows = |values: &[f64]| -> Vec<Values> {
-        values.chunks_exact(all).map(|row| std::array::from_fn(|i| row[i])).collect()
-    };
-    let times = column(&TIME)?;
-    let n = times.len();
-    let record = Record { temperatures: along(&TEMPERATURE, n)?, readings: along(&READING, n)?, times };
-    let found = estimates([&ESTIMATE, &LOW, &HIGH])?;
-    let slip_times = column(&SLIP_TIME)?;
-    let slips = slip_times.len();
-    let (temperatures, jumps) = (along(&SLIP_TEMPERATURE, slips)?, along(&SLIP_JUMP, slips)?);
-    let usual = read_or_empty::<S, i8>(from, &SLIP_USUAL)?;
-    let errs = column(&START_ERR)?;
-    let starts = rows(&along(&START_VALUE, errs.len() * all)?);
-    let lags = column(&LAG)?;
-    let deviances = along(&LAG_DEVIANCE, lags.len())?;
-    let delays = column(&DELAY)?;
-    let correlations = along(&AUTOCORRELATION, delays.len())?;
-    let method = Method::from_name(&read_text(from, "method")?).ok_or_else(|| "an unknown method".to_string())?;
-    let lag = Estimate { estimate: number("lag")?, low: number("lag_low")?, high: number("lag_high")? };
-    let response = response_of(&found.map(|estimate| estimate.estimate));
-    let mut question = Question {
-        method,
-        shear_stiffness: read_real_if_present(from, "shear_stiffness")?,
-        starts: errs.len() as u32,
-        lag: if read_text(from, "lag_choice")? == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) },
-        level: number("interval")?,
-        held: Vec::new(),
-        bounds: Vec::new(),
-        guess: response.motion,
-    };
-    let is_repeatable = from.has(HELD.name);
-    if is_repeatable {
-        read_question(from, &mut question)?;
-    }
-    let profile = (!lags.is_empty()).then(|| {
-        let profile = lags.into_iter().zip(deviances).collect();
-        Ok::<_, S::Error>(LagProfile { likeliest: number("lag_likeliest")?, gain: number("lag_gain")?, profile })
-    });
-    let calibration = Calibration {
-        question,
-        steel: along(&STEEL, n)?,
-        modelled: along(&MODELLED, n)?,
-        record,
-        resolution: if is_repeatable { number("temperature_resolution")? } else { f64::NAN },
-        spikes: Spikes {
-            readings: whole("spikes_displacement")? as usize,
-            temperatures: whole("spikes_temperature")? as usize,
-        },
-        is_mirrored: whole("mirrored")? != 0,
-        response,
-        estimates: found,
-        least_squares: match from.has(ERR_ESTIMATE.name) {
-            false => None,
-            true => Some(estimates([&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH])?),
-        },
-        correlations: rows(&column(&CORRELATION)?),
-        slips: (0..slips)
-            .map(|i| SeenSlip {
-                time: slip_times[i],
-                temperature: temperatures[i],
-                jump: jumps[i],
-                is_usual: usual.get(i) == Some(&1),
-            })
-            .collect(),
-        lag,
-        lag_profile: profile.transpose()?,
-        starts: errs
-            .into_iter()
-            .zip(&starts)
-            .map(|(err, values)| Start { err, response: response_of(values) })
-            .collect(),
-        residuals: Residuals {
-            rms: number("residual_rms")?,
-            autocorrelation: delays.into_iter().zip(correlations).collect(),
-        },
-        warnings: Vec::new(),
-    };
-    let warnings = read_text_if_present(from, "warnings")?.unwrap_or_default();
-    let split = |line: &str| line.split_once(": ").map(|(name, text)| (name.to_string(), text.to_string()));
-    Ok(StoredCalibration {
-        title: read_text(from, "title")?,
-        scenario_text: read_text(from, "scenario")?,
-        calibration,
-        warnings: warnings.lines().filter_map(split).collect(),
-        other_program: read_other_program(from)?,
-        is_repeatable,
-    })
-}
-
 const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
 const TEMPERATURES: Unit = Unit::Of(Dimension::TEMPERATURE);
 const PER_QUANTITY: &[(&str, &str)] = &[("coordinates", "quantity_symbol quantity_unit")];
-
-/// Declares the variables together with the list of all of them, so that the list is complete.
-macro_rules! table {
-    ($($constant:ident = $value:expr;)*) => {
-        $(pub(crate) const $constant: Variable = $value;)*
-        #[cfg(test)]
-        const ALL: &[&Variable] = &[$(&$constant),*];
-    };
-}
 
 table! {
     QUANTITY = variable("quantity", &["quantity"], Unit::None, "key of the quantity");

@@ -1,8 +1,10 @@
 //! Where a data set is written and from where it is read back, be it a file or memory.
 
 use super::layout::Described;
+use super::{Column, ColumnView, Element, Kind};
 use crate::engine::other_program;
 use crate::stats::Units;
+use crate::stats::column::values_of;
 
 /// An attribute of a data set or of a variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,155 +43,78 @@ impl From<u64> for Attribute {
     }
 }
 
-/// A type that the values of a variable may have.
-pub(crate) trait Element: Clone {
-    /// Which type this is.
-    const KIND: Kind;
-    /// These values, tagged with their type.
-    fn values(values: &[Self]) -> Values<'_>;
-    /// The values of a column; none if the column has another type.
-    fn of(column: Column) -> Option<Vec<Self>>;
+/// The attributes of a variable, in the order in which they are written.
+pub(crate) fn attributes_of<'a>(variable: &Described<'a>, units: &Units) -> Vec<(&'a str, Attribute)> {
+    let flags = (!variable.flags.is_empty()).then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
+    let unit = variable.unit.label(units).map(|label| ("units", Attribute::Text(label)));
+    let others = variable.attributes.iter().map(|&(name, value)| (name, Attribute::from(value)));
+    [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others).collect()
 }
 
-/// Declares the types that the values of a variable may have: the enum `Kind` of their names, and
-/// the values themselves, borrowed as `Values` and owned as `Column`.
-macro_rules! kinds {
-    ($($kind:ident($type:ty): $meaning:literal;)*) => {
-        /// Types of values.
-        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(crate) enum Kind {
-            $(#[doc = $meaning] $kind,)*
-        }
+/// A value that is kept as an attribute of a data set.
+pub(crate) trait AttributeValue: Sized {
+    /// The attribute; none if it is left out.
+    fn attribute(&self) -> Option<Attribute>;
 
-        /// Values of a variable, row by row, the last axis fastest.
-        #[derive(Clone, Copy, Debug)]
-        pub(crate) enum Values<'a> {
-            $(#[doc = $meaning] $kind(&'a [$type]),)*
-        }
-
-        /// Owned values of a variable, row by row, the last axis fastest.
-        #[derive(Clone, Debug, PartialEq)]
-        pub enum Column {
-            $(#[doc = $meaning] $kind(Vec<$type>),)*
-        }
-
-        impl Values<'_> {
-            /// Number of values.
-            pub(crate) fn len(&self) -> usize {
-                match self {
-                    $(Values::$kind(values) => values.len(),)*
-                }
-            }
-
-            /// The type of the values.
-            pub(crate) fn kind(&self) -> Kind {
-                match self {
-                    $(Values::$kind(_) => Kind::$kind,)*
-                }
-            }
-
-            /// A column of this type without values.
-            pub(crate) fn empty_column(&self) -> Column {
-                match self {
-                    $(Values::$kind(_) => Column::$kind(Vec::new()),)*
-                }
-            }
-        }
-
-        impl Column {
-            /// Number of values.
-            pub fn len(&self) -> usize {
-                match self {
-                    $(Column::$kind(values) => values.len(),)*
-                }
-            }
-
-            /// The values, borrowed.
-            pub(crate) fn values(&self) -> Values<'_> {
-                match self {
-                    $(Column::$kind(values) => Values::$kind(values),)*
-                }
-            }
-
-            /// Some of the values; none if there are not so many.
-            pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
-                match self {
-                    $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
-                }
-            }
-
-            /// Add the values of another column. Fails if that column has another type.
-            pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
-                match (self, other) {
-                    $((Column::$kind(column), Column::$kind(values)) => column.extend_from_slice(values),)*
-                    _ => return Err(()),
-                }
-                Ok(())
-            }
-
-            /// Add values of the type of this column.
-            pub(crate) fn extend(&mut self, values: Values) {
-                match (self, values) {
-                    $((Column::$kind(column), Values::$kind(values)) => column.extend_from_slice(values),)*
-                    (column, values) => unreachable!("{values:?} for a column of {column:?}"),
-                }
-            }
-        }
-
-        $(impl Element for $type {
-            const KIND: Kind = Kind::$kind;
-
-            fn values(values: &[Self]) -> Values<'_> {
-                Values::$kind(values)
-            }
-
-            fn of(column: Column) -> Option<Vec<Self>> {
-                match column {
-                    Column::$kind(values) => Some(values),
-                    _ => None,
-                }
-            }
-        })*
-    };
+    /// The value of an attribute of this name, or what is wrong with it.
+    fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String>;
 }
 
-kinds! {
-    F64(f64): "Real numbers.";
-    U64(u64): "Counts and seeds.";
-    U32(u32): "Small counts.";
-    I8(i8): "Flags.";
-    U8(u8): "Bytes.";
-    Text(String): "Names.";
+macro_rules! attribute_values {
+    ($($type:ty, $kind:ident, $words:literal;)*) => {$(
+        impl AttributeValue for $type {
+            fn attribute(&self) -> Option<Attribute> {
+                Some(Attribute::$kind(self.clone()))
+            }
+
+            fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String> {
+                match attribute {
+                    Some(Attribute::$kind(value)) => Ok(value),
+                    Some(_) => Err(format!("{name} is no {}", $words)),
+                    None => Err(format!("{name} is missing")),
+                }
+            }
+        }
+    )*};
 }
 
-impl Column {
-    /// Whether the column has no values.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
+attribute_values! {
+    String, Text, "text";
+    f64, Real, "real number";
+    u64, Count, "count";
+}
+
+impl<T: AttributeValue> AttributeValue for Option<T> {
+    fn attribute(&self) -> Option<Attribute> {
+        self.as_ref().and_then(T::attribute)
+    }
+
+    fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String> {
+        attribute.map(|attribute| T::of(Some(attribute), name)).transpose()
     }
 }
 
-impl<'a, T: Element> From<&'a [T]> for Values<'a> {
-    fn from(values: &'a [T]) -> Self {
-        T::values(values)
+/// A flag, whose attribute is left out if it is not set.
+impl AttributeValue for bool {
+    fn attribute(&self) -> Option<Attribute> {
+        self.then_some(Attribute::Count(1))
     }
-}
 
-impl<'a, T: Element> From<&'a Vec<T>> for Values<'a> {
-    fn from(values: &'a Vec<T>) -> Self {
-        T::values(values)
-    }
-}
-
-impl<'a, T: Element, const N: usize> From<&'a [T; N]> for Values<'a> {
-    fn from(values: &'a [T; N]) -> Self {
-        T::values(values)
+    fn of(attribute: Option<Attribute>, _: &str) -> Result<Self, String> {
+        Ok(attribute.is_some())
     }
 }
 
 /// Names as values of a variable.
 pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
+}
+
+/// The columns of a table with these rows.
+pub(crate) fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> [Vec<f64>; N] {
+    let mut columns = [const { Vec::new() }; N];
+    rows.into_iter().for_each(|row| columns.iter_mut().zip(row).for_each(|(column, value)| column.push(value)));
+    columns
 }
 
 /// Where a data set is written.
@@ -201,7 +126,11 @@ pub(crate) trait Destination {
     fn units(&self) -> &Units;
 
     /// Write a variable. A variable without values is left out, and so is its dimension.
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error>;
+    fn write_variable<'a>(
+        &mut self,
+        variable: &Described,
+        values: impl Into<ColumnView<'a>>,
+    ) -> Result<(), Self::Error>;
 
     /// Set an attribute of the data set. It replaces an earlier value.
     fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
@@ -223,64 +152,33 @@ pub(crate) trait Source {
     fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, Self::Error>;
 }
 
-/// Read an attribute of the data set that is a text; none if there is no such attribute.
-pub(crate) fn read_text_if_present<S: Source>(from: &S, name: &str) -> Result<Option<String>, S::Error> {
-    text(from.attribute(None, name)?, name)
+/// Read an attribute of a data set.
+pub(crate) fn read_attribute<S: Source, T: AttributeValue>(from: &S, name: &str) -> Result<T, S::Error> {
+    Ok(T::of(from.attribute(None, name)?, name)?)
 }
 
-/// Read an attribute of the data set that is a text.
-pub(crate) fn read_text<S: Source>(from: &S, name: &str) -> Result<String, S::Error> {
-    read_text_if_present(from, name)?.ok_or_else(|| format!("{name} is missing").into())
-}
-
-/// Read an attribute of a variable that is a text.
-pub(crate) fn read_text_of<S: Source>(from: &S, variable: &str, name: &str) -> Result<String, S::Error> {
-    text(from.attribute(Some(variable), name)?, name)?.ok_or_else(|| format!("{name} of {variable} is missing").into())
-}
-
-fn text<E: From<String>>(attribute: Option<Attribute>, name: &str) -> Result<Option<String>, E> {
-    match attribute {
-        None => Ok(None),
-        Some(Attribute::Text(text)) => Ok(Some(text)),
-        Some(_) => Err(format!("{name} is no text").into()),
-    }
-}
-
-/// Read an attribute of the data set that is a real number; none if there is no such attribute.
-pub(crate) fn read_real_if_present<S: Source>(from: &S, name: &str) -> Result<Option<f64>, S::Error> {
-    match from.attribute(None, name)? {
-        None => Ok(None),
-        Some(Attribute::Real(number)) => Ok(Some(number)),
-        Some(_) => Err(format!("{name} is no real number").into()),
-    }
-}
-
-/// Read an attribute of the data set that is a real number.
-pub(crate) fn read_real<S: Source>(from: &S, name: &str) -> Result<f64, S::Error> {
-    read_real_if_present(from, name)?.ok_or_else(|| format!("{name} is missing").into())
-}
-
-/// Read an attribute of the data set that is a count.
-pub(crate) fn read_count<S: Source>(from: &S, name: &str) -> Result<u64, S::Error> {
-    match from.attribute(None, name)? {
-        Some(Attribute::Count(count)) => Ok(count),
-        Some(_) => Err(format!("{name} is no count").into()),
-        None => Err(format!("{name} is missing").into()),
-    }
+/// Read an attribute of a variable.
+pub(crate) fn read_attribute_of<S: Source, T: AttributeValue>(
+    from: &S,
+    variable: &str,
+    name: &str,
+) -> Result<T, S::Error> {
+    let attribute: Option<T> = AttributeValue::of(from.attribute(Some(variable), name)?, name)?;
+    attribute.ok_or_else(|| format!("{name} of {variable} is missing").into())
 }
 
 /// The program that wrote the data set, if it was another one.
 pub(crate) fn read_other_program<S: Source>(from: &S) -> Result<Option<String>, S::Error> {
-    Ok(other_program(&read_text(from, "program_version")?, &read_text(from, "git_hash")?))
+    let [version, hash]: [Result<String, _>; 2] =
+        ["program_version", "git_hash"].map(|name| read_attribute(from, name));
+    Ok(other_program(&version?, &hash?))
 }
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives
 /// an empty list. Any other absent variable is an error.
 pub(crate) fn read_or_empty<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
     match from.column(variable, T::KIND)? {
-        Some(column) => {
-            T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name).into())
-        }
+        Some(column) => Ok(values_of(variable, column)?),
         None if variable.axes.iter().all(|axis| *axis != variable.name && from.has(axis)) => {
             Err(format!("{} is missing", variable.name).into())
         }

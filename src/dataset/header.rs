@@ -1,7 +1,8 @@
-//! The attributes of the data set of a run, which say where its numbers come from. Writing and
-//! reading are side by side.
+//! The attributes of the data set of a run, which say where its numbers come from. One walk writes
+//! them and reads them back.
 
-use super::{Destination, Source, read_count, read_real_if_present, read_text, read_text_if_present};
+use super::walk::{Reading, Walk};
+use super::{Destination, Source, read_attribute};
 use crate::engine::{NoPart, Part, Provenance, Status};
 use crate::model::Series;
 use crate::stats::Units;
@@ -19,40 +20,74 @@ pub(crate) const CONVENTIONS: &str = "CF-1.11";
 
 /// Write every attribute of a run that has just started.
 pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance) -> Result<(), D::Error> {
-    let (major, minor) = FORMAT_VERSION;
-    to.set_attribute("Conventions", CONVENTIONS)?;
-    to.set_attribute("title", header.title.as_str())?;
-    to.set_attribute("format_name", FORMAT_NAME)?;
-    to.set_attribute("format_version", format!("{major}.{minor}"))?;
-    to.set_attribute("program_version", header.program_version.as_str())?;
-    to.set_attribute("git_hash", header.git_hash.as_str())?;
-    to.set_attribute("scheme", header.scheme.as_str())?;
-    if let Some(step) = header.step {
-        to.set_attribute("step", step)?;
-    }
-    if let Some(resolution) = header.resolution {
-        to.set_attribute("resolution", resolution)?;
-    }
-    to.set_attribute("seed", header.seed)?;
-    to.set_attribute("generator", header.generator.as_str())?;
-    to.set_attribute("paths", header.paths)?;
-    if header.antithetic {
-        to.set_attribute("antithetic", 1_u64)?;
-    }
-    to.set_attribute("block_size", header.block_size)?;
-    to.set_attribute("status", Status::Running.name())?;
-    to.set_attribute("completed_paths", 0_u64)?;
-    let Units { time, length, force, temperature } = &header.units;
+    walk(to, &mut header.clone())
+}
+
+/// The attributes of a run, given its output grid and the measured temperature.
+pub(crate) fn read<S: Source>(from: &S, time: Vec<f64>, series: Option<Arc<Series>>) -> Result<Provenance, S::Error> {
+    let mut header = Provenance { time, series, ..Provenance::default() };
+    walk(&mut Reading(from), &mut header)?;
+    Ok(header)
+}
+
+/// Walk over the attributes that say what a data set is and which program made it. `format` is the
+/// name and the version of the format.
+pub(super) fn walk_origin<W: Walk>(
+    walk: &mut W,
+    (name, (major, minor)): (&str, (u32, u32)),
+    title: &mut String,
+    [version, hash]: [&mut String; 2],
+) -> Result<(), W::Error> {
+    walk.derived_attribute("Conventions", CONVENTIONS)?;
+    walk.attribute("title", title)?;
+    walk.derived_attribute("format_name", name)?;
+    walk.derived_attribute("format_version", format!("{major}.{minor}"))?;
+    walk.attribute("program_version", version)?;
+    walk.attribute("git_hash", hash)
+}
+
+fn walk<W: Walk>(walk: &mut W, header: &mut Provenance) -> Result<(), W::Error> {
+    let Provenance {
+        title,
+        scenario_text,
+        scheme,
+        step,
+        resolution,
+        seed,
+        generator,
+        paths,
+        antithetic,
+        block_size,
+        program_version,
+        git_hash,
+        units: Units { time, length, force, temperature },
+        // Coordinates and variables, and what only a scenario knows.
+        time: _,
+        series: _,
+        series_start: _,
+        bearing: _,
+    } = header;
+    walk_origin(walk, (FORMAT_NAME, FORMAT_VERSION), title, [program_version, git_hash])?;
+    walk.attribute("scheme", scheme)?;
+    walk.attribute("step", step)?;
+    walk.attribute("resolution", resolution)?;
+    walk.attribute("seed", seed)?;
+    walk.attribute("generator", generator)?;
+    walk.attribute("paths", paths)?;
+    walk.attribute("antithetic", antithetic)?;
+    walk.attribute("block_size", block_size)?;
+    walk.derived_attribute("status", Status::Running.name())?;
+    walk.derived_attribute("completed_paths", 0)?;
     for (name, label) in
         [("time_unit", time), ("length_unit", length), ("force_unit", force), ("temperature_unit", temperature)]
     {
         // A label that is empty stands for a dimensionless quantity. It is left out, because some
         // readers fail at empty strings.
-        if !label.is_empty() {
-            to.set_attribute(name, label.as_str())?;
-        }
+        let mut there = Some(std::mem::take(label)).filter(|label| !label.is_empty());
+        walk.attribute(name, &mut there)?;
+        *label = there.unwrap_or_default();
     }
-    to.set_attribute("scenario", header.scenario_text.as_str())
+    walk.attribute("scenario", scenario_text)
 }
 
 /// Write the status with which the run ended, its number of paths, and how many of them diverged.
@@ -79,57 +114,28 @@ pub(crate) fn write_ended_by<D: Destination>(to: &mut D, reason: &str) -> Result
 
 /// Which part of a run this is, if it is a part.
 pub(crate) fn read_part<S: Source>(from: &S) -> Result<Option<Part>, S::Error> {
-    let Some(text) = read_text_if_present(from, "part")? else { return Ok(None) };
+    let Some(text) = read_attribute::<S, Option<String>>(from, "part")? else { return Ok(None) };
     text.parse().map(Some).map_err(|error: NoPart| format!("part = \"{text}\": {error}").into())
 }
 
 /// What ended the run before its last path, if anything did.
 pub(crate) fn read_ended_by<S: Source>(from: &S) -> Result<Option<String>, S::Error> {
-    read_text_if_present(from, "ended_by")
+    read_attribute(from, "ended_by")
 }
 
 /// Major and minor version of the format, if this is a run of this program.
 pub(crate) fn format_version<S: Source>(from: &S) -> Option<(u32, u32)> {
-    if read_text(from, "format_name").ok()? != FORMAT_NAME {
+    if read_attribute::<S, String>(from, "format_name").ok()? != FORMAT_NAME {
         return None;
     }
-    let version = read_text(from, "format_version").ok()?;
+    let version: String = read_attribute(from, "format_version").ok()?;
     let (major, minor) = version.split_once('.')?;
     Some((major.parse().ok()?, minor.parse().ok()?))
 }
 
 /// The status of the run and its number of completed paths.
 pub(crate) fn read_progress<S: Source>(from: &S) -> Result<(Status, u64), S::Error> {
-    let word = read_text(from, "status")?;
+    let word: String = read_attribute(from, "status")?;
     let status = Status::from_name(&word).ok_or_else(|| format!("unknown status \"{word}\""))?;
-    Ok((status, read_count(from, "completed_paths")?))
-}
-
-/// The attributes of a run, given its output grid and the measured temperature.
-pub(crate) fn read<S: Source>(from: &S, time: Vec<f64>, series: Option<Arc<Series>>) -> Result<Provenance, S::Error> {
-    let label = |name| Ok::<_, S::Error>(read_text_if_present(from, name)?.unwrap_or_default());
-    Ok(Provenance {
-        title: read_text(from, "title")?,
-        scenario_text: read_text(from, "scenario")?,
-        scheme: read_text(from, "scheme")?,
-        step: read_real_if_present(from, "step")?,
-        resolution: read_real_if_present(from, "resolution")?,
-        seed: read_count(from, "seed")?,
-        generator: read_text(from, "generator")?,
-        paths: read_count(from, "paths")?,
-        antithetic: from.attribute(None, "antithetic")?.is_some(),
-        block_size: read_count(from, "block_size")?,
-        program_version: read_text(from, "program_version")?,
-        git_hash: read_text(from, "git_hash")?,
-        units: Units {
-            time: label("time_unit")?,
-            length: label("length_unit")?,
-            force: label("force_unit")?,
-            temperature: label("temperature_unit")?,
-        },
-        time,
-        series,
-        series_start: None,
-        bearing: None,
-    })
+    Ok((status, read_attribute(from, "completed_paths")?))
 }

@@ -1,111 +1,60 @@
 //! Every dimension and variable of a run, in one table for writers and readers: name, axes, unit
-//! and meaning.
+//! and meaning. The columns of single paths are declared where they are kept
+//! ([`crate::stats::PathColumns`], [`crate::stats::EventColumns`],
+//! [`crate::stats::TrajectoryRows`]).
 
-use crate::stats::{Dimension, Units};
+pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
-/// The unit of a variable; `label` gives its text.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unit {
-    /// The variable has no `units` attribute: flags, names, and numbers of different dimensions in
-    /// one array.
-    None,
-    /// A product of units of the scenario.
-    Of(Dimension),
-    /// Seconds, whatever the unit of time of the scenario.
-    Seconds,
-}
-
-impl Unit {
-    pub(crate) const ONE: Unit = Unit::Of(Dimension::ONE);
-    pub(crate) const TIME: Unit = Unit::Of(Dimension::TIME);
-    const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
-    const FORCE: Unit = Unit::Of(Dimension::FORCE);
-    const TEMPERATURE: Unit = Unit::Of(Dimension::TEMPERATURE);
-    const VELOCITY: Unit = Unit::Of(Dimension::VELOCITY);
-    const AREA: Unit = Unit::Of(Dimension::AREA);
-    const WORK: Unit = Unit::Of(Dimension::WORK);
-
-    /// The `units` attribute, if there is one.
-    pub(crate) fn label(self, units: &Units) -> Option<String> {
-        match self {
-            Unit::None => None,
-            Unit::Of(dimension) => Some(dimension.udunits(units)),
-            Unit::Seconds => Some("s".to_owned()),
-        }
-    }
-}
-
-/// A variable whose description is constant.
-pub(crate) type Variable = Described<'static>;
-
-/// The description of one variable of a data set.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Described<'a> {
-    /// Name of the variable. A variable with the name of its only axis is the coordinate of that
-    /// dimension.
-    pub name: &'a str,
-    /// Names of the dimensions, the slowest first.
-    pub axes: &'a [&'a str],
-    /// Unit of the values.
-    pub unit: Unit,
-    /// Meaning of the variable, in words that fit the axis of a plot.
-    pub long_name: &'a str,
-    /// Further CF attributes: name and text.
-    pub attributes: &'a [(&'a str, &'a str)],
-    /// The values that flags may have. The attribute `flag_meanings` names them.
-    pub flags: &'a [i8],
-}
-
-impl<'a> Described<'a> {
-    /// Whether the variable gives a dimension its name and length.
-    pub(crate) fn is_coordinate(&self) -> bool {
-        *self.axes == [self.name]
-    }
-
-    /// Whether the variable is only a dimension, without values of its own.
-    pub(crate) fn is_bare_dimension(&self) -> bool {
-        self.long_name == BARE_DIMENSION
-    }
-
-    pub(crate) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
-        self.attributes = attributes;
-        self
-    }
-
-    pub(crate) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
-        self.flags = values;
-        self.with(meanings)
-    }
-}
-
-pub(crate) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
-    Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
-}
-
-/// Declares the variables together with the list of all of them, so that the list is complete.
+/// Declares variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
-    ($($constant:ident = $value:expr;)*) => {
-        $(pub(crate) const $constant: Variable = $value;)*
-        /// Every variable, in the order of the documentation.
+    ($list:ident: $type:ty; $($constant:ident = $value:expr;)*) => {
+        $(pub(crate) const $constant: $type = $value;)*
+        /// All of them.
         #[cfg(test)]
-        pub(crate) const ALL: &[&Variable] = &[$(&$constant),*];
+        pub(crate) const $list: &[$type] = &[$($constant),*];
+    };
+    ($($rows:tt)*) => {
+        table! { ALL: Variable; $($rows)* }
     };
 }
+pub(super) use table;
 
-/// The phrase with which netCDF-4 marks a dimension that has no variable. The ten characters at its
-/// end hold a length that no reader uses.
-pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
+/// A variable with the ends of its intervals.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Measured {
+    pub value: Variable,
+    pub low: Variable,
+    pub high: Variable,
+}
 
-/// Declares the two ends of the interval of each variable, and the list of all such pairs.
-macro_rules! ends {
-    ($($constant:ident = $name:literal, $axes:expr, $unit:expr, $what:literal;)*) => {
-        $(pub(crate) const $constant: [Variable; 2] = [
-            variable(concat!($name, "_low"), $axes, $unit, concat!("lower end of the 95 % confidence interval of the ", $what)),
-            variable(concat!($name, "_high"), $axes, $unit, concat!("upper end of the 95 % confidence interval of the ", $what)),
-        ];)*
-        /// Every pair of ends.
-        #[cfg(test)]
-        pub(crate) const ALL_ENDS: &[&[Variable; 2]] = &[$(&$constant),*];
+impl Measured {
+    const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> Measured {
+        self.value = self.value.with(attributes);
+        self
+    }
+}
+
+/// A variable with the ends of its intervals. The ends are of the same, or of something else.
+macro_rules! measured {
+    ($name:expr, $axes:expr, $unit:expr, $what:expr) => {
+        measured!($name, $axes, $unit, $what, ends of the $what)
+    };
+    ($name:expr, $axes:expr, $unit:expr, $what:expr, ends of the $of:expr) => {
+        Measured {
+            value: variable($name, $axes, $unit, $what),
+            low: variable(
+                concat!($name, "_low"),
+                $axes,
+                $unit,
+                concat!("lower end of the 95 % confidence interval of the ", $of),
+            ),
+            high: variable(
+                concat!($name, "_high"),
+                $axes,
+                $unit,
+                concat!("upper end of the 95 % confidence interval of the ", $of),
+            ),
+        }
     };
 }
 
@@ -138,19 +87,6 @@ table! {
 
     TIME = variable("time", &["time"], Unit::TIME, "time").with(&[("axis", "T")]);
     QUANTILE = variable("quantile", &["quantile"], Unit::ONE, "quantile level");
-    DISPLACEMENT_MEAN = variable("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement");
-    DISPLACEMENT_SD = variable("displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement");
-    DISPLACEMENT_QUANTILE = variable("displacement_quantile", &["quantile", "time"], Unit::LENGTH,
-        "quantiles of the displacement");
-    VELOCITY_MEAN = variable("velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity");
-    VELOCITY_SD = variable("velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity");
-    VELOCITY_QUANTILE = variable("velocity_quantile", &["quantile", "time"], Unit::VELOCITY,
-        "quantiles of the velocity");
-    TEMPERATURE_MEAN = variable("temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature");
-    TEMPERATURE_SD = variable("temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature");
-    TEMPERATURE_QUANTILE = variable("temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE,
-        "quantiles of the temperature");
-    STATIC_PROBABILITY = variable("static_probability", &["time"], Unit::ONE, "probability of being in a static phase");
 
     SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
     SERIES_TEMPERATURE = variable("series_temperature", &["series_time"], Unit::TEMPERATURE, "measured temperature");
@@ -158,43 +94,14 @@ table! {
     DURATION_BIN = variable("duration_bin", &["duration_bin"], Unit::TIME, "upper edge of the stick duration bin");
     DURATION_BIN_LOWER = variable("duration_bin_lower", &["duration_bin"], Unit::TIME,
         "lower edge of the stick duration bin, itself inside the bin");
-    STICK_DURATION_COUNT = variable("stick_duration_count", &["duration_bin"], Unit::ONE,
-        "completed sticks, the first of each path left out").with(PER_BIN);
-    STICK_DURATION_CENSORED_COUNT = variable("stick_duration_censored_count", &["duration_bin"], Unit::ONE,
-        "sticks still running at the end, by their duration so far, the first of each path left out").with(PER_BIN);
-    STICK_DURATION_SURVIVAL = variable("stick_duration_survival", &["duration_bin"], Unit::ONE,
-        "probability that a stick lasts beyond the upper edge of the bin (Kaplan-Meier)").with(PER_BIN);
-    STICK_DURATION_QUANTILE = variable("stick_duration_quantile", &["quantile"], Unit::TIME,
-        "quantiles of the completed stick durations");
-    STICK_DURATION_COMPLETED = variable("stick_duration_completed", &[], Unit::ONE,
-        "completed sticks, the first of each path left out");
-    STICK_DURATION_CENSORED = variable("stick_duration_censored", &[], Unit::ONE,
-        "sticks still running at the end, the first of each path left out");
-    FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE, "first sticks that ended");
-    FIRST_STICK_CENSORED = variable("first_stick_duration_censored", &[], Unit::ONE,
-        "first sticks still running at the end");
 
     SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::ONE,
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
-    SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::ONE,
-        "completed dynamic phases with so many sub-phases");
-    SUB_PHASE_SHARE = variable("sub_phase_share", &["sub_phase"], Unit::ONE,
-        "share of the completed dynamic phases that have so many sub-phases");
-    SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::ONE, "dynamic phases still running at the end");
 
     PERIOD = variable("period", &["period"], Unit::ONE, "number of whole forcing periods");
     PERIOD_TIME = variable("period_time", &["period"], Unit::TIME, "end of the forcing period");
-    DISPLACEMENT_PERIOD_MEAN = variable("displacement_period_mean", &["period"], Unit::LENGTH,
-        "mean of the displacement since the start, at the end of the period").with(&[("coordinates", "period_time")]);
-    DISPLACEMENT_PERIOD_VARIANCE = variable("displacement_period_variance", &["period"], Unit::AREA,
-        "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 
     TRANSIENT_END = variable("transient_end", &[], Unit::TIME, "time from which on statistics count");
-    TRANSIENT_STICKS = variable("transient_sticks", &[], Unit::ONE,
-        "completed sticks that began before that, the first of each path left out");
-    TRANSIENT_SLIPS = variable("transient_slips", &[], Unit::ONE, "completed dynamic phases that began before that");
-    TRANSIENT_DISPLACEMENT = variable("transient_displacement", &[], Unit::LENGTH,
-        "mean displacement from the start to that time");
     TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,
         "standard error of that mean, the path being the independent unit");
 
@@ -205,117 +112,117 @@ table! {
         "state of a part of a run, from which mc merge joins it to the others");
 
     PATH = variable("path", &["path"], Unit::ONE, "path number");
-    PATH_DISPLACEMENT_END = variable("path_displacement_end", &["path"], Unit::LENGTH, "displacement at the end");
-    PATH_MAX_DISPLACEMENT = variable("path_max_displacement", &["path"], Unit::LENGTH,
-        "largest absolute displacement");
-    PATH_FIRST_STICK_DURATION = variable("path_first_stick_duration", &["path"], Unit::TIME,
-        "duration of the first stick, missing while it runs at the end");
-    PATH_STICK_TIME = variable("path_stick_time", &["path"], Unit::TIME, "total time in static phases");
-    PATH_FRICTION_WORK = variable("path_friction_work", &["path"], Unit::WORK, "work done against dynamic friction");
-    PATH_STICKS = variable("path_sticks", &["path"], Unit::ONE, "completed sticks, the first left out");
-    PATH_SLIPS = variable("path_slips", &["path"], Unit::ONE, "completed dynamic phases");
-    PATH_SUB_PHASES = variable("path_sub_phases", &["path"], Unit::ONE, "sub-phases of the completed dynamic phases");
-    PATH_DIVERGED = variable("path_diverged", &["path"], Unit::None, "whether the path diverged or was given up")
-        .flags(&[0, 1], &[("flag_meanings", "finite diverged")]);
-
     EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);
-    EVENT_COUNT = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
-        .with(&[("sample_dimension", "event")]);
-    EVENT_TIME = variable("event_time", &["event"], Unit::TIME, "time of the event");
-    EVENT_DISPLACEMENT = variable("event_displacement", &["event"], Unit::LENGTH, "displacement at the event");
-    EVENT_FORCE = variable("event_force", &["event"], Unit::FORCE, "total force besides friction (b) at the event");
-    EVENT_SIGN = variable("event_sign", &["event"], Unit::None, "direction of the sub-phase that starts")
-        .flags(&[-1, 0, 1], &[("flag_meanings", "negative none positive")]);
-    EVENT_KIND = variable("event_kind", &["event"], Unit::None, "kind of the event")
-        .flags(&[0, 1, 2], &[("flag_meanings", "stick_entered slip_started sub_phase_boundary")]);
-
-    TRAJECTORY = variable("trajectory", &["trajectory"], Unit::ONE, "path number");
-    TRAJECTORY_DISPLACEMENT = variable("trajectory_displacement", &["trajectory", "time"], Unit::LENGTH,
-        "displacement");
-    TRAJECTORY_VELOCITY = variable("trajectory_velocity", &["trajectory", "time"], Unit::VELOCITY, "velocity");
-    TRAJECTORY_TEMPERATURE = variable("trajectory_temperature", &["trajectory", "time"], Unit::TEMPERATURE,
-        "temperature");
-    TRAJECTORY_FORCE = variable("trajectory_force", &["trajectory", "time"], Unit::FORCE,
-        "total force besides friction (b)");
-    TRAJECTORY_FRICTION = variable("trajectory_friction", &["trajectory", "time"], Unit::FORCE,
-        "friction force (F)");
     TRAJECTORY_BEARING = variable("trajectory_bearing_displacement", &["trajectory", "time"], Unit::LENGTH,
         "displacement that a sensor at the bearing shows");
-    TRAJECTORY_STATIC = variable("trajectory_static", &["trajectory", "time"], Unit::None,
-        "whether the path is in a static phase")
-        .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);
 }
 
-ends! {
-    DISPLACEMENT_MEAN_ENDS = "displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement";
-    DISPLACEMENT_SD_ENDS = "displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement";
-    DISPLACEMENT_QUANTILE_ENDS = "displacement_quantile", &["quantile", "time"], Unit::LENGTH,
-        "quantiles of the displacement";
-    VELOCITY_MEAN_ENDS = "velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity";
-    VELOCITY_SD_ENDS = "velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity";
-    VELOCITY_QUANTILE_ENDS = "velocity_quantile", &["quantile", "time"], Unit::VELOCITY, "quantiles of the velocity";
-    TEMPERATURE_MEAN_ENDS = "temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature";
-    TEMPERATURE_SD_ENDS = "temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature";
-    TEMPERATURE_QUANTILE_ENDS = "temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE,
-        "quantiles of the temperature";
-    STATIC_PROBABILITY_ENDS = "static_probability", &["time"], Unit::ONE, "probability of being in a static phase";
+table! {
+    ALL_MEASURED: Measured;
 
-    STICK_DURATION_COUNT_ENDS = "stick_duration_count", &["duration_bin"], Unit::ONE,
-        "expected number of sticks in the bin, among as many completed ones";
-    STICK_DURATION_CENSORED_COUNT_ENDS = "stick_duration_censored_count", &["duration_bin"], Unit::ONE,
-        "expected number of sticks still running at the end in the bin, in as many paths";
-    STICK_DURATION_SURVIVAL_ENDS = "stick_duration_survival", &["duration_bin"], Unit::ONE,
-        "probability that a stick lasts beyond the upper edge of the bin";
-    STICK_DURATION_QUANTILE_ENDS = "stick_duration_quantile", &["quantile"], Unit::TIME,
-        "quantiles of the completed stick durations";
-    STICK_DURATION_COMPLETED_ENDS = "stick_duration_completed", &[], Unit::ONE,
-        "expected number of completed sticks in as many paths";
-    STICK_DURATION_CENSORED_ENDS = "stick_duration_censored", &[], Unit::ONE,
-        "expected number of sticks still running at the end in as many paths";
-    FIRST_STICK_COMPLETED_ENDS = "first_stick_duration_completed", &[], Unit::ONE,
-        "expected number of first sticks that ended in as many paths";
-    FIRST_STICK_CENSORED_ENDS = "first_stick_duration_censored", &[], Unit::ONE,
-        "expected number of first sticks still running at the end in as many paths";
+    STATIC_PROBABILITY = measured!("static_probability", &["time"], Unit::ONE,
+        "probability of being in a static phase");
 
-    SUB_PHASE_COUNT_ENDS = "sub_phase_count", &["sub_phase"], Unit::ONE,
-        "expected number of dynamic phases with so many sub-phases, among as many completed ones";
-    SUB_PHASE_SHARE_ENDS = "sub_phase_share", &["sub_phase"], Unit::ONE,
-        "probability that a completed dynamic phase has so many sub-phases";
-    SUB_PHASE_CENSORED_ENDS = "sub_phase_censored", &[], Unit::ONE,
-        "expected number of dynamic phases still running at the end in as many paths";
+    STICK_DURATION_COUNT = measured!("stick_duration_count", &["duration_bin"], Unit::ONE,
+        "completed sticks, the first of each path left out",
+        ends of the "expected number of sticks in the bin, among as many completed ones").with(PER_BIN);
+    STICK_DURATION_CENSORED_COUNT = measured!("stick_duration_censored_count", &["duration_bin"], Unit::ONE,
+        "sticks still running at the end, by their duration so far, the first of each path left out",
+        ends of the "expected number of sticks still running at the end in the bin, in as many paths").with(PER_BIN);
+    STICK_DURATION_SURVIVAL = measured!("stick_duration_survival", &["duration_bin"], Unit::ONE,
+        "probability that a stick lasts beyond the upper edge of the bin (Kaplan-Meier)",
+        ends of the "probability that a stick lasts beyond the upper edge of the bin").with(PER_BIN);
+    STICK_DURATION_QUANTILE = measured!("stick_duration_quantile", &["quantile"], Unit::TIME,
+        "quantiles of the completed stick durations");
+    STICK_DURATION_COMPLETED = measured!("stick_duration_completed", &[], Unit::ONE,
+        "completed sticks, the first of each path left out",
+        ends of the "expected number of completed sticks in as many paths");
+    STICK_DURATION_CENSORED = measured!("stick_duration_censored", &[], Unit::ONE,
+        "sticks still running at the end, the first of each path left out",
+        ends of the "expected number of sticks still running at the end in as many paths");
+    FIRST_STICK_COMPLETED = measured!("first_stick_duration_completed", &[], Unit::ONE,
+        "first sticks that ended",
+        ends of the "expected number of first sticks that ended in as many paths");
+    FIRST_STICK_CENSORED = measured!("first_stick_duration_censored", &[], Unit::ONE,
+        "first sticks still running at the end",
+        ends of the "expected number of first sticks still running at the end in as many paths");
 
-    TRANSIENT_STICKS_ENDS = "transient_sticks", &[], Unit::ONE,
-        "expected number of sticks that began in the burn-in";
-    TRANSIENT_SLIPS_ENDS = "transient_slips", &[], Unit::ONE,
-        "expected number of dynamic phases that began in the burn-in";
-    TRANSIENT_DISPLACEMENT_ENDS = "transient_displacement", &[], Unit::LENGTH, "mean displacement in the burn-in";
-    DISPLACEMENT_PERIOD_MEAN_ENDS = "displacement_period_mean", &["period"], Unit::LENGTH,
-        "mean of the displacement since the start, at the end of the period";
-    DISPLACEMENT_PERIOD_VARIANCE_ENDS = "displacement_period_variance", &["period"], Unit::AREA,
-        "variance of the displacement at the end of the period";
+    SUB_PHASE_COUNT = measured!("sub_phase_count", &["sub_phase"], Unit::ONE,
+        "completed dynamic phases with so many sub-phases",
+        ends of the "expected number of dynamic phases with so many sub-phases, among as many completed ones");
+    SUB_PHASE_SHARE = measured!("sub_phase_share", &["sub_phase"], Unit::ONE,
+        "share of the completed dynamic phases that have so many sub-phases",
+        ends of the "probability that a completed dynamic phase has so many sub-phases");
+    SUB_PHASE_CENSORED = measured!("sub_phase_censored", &[], Unit::ONE,
+        "dynamic phases still running at the end",
+        ends of the "expected number of dynamic phases still running at the end in as many paths");
+
+    TRANSIENT_STICKS = measured!("transient_sticks", &[], Unit::ONE,
+        "completed sticks that began before that, the first of each path left out",
+        ends of the "expected number of sticks that began in the burn-in");
+    TRANSIENT_SLIPS = measured!("transient_slips", &[], Unit::ONE,
+        "completed dynamic phases that began before that",
+        ends of the "expected number of dynamic phases that began in the burn-in");
+    TRANSIENT_DISPLACEMENT = measured!("transient_displacement", &[], Unit::LENGTH,
+        "mean displacement from the start to that time",
+        ends of the "mean displacement in the burn-in");
+
+    DISPLACEMENT_PERIOD_MEAN = measured!("displacement_period_mean", &["period"], Unit::LENGTH,
+        "mean of the displacement since the start, at the end of the period").with(&[("coordinates", "period_time")]);
+    DISPLACEMENT_PERIOD_VARIANCE = measured!("displacement_period_variance", &["period"], Unit::AREA,
+        "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 }
+
+/// Mean, standard deviation and quantiles of a quantity on the output grid.
+pub(crate) const DISPLACEMENT: [Measured; 3] = [
+    measured!("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement"),
+    measured!("displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement"),
+    measured!("displacement_quantile", &["quantile", "time"], Unit::LENGTH, "quantiles of the displacement"),
+];
+pub(crate) const VELOCITY: [Measured; 3] = [
+    measured!("velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity"),
+    measured!("velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity"),
+    measured!("velocity_quantile", &["quantile", "time"], Unit::VELOCITY, "quantiles of the velocity"),
+];
+pub(crate) const TEMPERATURE: [Measured; 3] = [
+    measured!("temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature"),
+    measured!("temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature"),
+    measured!("temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE, "quantiles of the temperature"),
+];
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::stats::column::Columns;
+    use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
     use std::collections::HashSet;
+
+    /// Every variable of a run.
+    fn all() -> Vec<Variable> {
+        let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
+        let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
+        let measured = measured.flat_map(|of| [of.value, of.low, of.high]);
+        ALL.iter().copied().chain(measured).chain(kept.into_iter().map(|(of, _)| of)).collect()
+    }
 
     #[test]
     fn every_name_is_used_once_and_every_axis_has_a_coordinate() {
-        let all: Vec<&str> = ALL.iter().copied().chain(ALL_ENDS.iter().copied().flatten()).map(|v| v.name).collect();
-        assert_eq!(all.iter().collect::<HashSet<_>>().len(), all.len());
-        for axis in ALL.iter().flat_map(|variable| variable.axes) {
-            assert!(ALL.iter().any(|v| v.name == *axis && v.is_coordinate()), "{axis}");
+        let all = all();
+        assert_eq!(all.iter().map(|of| of.name).collect::<HashSet<_>>().len(), all.len());
+        for axis in all.iter().flat_map(|variable| variable.axes) {
+            assert!(all.iter().any(|v| v.name == *axis && v.is_coordinate()), "{axis}");
         }
     }
 
     #[test]
     fn the_ends_of_an_interval_have_the_axes_and_the_unit_of_what_lies_between() {
-        for [low, high] in ALL_ENDS {
+        let all = all();
+        for low in all.iter().filter(|variable| variable.name.ends_with("_low") && variable.unit != Unit::None) {
             let stem = low.name.strip_suffix("_low").expect("a lower end");
-            assert_eq!(high.name.strip_suffix("_high"), Some(stem));
-            let of = ALL.iter().find(|variable| variable.name == stem).unwrap_or_else(|| panic!("{stem}"));
-            for end in [low, high] {
+            let find =
+                |name: &str| *all.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("{name}"));
+            let of = find(stem);
+            for end in [*low, find(&format!("{stem}_high"))] {
                 assert_eq!((end.axes, end.unit), (of.axes, of.unit), "{}", end.name);
             }
         }
@@ -324,12 +231,9 @@ mod tests {
     #[test]
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
-        for variable in ALL.iter().copied().chain(ALL_ENDS.iter().copied().flatten()) {
-            assert!(
-                text.contains(&format!("`{}`", variable.name)),
-                "{} is not in docs/output-format.md",
-                variable.name
-            );
+        for variable in all() {
+            let name = format!("`{}`", variable.name);
+            assert!(text.contains(&name), "{name} is not in docs/output-format.md");
         }
     }
 }

@@ -3,8 +3,8 @@
 use super::layout::Described;
 use super::rows::{self, Rows, Table};
 use super::{
-    Attribute, Column, Destination, Kind, Source, StoredCalibration, StoredSweep, Values, calibration, forecast, run,
-    series, summary, sweep, trade, twin,
+    Attribute, Column, ColumnView, Destination, Kind, Source, StoredCalibration, StoredSweep, attributes_of,
+    calibration, forecast, run, series, summary, sweep, trade, twin,
 };
 use crate::bearing::calibration::{self as bearing, Twin};
 use crate::bearing::forecast::Forecast;
@@ -117,11 +117,7 @@ impl Dataset {
     /// The prices of accuracy in a trade for this statistic, or for the first statistic that has
     /// any; none if there are none. Fails if the variables of the trade do not fit together.
     pub fn prices(&self, statistic: Option<Statistic>) -> Result<Option<Prices>, String> {
-        let mut prices = trade::read_prices(self)?.into_iter();
-        Ok(match statistic {
-            Some(statistic) => prices.find(|prices| prices.statistic == statistic),
-            None => prices.find(Prices::has_points),
-        })
+        trade::find_prices(self, statistic)
     }
 
     /// The sweep in the data set. Fails if the data set is not that of a sweep.
@@ -185,13 +181,9 @@ impl Dataset {
         Ok(())
     }
 
-    fn begin(&mut self, variable: &Described, values: Values) {
-        let mut attributes: Vec<(String, Attribute)> = vec![("long_name".into(), variable.long_name.into())];
-        attributes.extend(variable.unit.label(&self.units).map(|label| ("units".into(), label.into())));
-        if !variable.flags.is_empty() {
-            attributes.push(("flag_values".into(), Attribute::Flags(variable.flags.to_vec())));
-        }
-        attributes.extend(variable.attributes.iter().map(|(name, value)| (name.to_string(), (*value).into())));
+    fn begin(&mut self, variable: &Described, values: ColumnView) {
+        let attributes = attributes_of(variable, &self.units).into_iter();
+        let attributes = attributes.map(|(name, value)| (name.to_owned(), value)).collect();
         let mut column = values.empty_column();
         column.extend(values);
         let axes = variable.axes.iter().map(|axis| axis.to_string()).collect();
@@ -206,7 +198,11 @@ impl Destination for Dataset {
         &self.units
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<(), Self::Error> {
+    fn write_variable<'a>(
+        &mut self,
+        variable: &Described,
+        values: impl Into<ColumnView<'a>>,
+    ) -> Result<(), Self::Error> {
         let values = values.into();
         if values.len() > 0 {
             self.begin(variable, values);

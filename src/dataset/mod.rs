@@ -3,9 +3,9 @@
 //!
 //! ```text
 //! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
-//! run, trade, sweep, calibration, forecast, twin   the contents of each kind of data set;
-//!                 where they are read back, the reader is beside the writer
-//!   -> Destination   a file, or memory
+//! run, trade, sweep, calibration, forecast, twin   the contents of each kind of data set
+//! walk            one function walks over the contents, and so writes them or reads them back
+//!   -> Destination   a file, memory, or a comparison with a file
 //!   <- Source        a file, or memory
 //! Dataset         in memory
 //! Recorder        the sink that makes a run a data set in memory
@@ -30,12 +30,15 @@ pub(crate) mod sweep;
 pub(crate) mod sweep_layout;
 pub(crate) mod trade;
 mod twin;
+mod walk;
 
+pub use crate::stats::column::Column;
+pub(crate) use crate::stats::column::{ColumnView, Element, Kind};
 pub use calibration::StoredCalibration;
-pub use form::{Attribute, Column};
+pub use form::Attribute;
 pub(crate) use form::{
-    Destination, Element, Kind, Source, Values, read_count, read_or_empty, read_other_program, read_real,
-    read_real_if_present, read_scalar, read_text, read_text_if_present, read_text_of, read_variable, texts,
+    Destination, Source, attributes_of, columns_of, read_attribute, read_attribute_of, read_or_empty,
+    read_other_program, read_scalar, read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

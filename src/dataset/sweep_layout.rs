@@ -1,17 +1,7 @@
 //! Every variable of a sweep. The dimensions of the design, which are those of its axes or `point`,
 //! come before the axes given here.
 
-use super::layout::{Described, Unit, Variable, variable};
-
-/// Declares the variables together with the list of all of them.
-macro_rules! table {
-    ($($constant:ident = $value:expr;)*) => {
-        $(pub(crate) const $constant: Variable = $value;)*
-        /// Every variable.
-        #[cfg(test)]
-        pub(crate) const ALL: &[&Variable] = &[$(&$constant),*];
-    };
-}
+use super::layout::{Described, Unit, Variable, table, variable};
 
 /// The axis of variables with one value per statistic. The writer puts the dimensions of the design
 /// before it.
@@ -26,22 +16,6 @@ table! {
     KEY = variable("key", &["key"], Unit::None, "key of the scenario");
     KEY_VALUE = variable("key_value", &["key"], Unit::None, "its value at the centre");
 
-    ESTIMATE = variable("estimate", STATISTIC, Unit::None, "estimate");
-    STANDARD_ERROR = variable("standard_error", STATISTIC, Unit::None,
-        "standard error of the estimate, the path being the independent unit");
-    INTERVAL_LOW = variable("interval_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval");
-    INTERVAL_HIGH = variable("interval_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval");
-    BIAS = variable("bias", STATISTIC, Unit::None, "estimated discretisation bias, missing where unknown");
-    BIAS_UNCERTAINTY = variable("bias_uncertainty", STATISTIC, Unit::None,
-        "the discretisation bias is within this of its estimate, at 95 %");
-    BIAS_ORDER = variable("bias_order", STATISTIC, Unit::None,
-        "observed order p of the bias in the time step, as in C h^p, missing where unknown");
-    ESTIMATE_CORRECTED = variable("estimate_corrected", STATISTIC, Unit::None,
-        "estimate with its bias removed as far as it is known, missing where unknown");
-    ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", STATISTIC, Unit::None,
-        "lower end of the 95 % interval of the corrected estimate");
-    ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", STATISTIC, Unit::None,
-        "upper end of the 95 % interval of the corrected estimate");
     ESTIMATE_WITHOUT = variable("estimate_without", &["group", "statistic"], Unit::None,
         "estimate from all paths but those of the group");
 
@@ -51,41 +25,74 @@ table! {
     POINT_DIVERGED_PATHS = variable("point_diverged_paths", &[], Unit::ONE, "of those, paths that diverged or were given up");
     POINT_SEED = variable("point_seed", &[], Unit::ONE, "seed of the paths of the point");
     POINT_SECONDS = variable("point_seconds", &[], Unit::Seconds, "CPU time of the point");
-
-    DIFFERENCE = variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension minus that here");
-    DIFFERENCE_ERROR = variable("difference_error", STATISTIC, Unit::None, "standard error of the difference, with the noise that the points share");
-    DIFFERENCE_LOW = variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference");
-    DIFFERENCE_HIGH = variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference");
-    DIFFERENCE_GAIN = variable("difference_gain", STATISTIC, Unit::ONE, "variance of the difference with independent seeds over its own");
-
-    ELASTICITY = variable("elasticity", STATISTIC, Unit::ONE, "relative change of the estimate for each relative change of the key");
-    ELASTICITY_ERROR = variable("elasticity_error", STATISTIC, Unit::ONE, "standard error of the elasticity");
-    ELASTICITY_LOW = variable("elasticity_low", STATISTIC, Unit::ONE, "lower end of the 95 % confidence interval of the elasticity");
-    ELASTICITY_HIGH = variable("elasticity_high", STATISTIC, Unit::ONE, "upper end of the 95 % confidence interval of the elasticity");
-    ELASTICITY_GAIN = variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own");
 }
 
 /// The variables with one value per statistic of each point, in the order in which they are read.
 pub(crate) const PER_STATISTIC: [Variable; 10] = [
-    ESTIMATE,
-    STANDARD_ERROR,
-    INTERVAL_LOW,
-    INTERVAL_HIGH,
-    BIAS,
-    BIAS_UNCERTAINTY,
-    BIAS_ORDER,
-    ESTIMATE_CORRECTED,
-    ESTIMATE_CORRECTED_LOW,
-    ESTIMATE_CORRECTED_HIGH,
+    variable("estimate", STATISTIC, Unit::None, "estimate"),
+    variable(
+        "standard_error",
+        STATISTIC,
+        Unit::None,
+        "standard error of the estimate, the path being the independent unit",
+    ),
+    variable("interval_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval"),
+    variable("interval_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval"),
+    variable("bias", STATISTIC, Unit::None, "estimated discretisation bias, missing where unknown"),
+    variable(
+        "bias_uncertainty",
+        STATISTIC,
+        Unit::None,
+        "the discretisation bias is within this of its estimate, at 95 %",
+    ),
+    variable(
+        "bias_order",
+        STATISTIC,
+        Unit::None,
+        "observed order p of the bias in the time step, as in C h^p, missing where unknown",
+    ),
+    variable(
+        "estimate_corrected",
+        STATISTIC,
+        Unit::None,
+        "estimate with its bias removed as far as it is known, missing where unknown",
+    ),
+    variable(
+        "estimate_corrected_low",
+        STATISTIC,
+        Unit::None,
+        "lower end of the 95 % interval of the corrected estimate",
+    ),
+    variable(
+        "estimate_corrected_high",
+        STATISTIC,
+        Unit::None,
+        "upper end of the 95 % interval of the corrected estimate",
+    ),
 ];
 
 /// The variables with one value per statistic of each difference.
-pub(crate) const PER_DIFFERENCE: [Variable; 5] =
-    [DIFFERENCE, DIFFERENCE_ERROR, DIFFERENCE_LOW, DIFFERENCE_HIGH, DIFFERENCE_GAIN];
+pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
+    variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension minus that here"),
+    variable(
+        "difference_error",
+        STATISTIC,
+        Unit::None,
+        "standard error of the difference, with the noise that the points share",
+    ),
+    variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference"),
+    variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference"),
+    variable("difference_gain", STATISTIC, Unit::ONE, "variance of the difference with independent seeds over its own"),
+];
 
 /// The variables with one value per statistic of each elasticity.
-pub(crate) const PER_ELASTICITY: [Variable; 5] =
-    [ELASTICITY, ELASTICITY_ERROR, ELASTICITY_LOW, ELASTICITY_HIGH, ELASTICITY_GAIN];
+pub(crate) const PER_ELASTICITY: [Variable; 5] = [
+    variable("elasticity", STATISTIC, Unit::ONE, "relative change of the estimate for each relative change of the key"),
+    variable("elasticity_error", STATISTIC, Unit::ONE, "standard error of the elasticity"),
+    variable("elasticity_low", STATISTIC, Unit::ONE, "lower end of the 95 % confidence interval of the elasticity"),
+    variable("elasticity_high", STATISTIC, Unit::ONE, "upper end of the 95 % confidence interval of the elasticity"),
+    variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own"),
+];
 
 /// The same variable along these axes, with these attributes if there are any.
 pub(crate) fn along<'a>(
@@ -103,10 +110,14 @@ mod tests {
     use crate::study::sweep::RESERVED;
     use std::collections::BTreeSet;
 
+    fn all() -> impl Iterator<Item = &'static Variable> {
+        ALL.iter().chain(&PER_STATISTIC).chain(&PER_DIFFERENCE).chain(&PER_ELASTICITY)
+    }
+
     /// An axis with one of these names could not be written.
     #[test]
     fn the_names_of_the_file_are_those_that_no_axis_may_take() {
-        let mut names: BTreeSet<&str> = ALL.iter().map(|variable| variable.name).collect();
+        let mut names: BTreeSet<&str> = all().map(|variable| variable.name).collect();
         names.extend(["statistic", "statistic_long_name", "statistic_unit"]);
         assert_eq!(names, RESERVED.into_iter().collect());
     }
@@ -114,7 +125,7 @@ mod tests {
     #[test]
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
-        for variable in ALL {
+        for variable in all() {
             assert!(text.contains(&format!("`{}`", variable.name)), "{}", variable.name);
         }
     }

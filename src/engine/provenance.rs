@@ -24,7 +24,7 @@ pub fn other_program(version: &str, git_hash: &str) -> Option<String> {
 }
 
 /// Everything that is needed to repeat a run, and to know which program made it.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     /// The title of the scenario: what it asks, in one line.
     pub title: String,

@@ -26,7 +26,7 @@ pub(crate) use rows::write_rows;
 #[cfg(feature = "store")]
 pub(crate) use {
     checksum::checksum,
-    parts::{RowSource, each_block, paths},
+    parts::{RowSource, each_block},
     rows::{OwnedRows, Position, read_rows},
     state::{MAGIC, State, of_bytes, read_positions, to_bytes, write_positions},
 };

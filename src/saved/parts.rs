@@ -4,12 +4,13 @@
 use super::SavedError;
 use super::rows::{OwnedRows, Position};
 use super::state::{Question, State, of_bytes};
-use crate::dataset::layout::{self, Variable};
-use crate::dataset::{Column, Dataset, Element, Kind};
+use crate::dataset::layout::Variable;
+use crate::dataset::{Column, Dataset, Kind};
 use crate::engine::SoFar;
 use crate::ensemble::BLOCK_SIZE;
 use crate::scenario::Scenario;
-use crate::stats::{EventColumns, PathColumns, Record, RunTotals, TrajectoryRows};
+use crate::stats::column::{Columns as _, values_of};
+use crate::stats::{EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals, TrajectoryRows};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -159,7 +160,7 @@ pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
         let place = (first_path - origin) as usize..(end - origin) as usize;
         let mut owned = OwnedRows { first_path, paths: end - first_path, ..OwnedRows::default() };
         if record.paths {
-            owned.path_columns = Some(paths(from, &place)?);
+            owned.path_columns = Some(PathColumns::read(|variable, kind| from.rows(variable, kind, &place))?);
         }
         if record.events {
             let (found, next) = events(from, &place, event)?;
@@ -167,7 +168,7 @@ pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
         }
         if first_path < record.trajectories {
             let kept = place.start..(record.trajectories.min(end) - origin) as usize;
-            owned.trajectories = Some(trajectories(from, &kept)?);
+            owned.trajectories = Some(TrajectoryRows::read(|variable, kind| from.rows(variable, kind, &kept))?);
         }
         bytes.clear();
         position = position.after(&owned.rows(), &mut bytes);
@@ -196,57 +197,15 @@ impl RowSource for Dataset {
     }
 }
 
-/// Some rows of a variable with values of this type.
-fn column<S: RowSource, T: Element>(from: &S, variable: &Variable, rows: &Range<usize>) -> Result<Vec<T>, S::Error> {
-    let wrong = || format!("{} has another type than it was written with", variable.name).into();
-    T::of(from.rows(variable, T::KIND, rows)?).ok_or_else(wrong)
-}
-
-/// Read the scalars of some paths.
-pub(crate) fn paths<S: RowSource>(from: &S, rows: &Range<usize>) -> Result<PathColumns, S::Error> {
-    let diverged: Vec<i8> = column(from, &layout::PATH_DIVERGED, rows)?;
-    Ok(PathColumns {
-        displacement_end: column(from, &layout::PATH_DISPLACEMENT_END, rows)?,
-        max_displacement: column(from, &layout::PATH_MAX_DISPLACEMENT, rows)?,
-        first_stick_duration: column(from, &layout::PATH_FIRST_STICK_DURATION, rows)?,
-        stick_time: column(from, &layout::PATH_STICK_TIME, rows)?,
-        friction_work: column(from, &layout::PATH_FRICTION_WORK, rows)?,
-        sticks: column(from, &layout::PATH_STICKS, rows)?,
-        slips: column(from, &layout::PATH_SLIPS, rows)?,
-        sub_phases: column(from, &layout::PATH_SUB_PHASES, rows)?,
-        diverged: diverged.iter().map(|&flag| flag != 0).collect(),
-    })
-}
-
 /// Read the events of some paths. `first` is the row of their first event; the row after their last
 /// event is returned with them.
 fn events<S: RowSource>(from: &S, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize), S::Error> {
-    let count: Vec<u32> = column(from, &layout::EVENT_COUNT, rows)?;
+    let count: Vec<u32> = values_of(&EVENT_COUNT, from.rows(&EVENT_COUNT, Kind::U32, rows)?)?;
     let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
     if next == first {
         return Ok((EventColumns { count, ..EventColumns::default() }, next));
     }
-    let rows = &(first..next);
-    let events = EventColumns {
-        count,
-        time: column(from, &layout::EVENT_TIME, rows)?,
-        displacement: column(from, &layout::EVENT_DISPLACEMENT, rows)?,
-        force: column(from, &layout::EVENT_FORCE, rows)?,
-        sign: column(from, &layout::EVENT_SIGN, rows)?,
-        kind: column(from, &layout::EVENT_KIND, rows)?,
-    };
+    let rows_of = |variable: &Variable| if variable.axes == EVENT_COUNT.axes { rows.clone() } else { first..next };
+    let events = EventColumns::read(|variable, kind| from.rows(variable, kind, &rows_of(variable)))?;
     Ok((events, next))
-}
-
-/// Read some of the paths that were kept on the output grid.
-fn trajectories<S: RowSource>(from: &S, rows: &Range<usize>) -> Result<TrajectoryRows, S::Error> {
-    Ok(TrajectoryRows {
-        path: column(from, &layout::TRAJECTORY, rows)?,
-        displacement: column(from, &layout::TRAJECTORY_DISPLACEMENT, rows)?,
-        velocity: column(from, &layout::TRAJECTORY_VELOCITY, rows)?,
-        temperature: column(from, &layout::TRAJECTORY_TEMPERATURE, rows)?,
-        force: column(from, &layout::TRAJECTORY_FORCE, rows)?,
-        friction: column(from, &layout::TRAJECTORY_FRICTION, rows)?,
-        is_static: column(from, &layout::TRAJECTORY_STATIC, rows)?,
-    })
 }

@@ -1,7 +1,8 @@
 //! The rows of single paths as bytes: those of a block, and the checksum over many of them.
 
 use super::checksum::checksum;
-use crate::dataset::Rows;
+use crate::dataset::{Kind, Rows};
+use crate::stats::column::Columns;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Totals, TrajectoryRows};
 use crate::sums::{Codec, Damaged, Reader};
 
@@ -51,89 +52,22 @@ impl OwnedRows {
     }
 }
 
-/// A number whose bytes have a fixed length.
-trait Fixed<const N: usize>: Copy {
-    fn bytes(self) -> [u8; N];
-    fn of(bytes: [u8; N]) -> Result<Self, Damaged>;
-}
-
-macro_rules! fixed {
-    ($($type:ty, $size:literal;)*) => {$(
-        impl Fixed<$size> for $type {
-            fn bytes(self) -> [u8; $size] {
-                self.to_le_bytes()
-            }
-
-            fn of(bytes: [u8; $size]) -> Result<Self, Damaged> {
-                Ok(<$type>::from_le_bytes(bytes))
-            }
-        }
-    )*};
-}
-
-fixed! { f64, 8; u64, 8; u32, 4; i8, 1; }
-
-impl Fixed<1> for bool {
-    fn bytes(self) -> [u8; 1] {
-        [self.into()]
-    }
-
-    fn of([byte]: [u8; 1]) -> Result<Self, Damaged> {
-        if byte > 1 { Err(Damaged) } else { Ok(byte == 1) }
+/// Write a table, if it is there: for each column its length, then its values.
+fn write_table<T: Columns>(table: Option<&T>, out: &mut Vec<u8>) {
+    u64::from(table.is_some()).write(out);
+    for (_, values) in table.iter().flat_map(|table| table.columns()) {
+        (values.len() as u64).write(out);
+        values.write(out);
     }
 }
 
-/// Write a list: its length, then its numbers.
-fn write_list<T: Fixed<N>, const N: usize>(list: &[T], out: &mut Vec<u8>) {
-    (list.len() as u64).write(out);
-    list.iter().for_each(|number| out.extend(number.bytes()));
+fn read_table<T: Columns>(from: &mut Reader<'_>) -> Result<Option<T>, Damaged> {
+    let mut is_there = 0_u64;
+    is_there.read(from)?;
+    let column =
+        |_: &_, kind: Kind| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
+    if is_there == 0 { Ok(None) } else { T::read::<String>(column).map(Some).map_err(|_| Damaged) }
 }
-
-fn read_list<T: Fixed<N>, const N: usize>(from: &mut Reader<'_>) -> Result<Vec<T>, Damaged> {
-    let length = from.length()?.checked_mul(N).ok_or(Damaged)?;
-    let numbers = from.take(length)?.as_chunks::<N>().0;
-    numbers.iter().map(|bytes| T::of(*bytes)).collect()
-}
-
-/// Define the functions that write and read all lists of a struct.
-macro_rules! lists {
-    ($write:ident, $read:ident, $type:ident { $($field:ident),* $(,)? }) => {
-        fn $write(columns: Option<&$type>, out: &mut Vec<u8>) {
-            u64::from(columns.is_some()).write(out);
-            if let Some($type { $($field),* }) = columns {
-                $(write_list($field, out);)*
-            }
-        }
-
-        fn $read(from: &mut Reader<'_>) -> Result<Option<$type>, Damaged> {
-            let mut is_there = 0_u64;
-            is_there.read(from)?;
-            if is_there == 0 { Ok(None) } else { Ok(Some($type { $($field: read_list(from)?),* })) }
-        }
-    };
-}
-
-lists!(
-    write_paths,
-    read_paths,
-    PathColumns {
-        displacement_end,
-        max_displacement,
-        first_stick_duration,
-        stick_time,
-        friction_work,
-        sticks,
-        slips,
-        sub_phases,
-        diverged,
-    }
-);
-lists!(write_events, read_events, EventColumns { count, time, displacement, force, sign, kind });
-lists!(
-    write_trajectories,
-    read_trajectories,
-    TrajectoryRows { path, displacement, velocity, temperature, force, friction, is_static }
-);
 
 /// Append the rows of a block and the numbers of its diverged paths to `out`. Its sums are not
 /// written.
@@ -156,9 +90,9 @@ pub fn read_block(from: &mut Reader<'_>, totals: &Totals) -> Result<BlockResult,
 pub(crate) fn write_rows(rows: &Rows, out: &mut Vec<u8>) {
     rows.first_path.write(out);
     rows.paths.write(out);
-    write_paths(rows.path_columns, out);
-    write_events(rows.events, out);
-    write_trajectories(rows.trajectories, out);
+    write_table(rows.path_columns, out);
+    write_table(rows.events, out);
+    write_table(rows.trajectories, out);
 }
 
 /// Read rows that [`write_rows`] wrote.
@@ -169,8 +103,8 @@ pub(crate) fn read_rows(from: &mut Reader<'_>) -> Result<OwnedRows, Damaged> {
     Ok(OwnedRows {
         first_path,
         paths,
-        path_columns: read_paths(from)?,
-        events: read_events(from)?,
-        trajectories: read_trajectories(from)?,
+        path_columns: read_table(from)?,
+        events: read_table(from)?,
+        trajectories: read_table(from)?,
     })
 }

@@ -17,6 +17,7 @@ mod absence;
 mod bands;
 mod catalogue;
 mod certain;
+pub(crate) mod column;
 mod corrected;
 mod dimension;
 mod durations;
@@ -45,6 +46,7 @@ pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use groups::{GROUPS, Grouping, Groups, Values};
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
+pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
 pub use run_totals::RunTotals;
 pub use summary::{
     Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,

@@ -1,8 +1,10 @@
 //! The observer of one block of paths. It yields the totals of the block, and what a run keeps of
 //! single paths.
 
+use super::column::Columns as _;
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
+use super::record::{PathRow, TrajectoryRow};
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Oscillator, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -32,26 +34,14 @@ pub struct BlockObserver {
 /// One path on the output grid.
 struct Trajectory {
     lane: usize,
-    displacement: Vec<f64>,
-    velocity: Vec<f64>,
-    temperature: Vec<f64>,
-    force: Vec<f64>,
-    friction: Vec<f64>,
-    is_static: Vec<i8>,
+    rows: TrajectoryRows,
 }
 
 impl Trajectory {
-    fn unknown(lane: usize, rows: usize) -> Self {
-        let nothing = vec![f64::NAN; rows];
-        Trajectory {
-            lane,
-            displacement: nothing.clone(),
-            velocity: nothing.clone(),
-            temperature: nothing.clone(),
-            force: nothing.clone(),
-            friction: nothing,
-            is_static: vec![0; rows],
-        }
+    fn unknown(lane: usize, path: u64, rows: usize) -> Self {
+        let mut table = TrajectoryRows { path: vec![path], ..TrajectoryRows::default() };
+        (0..rows).for_each(|_| table.push(TrajectoryRows::MISSING));
+        Trajectory { lane, rows: table }
     }
 }
 
@@ -60,7 +50,7 @@ impl BlockObserver {
     /// is at rest at x0, in its first static phase.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64]) -> Self {
         let rows = timeline.rows();
-        let kept = paths.iter().take_while(|&&path| path < record.trajectories).count();
+        let kept = paths.iter().take_while(|&&path| path < record.trajectories).enumerate();
         BlockObserver {
             path_numbers: paths.to_vec(),
             unit: Unit::Path,
@@ -72,7 +62,10 @@ impl BlockObserver {
             periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
             keeps_paths: record.paths,
             events: record.events.then(|| vec![Vec::new(); paths.len()]),
-            trajectories: (record.trajectories, (0..kept).map(|lane| Trajectory::unknown(lane, rows)).collect()),
+            trajectories: (
+                record.trajectories,
+                kept.map(|(lane, &path)| Trajectory::unknown(lane, path, rows)).collect(),
+            ),
         }
     }
 
@@ -151,12 +144,16 @@ impl Observer for BlockObserver {
                     // about to follow b.
                     let direction = if v == 0.0 { Sign::of(b) } else { self.paths[lane].direction };
                     let sliding = self.dynamic_force * direction.value();
-                    kept.displacement[row] = x;
-                    kept.velocity[row] = v;
-                    kept.temperature[row] = t;
-                    kept.force[row] = b;
-                    kept.friction[row] = if snapshot.is_static[lane] { b } else { sliding };
-                    kept.is_static[row] = i8::from(snapshot.is_static[lane]);
+                    let is_static = snapshot.is_static[lane];
+                    let seen = TrajectoryRow {
+                        displacement: x,
+                        velocity: v,
+                        temperature: t,
+                        force: b,
+                        friction: if is_static { b } else { sliding },
+                        is_static: is_static.into(),
+                    };
+                    kept.rows.set(row, seen);
                 }
             }
             Instant::Period(n) => self.periods.observe(n, &snapshot),
@@ -188,18 +185,20 @@ impl Block<'_> {
     fn path_columns(&self, paths: &[PathFold], dynamic_force: f64) -> PathColumns {
         let mut columns = PathColumns::default();
         for (_, lane) in self.lanes() {
-            let path = lane.map(|lane| &paths[lane]);
-            let number = |of: fn(&PathFold) -> f64| path.map_or(f64::NAN, of);
-            let count = |of: fn(&PathFold) -> u32| path.map_or(0, of);
-            columns.displacement_end.push(number(|p| p.displacement_end));
-            columns.max_displacement.push(number(|p| p.max_displacement));
-            columns.first_stick_duration.push(number(|p| p.first_duration.unwrap_or(f64::NAN)));
-            columns.stick_time.push(number(|p| p.stick_time));
-            columns.friction_work.push(dynamic_force * number(|p| p.travel));
-            columns.sticks.push(count(|p| p.sticks));
-            columns.slips.push(count(|p| p.slips));
-            columns.sub_phases.push(count(|p| p.sub_phases));
-            columns.diverged.push(path.is_none());
+            columns.push(match lane.map(|lane| &paths[lane]) {
+                None => PathRow { diverged: 1, ..PathColumns::MISSING },
+                Some(path) => PathRow {
+                    displacement_end: path.displacement_end,
+                    max_displacement: path.max_displacement,
+                    first_stick_duration: path.first_duration.unwrap_or(f64::NAN),
+                    stick_time: path.stick_time,
+                    friction_work: dynamic_force * path.travel,
+                    sticks: path.sticks,
+                    slips: path.slips,
+                    sub_phases: path.sub_phases,
+                    diverged: 0,
+                },
+            });
         }
         columns
     }
@@ -216,21 +215,10 @@ impl Block<'_> {
     fn trajectory_rows(&self, wanted: u64, kept: &[Trajectory]) -> TrajectoryRows {
         let mut columns = TrajectoryRows::default();
         for (number, lane) in self.lanes().take_while(|&(number, _)| number < wanted) {
-            let unknown;
-            let trajectory = match lane {
-                Some(lane) => &kept[lane],
-                None => {
-                    unknown = Trajectory::unknown(0, self.rows);
-                    &unknown
-                }
-            };
-            columns.path.push(number);
-            columns.displacement.extend_from_slice(&trajectory.displacement);
-            columns.velocity.extend_from_slice(&trajectory.velocity);
-            columns.temperature.extend_from_slice(&trajectory.temperature);
-            columns.force.extend_from_slice(&trajectory.force);
-            columns.friction.extend_from_slice(&trajectory.friction);
-            columns.is_static.extend_from_slice(&trajectory.is_static);
+            match lane {
+                Some(lane) => columns.append(&kept[lane].rows),
+                None => columns.append(&Trajectory::unknown(0, number, self.rows).rows),
+            }
         }
         columns
     }
@@ -404,7 +392,7 @@ mod tests {
         let result = observer.finish(100, 5, vec![101, 104]);
 
         let columns = result.path_columns.expect("asked for");
-        assert_eq!(columns.diverged, [false, true, false, false, true]);
+        assert_eq!(columns.diverged, [0, 1, 0, 0, 1]);
         assert_eq!(columns.slips, [0, 0, 1, 0, 0]);
         assert_eq!(columns.sub_phases, [0, 0, 1, 0, 0]);
         // With f_d = 2:

@@ -1,6 +1,7 @@
 //! What a run keeps of single paths, on request.
 
 use super::Totals;
+use super::column::{Column, ColumnView, Columns, Element, Kind, Unit, Variable, columns, next_values, variable};
 use crate::model::{Event, EventKind, Sign};
 
 /// What a run keeps besides the statistics of the ensemble.
@@ -19,62 +20,78 @@ impl Record {
     pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
 }
 
-/// Scalars of each path, one entry per path, in the order of the path numbers. A diverged path has
-/// NaN and zeros.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PathColumns {
-    /// Displacement at the end, x(t_end).
-    pub displacement_end: Vec<f64>,
-    /// Largest |x| over [0, t_end].
-    pub max_displacement: Vec<f64>,
-    /// D_0; NaN if the first stick still runs at t_end.
-    pub first_stick_duration: Vec<f64>,
-    /// Static time within [after, t_end], the first and the last stick included.
-    pub stick_time: Vec<f64>,
-    /// Integral of f_d |x'| dt over [after, t_end].
-    pub friction_work: Vec<f64>,
-    /// Completed sticks, j >= 1, that began at `after` or later.
-    pub sticks: Vec<u32>,
-    /// Completed dynamic phases that began at `after` or later.
-    pub slips: Vec<u32>,
-    /// Sum of k(j) over these dynamic phases.
-    pub sub_phases: Vec<u32>,
-    /// Whether the path diverged.
-    pub diverged: Vec<bool>,
+columns! {
+    /// Scalars of each path, one entry per path, in the order of the path numbers. A diverged path
+    /// has NaN and zeros.
+    PathColumns {}
+    /// The scalars of a path.
+    PathRow {
+        /// Displacement at the end, x(t_end).
+        displacement_end: f64 =
+            variable("path_displacement_end", &["path"], Unit::LENGTH, "displacement at the end");
+        /// Largest |x| over [0, t_end].
+        max_displacement: f64 =
+            variable("path_max_displacement", &["path"], Unit::LENGTH, "largest absolute displacement");
+        /// D_0; NaN if the first stick still runs at t_end.
+        first_stick_duration: f64 = variable("path_first_stick_duration", &["path"], Unit::TIME,
+            "duration of the first stick, missing while it runs at the end");
+        /// Static time within [after, t_end], the first and the last stick included.
+        stick_time: f64 = variable("path_stick_time", &["path"], Unit::TIME, "total time in static phases");
+        /// Integral of f_d |x'| dt over [after, t_end].
+        friction_work: f64 =
+            variable("path_friction_work", &["path"], Unit::WORK, "work done against dynamic friction");
+        /// Completed sticks, j >= 1, that began at `after` or later.
+        sticks: u32 = variable("path_sticks", &["path"], Unit::ONE, "completed sticks, the first left out");
+        /// Completed dynamic phases that began at `after` or later.
+        slips: u32 = variable("path_slips", &["path"], Unit::ONE, "completed dynamic phases");
+        /// Sum of k(j) over these dynamic phases.
+        sub_phases: u32 =
+            variable("path_sub_phases", &["path"], Unit::ONE, "sub-phases of the completed dynamic phases");
+        /// 1 if the path diverged or was given up, 0 otherwise.
+        diverged: i8 = variable("path_diverged", &["path"], Unit::None, "whether the path diverged or was given up")
+            .flags(&[0, 1], &[("flag_meanings", "finite diverged")]);
+    }
 }
 
-/// Event tables of consecutive paths, one after the other (CF contiguous ragged arrays).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct EventColumns {
-    /// Number of events of each path.
-    pub count: Vec<u32>,
-    /// tau, the time of each event.
-    pub time: Vec<f64>,
-    /// Displacement x at each event.
-    pub displacement: Vec<f64>,
-    /// Force b at each event, the total of all forces except friction.
-    pub force: Vec<f64>,
-    /// Direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
-    pub sign: Vec<i8>,
-    /// Kind of each event: 0 stick entered, 1 slip started, 2 sub-phase boundary.
-    pub kind: Vec<i8>,
+/// The number of events of each path.
+pub(crate) const EVENT_COUNT: Variable = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
+    .with(&[("sample_dimension", "event")]);
+
+columns! {
+    /// Event tables of consecutive paths, one after the other (CF contiguous ragged arrays).
+    EventColumns {
+        /// Number of events of each path.
+        count: u32 = EVENT_COUNT;
+    }
+    /// An event.
+    EventRow {
+        /// tau, the time of each event.
+        time: f64 = variable("event_time", &["event"], Unit::TIME, "time of the event");
+        /// Displacement x at each event.
+        displacement: f64 = variable("event_displacement", &["event"], Unit::LENGTH, "displacement at the event");
+        /// Force b at each event, the total of all forces except friction.
+        force: f64 =
+            variable("event_force", &["event"], Unit::FORCE, "total force besides friction (b) at the event");
+        /// Direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
+        sign: i8 = variable("event_sign", &["event"], Unit::None, "direction of the sub-phase that starts")
+            .flags(&[-1, 0, 1], &[("flag_meanings", "negative none positive")]);
+        /// Kind of each event: 0 stick entered, 1 slip started, 2 sub-phase boundary.
+        kind: i8 = variable("event_kind", &["event"], Unit::None, "kind of the event")
+            .flags(&[0, 1, 2], &[("flag_meanings", "stick_entered slip_started sub_phase_boundary")]);
+    }
 }
 
 impl EventColumns {
     /// Append the events of the next path.
     pub fn push_path(&mut self, events: &[Event]) {
         self.count.push(events.len() as u32);
-        for event in events {
-            let (kind, sign) = match event.kind {
+        for &Event { time, displacement, force, kind } in events {
+            let (kind, sign) = match kind {
                 EventKind::StickEntered => (0, 0),
                 EventKind::SlipStarted(sign) => (1, number(sign)),
                 EventKind::SubPhaseBoundary(sign) => (2, number(sign)),
             };
-            self.time.push(event.time);
-            self.displacement.push(event.displacement);
-            self.force.push(event.force);
-            self.sign.push(sign);
-            self.kind.push(kind);
+            self.push(EventRow { time, displacement, force, sign, kind });
         }
     }
 }
@@ -86,23 +103,33 @@ fn number(sign: Sign) -> i8 {
     }
 }
 
-/// Paths on the output grid. Each matrix is row-major with shape (paths, rows of the output grid).
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct TrajectoryRows {
-    /// Path numbers, in order.
-    pub path: Vec<u64>,
-    /// Displacement x(t).
-    pub displacement: Vec<f64>,
-    /// Velocity x'(t).
-    pub velocity: Vec<f64>,
-    /// Temperature T(t).
-    pub temperature: Vec<f64>,
-    /// b(t), the total of all forces except friction.
-    pub force: Vec<f64>,
-    /// Friction force F(t): b in a static phase, f_d in the direction of motion otherwise.
-    pub friction: Vec<f64>,
-    /// 1 in a static phase, 0 otherwise.
-    pub is_static: Vec<i8>,
+/// The axes of what is kept of a path on the output grid.
+pub(crate) const ON_THE_GRID: &[&str] = &["trajectory", "time"];
+
+columns! {
+    /// Paths on the output grid. Each matrix is row-major with shape (paths, rows of the output
+    /// grid).
+    TrajectoryRows {
+        /// Path numbers, in order.
+        path: u64 = variable("trajectory", &["trajectory"], Unit::ONE, "path number");
+    }
+    /// A path at one time of the output grid.
+    TrajectoryRow {
+        /// Displacement x(t).
+        displacement: f64 = variable("trajectory_displacement", ON_THE_GRID, Unit::LENGTH, "displacement");
+        /// Velocity x'(t).
+        velocity: f64 = variable("trajectory_velocity", ON_THE_GRID, Unit::VELOCITY, "velocity");
+        /// Temperature T(t).
+        temperature: f64 = variable("trajectory_temperature", ON_THE_GRID, Unit::TEMPERATURE, "temperature");
+        /// b(t), the total of all forces except friction.
+        force: f64 = variable("trajectory_force", ON_THE_GRID, Unit::FORCE, "total force besides friction (b)");
+        /// Friction force F(t): b in a static phase, f_d in the direction of motion otherwise.
+        friction: f64 = variable("trajectory_friction", ON_THE_GRID, Unit::FORCE, "friction force (F)");
+        /// 1 in a static phase, 0 otherwise.
+        is_static: i8 =
+            variable("trajectory_static", ON_THE_GRID, Unit::None, "whether the path is in a static phase")
+                .flags(&[0, 1], &[("flag_meanings", "dynamic static")]);
+    }
 }
 
 /// The result of one block of paths. It depends on no other block, and can be merged with its

@@ -54,7 +54,7 @@ impl Estimate {
 }
 
 /// Pointwise distribution of one variable over the ensemble, on the output grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Band {
     /// Mean at each time.
     pub mean: Vec<f64>,
@@ -71,7 +71,7 @@ pub struct Band {
 }
 
 /// Bands of x, x', T and the probability of being static, on the output grid.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Bands {
     /// Output times.
     pub time: Vec<f64>,
@@ -88,7 +88,7 @@ pub struct Bands {
 }
 
 /// Counts in consecutive bins: bin i is `[edges[i], edges[i + 1])`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Histogram {
     /// Bin edges, one more than there are bins.
     pub edges: Vec<f64>,
@@ -97,7 +97,7 @@ pub struct Histogram {
 }
 
 /// Stick durations D_j, j >= 1, of the sticks that ended and of those that still run at t_end.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct StickDurations {
     /// h, where all durations are multiples of the step h of the scheme. Their quantiles are then
     /// multiples of h as well.
@@ -137,7 +137,7 @@ pub struct StickDurations {
 }
 
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct SubPhaseCounts {
     /// counts[k - 1] is the number of completed dynamic phases with k sub-phases. The last entry
     /// also counts all larger k.
@@ -156,7 +156,7 @@ pub struct SubPhaseCounts {
 
 /// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]. The
 /// first stick is not part of it, because it has statistics of its own in any case.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Transient {
     /// The end of the burn-in.
     pub end: f64,
@@ -173,7 +173,7 @@ pub struct Transient {
 }
 
 /// Moments of x at the whole forcing periods.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeriodMoments {
     /// Ends n P of the forcing periods, n = 1, 2, ...
     pub time: Vec<f64>,

@@ -2,10 +2,9 @@
 
 use super::StoreError;
 use super::at_once::write_at_once;
-use super::error::cause;
-use super::reader::{check_file, open};
+use super::reader::{check_file, damaged, open};
 use crate::dataset::calibration::{CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION, units};
-use crate::dataset::{self, StoredCalibration, read_text};
+use crate::dataset::{self, StoredCalibration, read_attribute};
 use std::path::Path;
 
 /// Write a calibration to `target`. Like every file it is made in the folder `NAME.partial`. With
@@ -19,14 +18,13 @@ pub fn write_calibration(target: &Path, calibration: &StoredCalibration, force: 
 pub fn read_calibration(path: &Path) -> Result<StoredCalibration, StoreError> {
     check_file(path)?;
     let file = open(path)?;
-    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    if read_text(&file, "format_name").ok().as_deref() != Some(CALIBRATION_FORMAT_NAME) {
+    if read_attribute::<_, String>(&file, "format_name").ok().as_deref() != Some(CALIBRATION_FORMAT_NAME) {
         return Err(StoreError::Foreign { path: path.to_owned() });
     }
-    let version = read_text(&file, "format_version").map_err(damaged)?;
+    let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
     let version = version.split_once('.').and_then(|(a, b)| Some((a.parse::<u32>().ok()?, b.parse::<u32>().ok()?)));
     if let Some((major, minor)) = version.filter(|version| version.0 > CALIBRATION_FORMAT_VERSION.0) {
         return Err(StoreError::Newer { path: path.to_owned(), major, minor });
     }
-    dataset::calibration::read(&file).map_err(damaged)
+    dataset::calibration::read(&file).map_err(damaged(path))
 }

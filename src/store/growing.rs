@@ -7,7 +7,7 @@ use super::ledger::{Ledger, Sum};
 use super::variable::{Element, Growth, Place};
 use crate::dataset::layout::{self, Variable};
 use crate::dataset::rows::{Along, Table};
-use crate::dataset::{Column, Values};
+use crate::dataset::{Column, ColumnView};
 use hdf5::{Dataset, Result};
 use ndarray::{ArrayView1, ArrayView2, s};
 
@@ -47,7 +47,7 @@ impl GrowingTable {
             Along::Path | Along::Trajectory => None,
         };
         let mut define =
-            |(variable, values): &(&Variable, Values)| GrowingVariable::define(place, variable, *values, growth);
+            |(variable, values): &(&Variable, ColumnView)| GrowingVariable::define(place, variable, *values, growth);
         let columns = table.variables.iter().map(&mut define).collect::<Result<_>>()?;
         Ok(GrowingTable { bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 })
     }
@@ -98,14 +98,14 @@ impl GrowingTable {
 }
 
 impl GrowingVariable {
-    fn define(place: &mut Place, variable: &Variable, values: Values, growth: Growth) -> Result<GrowingVariable> {
+    fn define(place: &mut Place, variable: &Variable, values: ColumnView, growth: Growth) -> Result<GrowingVariable> {
         let dataset = match values {
-            Values::F64(_) => place.define_growing::<f64>(variable, growth)?,
-            Values::U64(_) => place.define_growing::<u64>(variable, growth)?,
-            Values::U32(_) => place.define_growing::<u32>(variable, growth)?,
-            Values::I8(_) => place.define_growing::<i8>(variable, growth)?,
-            Values::U8(_) => place.define_growing::<u8>(variable, growth)?,
-            Values::Text(_) => return Err("no text is kept of single paths".into()),
+            ColumnView::F64(_) => place.define_growing::<f64>(variable, growth)?,
+            ColumnView::U64(_) => place.define_growing::<u64>(variable, growth)?,
+            ColumnView::U32(_) => place.define_growing::<u32>(variable, growth)?,
+            ColumnView::I8(_) => place.define_growing::<i8>(variable, growth)?,
+            ColumnView::U8(_) => place.define_growing::<u8>(variable, growth)?,
+            ColumnView::Text(_) => return Err("no text is kept of single paths".into()),
         };
         let width = dataset.shape().iter().skip(1).product();
         let (pending, sum) = (values.empty_column(), Sum::of(values.kind()));

@@ -2,7 +2,7 @@
 //!
 //! Values are kept as checksums, so that a ledger is small however large the file is.
 
-use crate::dataset::{Attribute, Kind, Values};
+use crate::dataset::{Attribute, ColumnView, Kind};
 use crate::saved::checksum;
 use std::collections::BTreeMap;
 
@@ -22,9 +22,12 @@ impl Sum {
     }
 
     /// Add values, which must have the type of this sum.
-    pub fn add(&mut self, values: Values) {
+    pub fn add(&mut self, values: ColumnView) {
         self.values += values.len();
-        self.checksum = checksum_of(self.checksum, values);
+        let mut bytes = Vec::new();
+        // A text of HDF5 cannot contain the byte that ends it.
+        values.write(&mut bytes);
+        self.checksum = checksum(self.checksum, &bytes);
     }
 }
 
@@ -59,18 +62,4 @@ impl Ledger {
         let of = self.attributes.range(from..).take_while(move |((of, _), _)| of == variable);
         of.map(|((_, name), value)| (name, value))
     }
-}
-
-/// The checksum of these values, continued from that of the values before them.
-fn checksum_of(before: u32, values: Values) -> u32 {
-    let bytes: Vec<u8> = match values {
-        Values::F64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-        Values::U64(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-        Values::U32(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-        Values::I8(values) => values.iter().flat_map(|value| value.to_le_bytes()).collect(),
-        Values::U8(values) => return checksum(before, values),
-        // A text of HDF5 cannot contain the byte that ends it.
-        Values::Text(texts) => texts.iter().flat_map(|text| text.bytes().chain([0])).collect(),
-    };
-    checksum(before, &bytes)
 }

@@ -171,7 +171,7 @@ mod tests {
                 displacement_end: real(1),
                 first_stick_duration: vec![f64::NAN; n],
                 sticks: vec![u32::MAX; n],
-                diverged: (0..n).map(|i| i % 2 == 0).collect(),
+                diverged: (0..n).map(|i| (i % 2 == 0).into()).collect(),
                 ..PathColumns::default()
             }),
             events: Some(EventColumns {

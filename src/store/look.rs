@@ -1,7 +1,7 @@
 //! Looking through a file that nobody vouches for.
 
 use super::read_back::sum_of;
-use super::reader::{self, check_is_hdf5, open};
+use super::reader::{self, check_is_hdf5, damaged, open};
 use super::variable::read_attribute;
 use super::{StoreError, read_calibration, read_prices, read_sweep, read_trade, seal};
 use crate::dataset::Kind;
@@ -53,5 +53,5 @@ pub fn look_through(path: &Path) -> Result<(), StoreError> {
         }
         Ok(())
     };
-    look().map_err(|error| StoreError::Damaged { path: path.to_owned(), cause: super::error::cause(&error) })
+    look().map_err(damaged(path))
 }

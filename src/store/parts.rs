@@ -1,8 +1,7 @@
 //! Joining the files of the parts of a run: their rows are written one after the other.
 
-use super::error::cause;
 use super::naming::parent;
-use super::reader::{check_file, open};
+use super::reader::{check_file, damaged, open};
 use super::variable::read_variable;
 use super::workshop::Workshop;
 use super::{StoreError, Writer, check_space};
@@ -60,11 +59,10 @@ fn read_state(path: &Path) -> Result<State, PartError> {
         if header::format_version(&file).is_none() {
             return Err(StoreError::Foreign { path: path.to_owned() });
         }
-        let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-        let (status, _) = header::read_progress(&file).map_err(damaged)?;
+        let (status, _) = header::read_progress(&file).map_err(damaged(path))?;
         let is_there = file.link_exists(layout::PART_STATE.name);
         let state = is_there.then(|| read_variable(&file, &layout::PART_STATE));
-        Ok((status, state.transpose().map_err(damaged)?))
+        Ok((status, state.transpose().map_err(damaged(path))?))
     };
     match read() {
         Ok((Status::Part, Some(bytes))) => Ok(of_bytes(&bytes, path).map_err(StoreError::from)?),
@@ -120,8 +118,5 @@ fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), Stor
             hdf5::Error::from("not written")
         })
     });
-    copied.map_err(|error| {
-        let damaged = || StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-        failure.take().unwrap_or_else(damaged)
-    })
+    copied.map_err(|error| failure.take().unwrap_or_else(|| damaged(path)(error)))
 }

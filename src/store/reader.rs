@@ -9,7 +9,7 @@ use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
 use crate::dataset::header::{FORMAT_NAME, FORMAT_VERSION};
 use crate::dataset::sweep::SWEEP_FORMAT_NAME;
 use crate::dataset::trade::TRADE_FORMAT_NAME;
-use crate::dataset::{header, layout, read_or_empty, read_text, series, summary};
+use crate::dataset::{header, layout, read_attribute, read_or_empty, series, summary};
 use crate::engine::{Part, Provenance, Status};
 use crate::stats::Summary;
 use hdf5::File;
@@ -60,7 +60,7 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
         other => other?,
     };
     let file = open(path)?;
-    match read_text(&file, "format_name").unwrap_or_default().as_str() {
+    match read_attribute::<_, String>(&file, "format_name").unwrap_or_default().as_str() {
         FORMAT_NAME => Ok(Some(FileKind::Run)),
         TRADE_FORMAT_NAME => Ok(Some(FileKind::Trade)),
         SWEEP_FORMAT_NAME => Ok(Some(FileKind::Sweep)),
@@ -101,14 +101,14 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
         }
         Some(_) => {}
     }
-    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let (status, completed_paths) = header::read_progress(&file).map_err(damaged)?;
-    let time = read_or_empty(&file, &layout::TIME).map_err(damaged)?;
-    let header = series::read(&file).and_then(|series| header::read(&file, time, series)).map_err(damaged)?;
-    let summary = summary::read(&file, completed_paths, header.step).map_err(damaged)?;
-    let ended_by = header::read_ended_by(&file).map_err(damaged)?;
-    let part = header::read_part(&file).map_err(damaged)?;
-    Ok(Stored { header, status, part, ended_by, unfinished: None, completed_paths, summary })
+    let read = || -> hdf5::Result<Stored> {
+        let (status, completed_paths) = header::read_progress(&file)?;
+        let header = header::read(&file, read_or_empty(&file, &layout::TIME)?, series::read(&file)?)?;
+        let summary = summary::read(&file, completed_paths, header.step)?;
+        let (ended_by, part) = (header::read_ended_by(&file)?, header::read_part(&file)?);
+        Ok(Stored { header, status, part, ended_by, unfinished: None, completed_paths, summary })
+    };
+    read().map_err(damaged(path))
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
@@ -133,10 +133,21 @@ pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
     }
 }
 
+/// Read something from a file of which `read` fails only if the file is damaged.
+pub(super) fn read_from<T>(path: &Path, read: impl FnOnce(&File) -> hdf5::Result<T>) -> Result<T, StoreError> {
+    check_file(path)?;
+    read(&open(path)?).map_err(damaged(path))
+}
+
+/// The error of a file that could not be read.
+pub(super) fn damaged(path: &Path) -> impl Fn(hdf5::Error) -> StoreError + Copy {
+    move |error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) }
+}
+
 pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     File::open(path).map_err(|error| match system_error(&error) {
         Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse { path: path.to_owned() },
         Some(system) => StoreError::NotOpened { path: path.to_owned(), source: system },
-        None => StoreError::Damaged { path: path.to_owned(), cause: cause(&error) },
+        None => damaged(path)(error),
     })
 }

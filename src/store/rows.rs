@@ -1,13 +1,13 @@
 //! Reading the rows of single paths back from a file.
 
 use super::StoreError;
-use super::error::cause;
-use super::reader::{check_file, open};
+use super::reader::read_from;
 use super::variable::readable;
 use crate::dataset::layout;
 use crate::dataset::{Column, Kind};
-use crate::saved::{self, RowSource};
+use crate::saved::RowSource;
 use crate::stats::PathColumns;
+use crate::stats::column::Columns as _;
 use hdf5::{Dataset, File, H5Type, Result};
 use ndarray::{IxDyn, s};
 use std::ops::Range;
@@ -16,18 +16,16 @@ use std::path::Path;
 /// The scalars of one path from the file of a run; `None` if the file does not record paths, or not
 /// this one.
 pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathColumns>, StoreError> {
-    check_file(path)?;
-    let file = open(path)?;
-    let read = || -> Result<Option<PathColumns>> {
-        if !file.link_exists(layout::PATH_DISPLACEMENT_END.name) {
+    read_from(path, |file| {
+        if !file.link_exists(PathColumns::VARIABLES[0].0.name) {
             return Ok(None);
         }
-        let first: Vec<u64> = column(&file, &layout::PATH, &(0..1))?;
+        let first: Vec<u64> = column(file, &layout::PATH, &(0..1))?;
         let row = first.first().and_then(|first| number.checked_sub(*first)).and_then(|row| usize::try_from(row).ok());
         let rows = file.dataset(layout::PATH.name)?.size();
-        row.filter(|row| *row < rows).map(|row| saved::paths(&file, &(row..row + 1))).transpose()
-    };
-    read().map_err(|error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) })
+        let read = |row| PathColumns::read(|variable, kind| file.rows(variable, kind, &(row..row + 1)));
+        row.filter(|row| *row < rows).map(read).transpose()
+    })
 }
 
 /// Read some rows of a variable, row by row.

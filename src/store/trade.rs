@@ -2,8 +2,7 @@
 
 use super::StoreError;
 use super::at_once::write_at_once;
-use super::error::cause;
-use super::reader::{check_file, open};
+use super::reader::read_from;
 use crate::dataset::trade::{self, Cheapest};
 use crate::dataset::{read_other_program, series};
 use crate::engine::Provenance;
@@ -37,37 +36,29 @@ pub struct StoredTrade {
 
 /// Read what a trade has found from its file.
 pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
-    check_file(path)?;
-    let file = open(path)?;
-    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let (title, scenario_text) = trade::read_origin(&file).map_err(damaged)?;
-    Ok(StoredTrade {
-        title,
-        scenario_text,
-        series: series::read(&file).map_err(damaged)?,
-        other_program: read_other_program(&file).map_err(damaged)?,
-        cheapest: trade::read_cheapest(&file).map_err(damaged)?,
+    read_from(path, |file| {
+        let (title, scenario_text) = trade::read_origin(file)?;
+        Ok(StoredTrade {
+            title,
+            scenario_text,
+            series: series::read(file)?,
+            other_program: read_other_program(file)?,
+            cheapest: trade::read_cheapest(file)?,
+        })
     })
 }
 
 /// Read the measurements of a trade of this scenario, from which everything else in its file
 /// follows.
 pub fn read_rungs(path: &Path, scenario: &Scenario) -> Result<Trade, StoreError> {
-    check_file(path)?;
-    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    trade::read(&open(path)?, scenario).map_err(damaged)
+    read_from(path, |file| trade::read(file, scenario))
 }
 
 /// Read the prices of accuracy from the file of a trade: those of `statistic`, or of the first
 /// statistic that has any. A file without them is an error.
 pub fn read_prices(path: &Path, statistic: Option<Statistic>) -> Result<Prices, StoreError> {
-    check_file(path)?;
-    let file = open(path)?;
-    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let mut prices = trade::read_prices(&file).map_err(damaged)?.into_iter();
-    let found = match statistic {
-        Some(statistic) => prices.find(|prices| prices.statistic == statistic),
-        None => prices.find(Prices::has_points),
-    };
-    found.ok_or_else(|| damaged("no statistic in it has prices".into()))
+    read_from(path, |file| {
+        let found = trade::find_prices(file, statistic)?;
+        found.ok_or_else(|| "no statistic in it has prices".into())
+    })
 }

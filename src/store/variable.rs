@@ -4,7 +4,7 @@
 use super::ledger::{Ledger, Sum};
 use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
-use crate::dataset::{Attribute, Column, Destination, Kind, Source, Values};
+use crate::dataset::{Attribute, Column, ColumnView, Destination, Kind, Source, attributes_of};
 use crate::stats::Units;
 use hdf5::types::VarLenUnicode;
 use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
@@ -133,7 +133,7 @@ impl Destination for Place {
         &self.units
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<()> {
         let values = values.into();
         let mut sum = Sum::of(values.kind());
         sum.add(values);
@@ -141,12 +141,12 @@ impl Destination for Place {
             self.ledger.variable(variable.name, sum);
         }
         match values {
-            Values::F64(values) => self.write(variable, values),
-            Values::U64(values) => self.write(variable, values),
-            Values::U32(values) => self.write(variable, values),
-            Values::I8(values) => self.write(variable, values),
-            Values::U8(values) => self.write(variable, values),
-            Values::Text(texts) => {
+            ColumnView::F64(values) => self.write(variable, values),
+            ColumnView::U64(values) => self.write(variable, values),
+            ColumnView::U32(values) => self.write(variable, values),
+            ColumnView::I8(values) => self.write(variable, values),
+            ColumnView::U8(values) => self.write(variable, values),
+            ColumnView::Text(texts) => {
                 self.write(variable, &texts.iter().map(|name| text(name)).collect::<Result<Vec<_>>>()?)
             }
         }
@@ -246,14 +246,6 @@ fn replace_attribute(location: &Location, name: &str, value: &Attribute) -> Resu
         Attribute::Count(value) => attribute.write_scalar(value),
         Attribute::Flags(values) => attribute.write_raw(values),
     }
-}
-
-/// The attributes of a variable, in the order of the file.
-pub(super) fn attributes_of<'a>(variable: &Described<'a>, units: &Units) -> Vec<(&'a str, Attribute)> {
-    let flags = (!variable.flags.is_empty()).then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
-    let unit = variable.unit.label(units).map(|label| ("units", Attribute::Text(label)));
-    let others = variable.attributes.iter().map(|&(name, value)| (name, Attribute::from(value)));
-    [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others).collect()
 }
 
 /// Read an attribute; none if there is no such attribute.

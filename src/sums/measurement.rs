@@ -2,7 +2,7 @@
 
 /// A number with its 95 % interval, for which the path is the independent unit. A value that does
 /// not exist is NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Measurement {
     /// The estimate.
     pub estimate: f64,

@@ -32,6 +32,86 @@ fn a_summary_with_missing_and_infinite_numbers_comes_back() {
     assert!(!partial_path(&target).exists());
 }
 
+/// One walk writes and reads, so a walk that took one number for another would read it back all the
+/// same.
+#[test]
+fn each_variable_and_attribute_has_the_values_that_its_name_says() {
+    let folder = tempfile::tempdir().unwrap();
+    let target = folder.path().join("run.h5");
+    let (header, s) = write(&target, 1000, 256, &EVERYTHING, Status::Complete);
+    let file = hdf5::File::open(&target).unwrap();
+    let there = |name: &str| -> Vec<f64> {
+        let dataset = file.dataset(name).unwrap();
+        match dataset.dtype().unwrap().is::<u64>() {
+            true => dataset.read_raw::<u64>().unwrap().into_iter().map(|count| count as f64).collect(),
+            false => dataset.read_raw().unwrap(),
+        }
+    };
+    let counts = |counts: &[u64]| counts.iter().map(|&count| count as f64).collect::<Vec<_>>();
+    let (sticks, sub, periods, transient) = (&s.stick_durations, &s.sub_phases, &s.periods, s.transient.unwrap());
+    let moved = transient.displacement;
+    let curves = [
+        ("static_probability", s.bands.static_probability.clone(), &s.bands.static_probability_ends),
+        ("stick_duration_count", counts(&sticks.histogram.counts), &sticks.count_ends),
+        ("stick_duration_censored_count", counts(&sticks.censored_counts), &sticks.censored_count_ends),
+        ("stick_duration_survival", sticks.survival.clone(), &sticks.survival_ends),
+        ("stick_duration_quantile", sticks.quantiles.clone(), &sticks.quantile_ends),
+        ("sub_phase_count", counts(&sub.counts), &sub.count_ends),
+        ("sub_phase_share", sub.shares.clone(), &sub.share_ends),
+        ("displacement_period_mean", periods.mean.clone(), &periods.mean_ends),
+        ("displacement_period_variance", periods.variance.clone(), &periods.variance_ends),
+    ]
+    .map(|(name, values, ends)| (name.to_string(), values, ends.clone()));
+    let numbers = [
+        ("stick_duration_completed", sticks.completed as f64, sticks.completed_ends),
+        ("stick_duration_censored", sticks.censored as f64, sticks.censored_ends),
+        ("first_stick_duration_completed", sticks.first_completed as f64, sticks.first_completed_ends),
+        ("first_stick_duration_censored", sticks.first_censored as f64, sticks.first_censored_ends),
+        ("sub_phase_censored", sub.censored as f64, sub.censored_ends),
+        ("transient_sticks", transient.sticks as f64, transient.stick_ends),
+        ("transient_slips", transient.slips as f64, transient.slip_ends),
+        ("transient_displacement", moved.estimate, [moved.low, moved.high]),
+    ]
+    .map(|(name, number, ends)| (name.to_string(), vec![number], Ends::from_iter([ends])));
+    let bands = [
+        ("displacement", &s.bands.displacement),
+        ("velocity", &s.bands.velocity),
+        ("temperature", &s.bands.temperature),
+    ];
+    let bands = bands.map(|(name, band)| {
+        let quantiles = band.quantiles.iter().copied().collect();
+        [
+            (format!("{name}_mean"), band.mean.clone(), band.mean_ends.clone()),
+            (format!("{name}_sd"), band.sd.clone(), band.sd_ends.clone()),
+            (format!("{name}_quantile"), quantiles, band.quantile_ends.clone()),
+        ]
+    });
+    for (name, values, ends) in curves.into_iter().chain(numbers).chain(bands.into_iter().flatten()) {
+        assert_same(&there(&name), &values);
+        assert_same(&[there(&format!("{name}_low")), there(&format!("{name}_high"))], &[ends.low, ends.high]);
+    }
+    assert_same(&there("transient_end"), &vec![transient.end]);
+    assert_same(&there("transient_displacement_error"), &vec![moved.standard_error]);
+    let text = |name: &str| file.attr(name).unwrap().read_scalar::<hdf5::types::VarLenUnicode>().unwrap().to_string();
+    for (name, value) in [
+        ("title", &header.title),
+        ("scenario", &header.scenario_text),
+        ("scheme", &header.scheme),
+        ("generator", &header.generator),
+        ("program_version", &header.program_version),
+        ("git_hash", &header.git_hash),
+    ] {
+        assert_eq!(text(name), *value, "{name}");
+    }
+    let count = |name: &str| file.attr(name).unwrap().read_scalar::<u64>().unwrap();
+    assert_eq!(
+        ["seed", "paths", "block_size", "antithetic"].map(count),
+        [header.seed, header.paths, header.block_size, 1]
+    );
+    let real = |name: &str| file.attr(name).unwrap().read_scalar::<f64>().unwrap();
+    assert_eq!(["step", "resolution"].map(real).map(Some), [header.step, header.resolution]);
+}
+
 #[test]
 fn a_summary_of_nothing_comes_back() {
     let folder = tempfile::tempdir().unwrap();

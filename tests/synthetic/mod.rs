@@ -73,7 +73,7 @@ pub fn block(first_path: u64, paths: u64, rows: usize, kept: u64) -> Block {
         columns.sticks.push(count);
         columns.slips.push(count);
         columns.sub_phases.push(2 * count);
-        columns.diverged.push(diverged);
+        columns.diverged.push(diverged.into());
         block.events.count.push(count);
         for event in 0..u64::from(count) {
             block.events.time.push(event as f64 + noise(path, 10 + event));

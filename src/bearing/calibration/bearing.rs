@@ -9,7 +9,7 @@ use crate::scenario::BridgeScene;
 /// With kappa = K/K_BP, `moving` is (1 - kappa) beta and `still` is kappa beta, because the bearing
 /// is sheared by F/K_BP = kappa (beta T - x) while friction holds the body. The sum of squares of a
 /// fit is quadratic in these three numbers.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensor {
     /// z0, in the unit of displacement.
     pub offset: f64,
@@ -30,7 +30,7 @@ impl Sensor {
 }
 
 /// What a record can determine of a bearing: its motion, and how the sensor sees it.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Response {
     /// A, G and xi(0).
     pub motion: Motion,

@@ -19,7 +19,7 @@ pub const CONVINCING: f64 = 15.0;
 const MINUTES: [f64; 12] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0];
 
 /// The likelihood of the lag of steel behind the thermometer, from z during sticks.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct LagProfile {
     /// The most likely lag, in seconds.
     pub likeliest: f64,

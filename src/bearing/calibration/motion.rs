@@ -14,7 +14,7 @@
 //! is dragged along at the distance A, which is the play operator.
 
 /// The parameters of the motion: A, G and xi(0).
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Motion {
     /// A = f_s/(K beta) in kelvin: the largest distance of T from xi.
     pub reach: f64,

@@ -8,9 +8,10 @@ use super::samples::Record;
 use crate::scenario::BridgeScene;
 
 /// How the parameters are found.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Method {
     /// From the slips alone.
+    #[default]
     Slips,
     /// By the paper's least squares.
     Err,
@@ -35,16 +36,17 @@ impl Method {
 }
 
 /// What is known of the lag of steel behind the thermometer.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Lag {
     /// It is not known. It is estimated, and taken to be 0 unless the data clearly show a lag.
+    #[default]
     Auto,
     /// It is known, in seconds.
     Known(f64),
 }
 
 /// What is asked of a record.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Question {
     /// How the parameters are found.
     pub method: Method,

@@ -14,7 +14,7 @@ use super::warning::Warning;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
 /// An estimate with its interval. Values that are not known are NaN.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Estimate {
     /// The most likely value.
     pub estimate: f64,
@@ -61,7 +61,7 @@ pub struct SeenSlip {
 }
 
 /// The difference between measurement and model.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Residuals {
     /// Root mean square of measurement minus model.
     pub rms: f64,
@@ -70,7 +70,7 @@ pub struct Residuals {
 }
 
 /// The result of a calibration.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
     /// What was asked.
     pub question: Question,

@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Record {
     /// Times, in seconds.
     pub times: Vec<f64>,

@@ -1,11 +1,10 @@
 //! Reading the file of a sweep, finished or not.
 
 use crate::dataset::sweep::{self, SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name, program};
-use crate::dataset::{StoredSweep, read_text};
+use crate::dataset::{StoredSweep, read_attribute};
 use crate::engine::Provenance;
 use crate::store::StoreError;
-use crate::store::error::cause;
-use crate::store::reader::{check_file, open};
+use crate::store::reader::{check_file, damaged, open};
 use crate::study::sweep::{Design, Question};
 use std::path::Path;
 
@@ -52,14 +51,13 @@ fn lines(text: &str) -> Vec<String> {
 pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
     check_file(path)?;
     let file = open(path)?;
-    if read_text(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
+    if read_attribute::<_, String>(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
         return Err(StoreError::NotASweep { path: path.to_owned() });
     }
-    let damaged = |error: hdf5::Error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) };
-    let version = read_text(&file, "format_version").map_err(damaged)?;
+    let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
     let major = version.split('.').next().and_then(|major| major.parse().ok()).unwrap_or(u32::MAX);
     if major > SWEEP_FORMAT_VERSION.0 {
         return Err(StoreError::Newer { path: path.to_owned(), major, minor: 0 });
     }
-    sweep::read(&file).map_err(damaged)
+    sweep::read(&file).map_err(damaged(path))
 }

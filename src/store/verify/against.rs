@@ -2,16 +2,15 @@
 
 use super::Difference;
 use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, Column, Destination, Kind, Source as _, Values, read_other_program};
+use crate::dataset::{Attribute, ColumnView, Destination, Kind, Source as _, attributes_of, read_other_program};
 use crate::stats::Units;
+use crate::stats::column::FirstDifference;
 use crate::store::StoreError;
-use crate::store::error::cause;
 use crate::store::reader::open;
-use crate::store::variable::{attributes_of, read_attribute};
+use crate::store::variable::read_attribute;
 use hdf5::{File, Location, Result};
 use std::collections::{BTreeMap, BTreeSet};
-use std::fmt;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Attributes that name the program. They are not compared, because a file of another program is
 /// told apart before it is compared.
@@ -36,7 +35,6 @@ const OF_LIBRARY: [&str; 8] = [
 /// A file while a data set is compared with it.
 #[derive(Debug)]
 pub(super) struct Against {
-    path: PathBuf,
     pub file: File,
     units: Units,
     /// Names of the variables that were compared.
@@ -51,7 +49,7 @@ pub(super) struct Against {
 impl Against {
     pub fn open(path: &Path, units: Units) -> std::result::Result<Against, StoreError> {
         let (seen, attributes) = Default::default();
-        Ok(Against { path: path.to_owned(), file: open(path)?, units, seen, attributes, values: 0, difference: None })
+        Ok(Against { file: open(path)?, units, seen, attributes, values: 0, difference: None })
     }
 
     /// Number of values and texts that were compared so far.
@@ -67,11 +65,6 @@ impl Against {
     /// The first difference that was found, if any.
     pub fn difference(&self) -> Option<&Difference> {
         self.difference.as_ref()
-    }
-
-    /// The error that the file could not be read.
-    pub fn damaged(&self, error: &hdf5::Error) -> StoreError {
-        StoreError::Damaged { path: self.path.clone(), cause: cause(error) }
     }
 
     /// Keep a difference if it is the first one. Later differences often follow from the first.
@@ -169,7 +162,7 @@ impl Destination for Against {
         &self.units
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<Values<'a>>) -> Result<()> {
+    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<()> {
         let values = values.into();
         if values.len() == 0 {
             return Ok(());
@@ -177,7 +170,7 @@ impl Destination for Against {
         self.describe(variable, values.kind())?;
         self.count(values.len());
         let found = match self.file.column(variable, values.kind())? {
-            Some(stored) => first_difference(&stored, values),
+            Some(stored) => stored.values().first_difference(values),
             None => Some((None, "missing".into(), "there".into())),
         };
         if let Some(found) = found {
@@ -190,32 +183,4 @@ impl Destination for Against {
         self.attributes.insert(name.to_owned(), value.into());
         Ok(())
     }
-}
-
-/// The index of a difference, and the stored and the computed value as text.
-pub(super) type FirstDifference = (Option<usize>, String, String);
-
-/// The first value that differs. Reals are compared bit for bit, except that all NaN are equal,
-/// since NaN means a missing value.
-pub(super) fn first_difference(stored: &Column, computed: Values) -> Option<FirstDifference> {
-    let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
-    match (stored, computed) {
-        // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
-        // them.
-        (Column::F64(stored), Values::F64(computed)) => first(stored, computed, same_real),
-        (Column::U64(stored), Values::U64(computed)) => first(stored, computed, u64::eq),
-        (Column::U32(stored), Values::U32(computed)) => first(stored, computed, u32::eq),
-        (Column::I8(stored), Values::I8(computed)) => first(stored, computed, i8::eq),
-        (Column::U8(stored), Values::U8(computed)) => first(stored, computed, u8::eq),
-        (Column::Text(stored), Values::Text(computed)) => first(stored, computed, String::eq),
-        _ => Some((None, "of another type".into(), "there".into())),
-    }
-}
-
-fn first<T: fmt::Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
-    if stored.len() != computed.len() {
-        return Some((None, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
-    }
-    let at = stored.iter().zip(computed).position(|(stored, computed)| !is_same(stored, computed))?;
-    Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
 }

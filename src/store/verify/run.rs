@@ -1,16 +1,18 @@
 //! The file of a run against its scenario: [`Verification`] takes the place of the writer.
 
 use super::Difference;
-use super::against::{Against, FirstDifference, first_difference};
+use super::against::Against;
 use crate::dataset::header;
 use crate::dataset::layout::{self, Variable};
 use crate::dataset::rows::{self, Along, Table};
-use crate::dataset::{Destination as _, Kind, Rows, Values, run, summary};
+use crate::dataset::{ColumnView, Destination as _, Kind, Rows, run, summary};
 use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::saved::{RowSource as _, of_bytes};
 use crate::scenario::Bearing;
-use crate::stats::{BlockResult, Record, Summary};
+use crate::stats::column::FirstDifference;
+use crate::stats::{BlockResult, EVENT_COUNT, Record, Summary};
+use crate::store::reader::damaged;
 use crate::store::rows::{column, some_rows};
 use crate::store::variable::read_variable;
 use crate::store::{StoreError, Stored};
@@ -93,14 +95,14 @@ impl Verification {
     /// given in ascending order.
     pub fn block(&mut self, block: &BlockResult) -> std::result::Result<(), StoreError> {
         let compared = rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table));
-        compared.map_err(|error| self.against.damaged(&error))
+        compared.map_err(damaged(&self.path))
     }
 
     /// Compare everything but the rows: attributes, coordinates, lengths and statistics. `summary`
     /// holds the statistics that were computed again, or else those of the file, whose derived
     /// values are then compared.
     pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> std::result::Result<(), StoreError> {
-        self.compare_rest(expected, summary).map_err(|error| self.against.damaged(&error))?;
+        self.compare_rest(expected, summary).map_err(damaged(&self.path))?;
         if self.difference().is_none() && expected.part.is_some() {
             self.part_state(expected)?;
         }
@@ -163,7 +165,7 @@ impl Verification {
         for start in (0..rows).step_by(PIECE) {
             let piece = start..(start + PIECE).min(rows);
             let nothing = vec![0_u32; piece.len()];
-            let found = first_difference(&some_rows(&dataset, Kind::U32, &piece)?, (&nothing).into());
+            let found = some_rows(&dataset, Kind::U32, &piece)?.values().first_difference((&nothing).into());
             if let Some((at, stored, computed)) = found {
                 self.differs(dimension.name, None, (at.map(|at| start + at), stored, computed));
             }
@@ -174,12 +176,11 @@ impl Verification {
     /// The state from which a part is joined to the others must have the scenario and the statistics
     /// of the part.
     fn part_state(&mut self, expected: &Expected) -> std::result::Result<(), StoreError> {
-        let bytes: Vec<u8> =
-            read_variable(&self.against.file, &layout::PART_STATE).map_err(|error| self.against.damaged(&error))?;
+        let bytes: Vec<u8> = read_variable(&self.against.file, &layout::PART_STATE).map_err(damaged(&self.path))?;
         let state = of_bytes(&bytes, &self.path)?;
         let mut derived = Against::open(&self.path, expected.header.units.clone())?;
         let compared = summary::write(&mut derived, &state.so_far.totals.totals().summary());
-        compared.map_err(|error| self.against.damaged(&error))?;
+        compared.map_err(damaged(&self.path))?;
         if let Some(difference) = derived.difference() {
             let variable = format!("{} in {}", difference.variable, layout::PART_STATE.name);
             self.against.differ(Difference { variable, ..difference.clone() });
@@ -226,12 +227,17 @@ impl Verification {
     }
 
     /// Compare some rows of a variable; returns the first difference.
-    fn held(&mut self, variable: &Variable, values: Values, rows: &Range<usize>) -> Result<Option<FirstDifference>> {
+    fn held(
+        &mut self,
+        variable: &Variable,
+        values: ColumnView,
+        rows: &Range<usize>,
+    ) -> Result<Option<FirstDifference>> {
         if rows.is_empty() {
             return Ok(None);
         }
         self.against.count(values.len());
-        Ok(first_difference(&self.against.file.rows(variable, values.kind(), rows)?, values))
+        Ok(self.against.file.rows(variable, values.kind(), rows)?.values().first_difference(values))
     }
 
     /// The number of events of all paths before this one, according to the file.
@@ -240,7 +246,7 @@ impl Verification {
         while next < path {
             let some = next..path.min(next + PIECE as u64);
             let rows = (some.start - self.origin) as usize..(some.end - self.origin) as usize;
-            let counts: Vec<u32> = column(&self.against.file, &layout::EVENT_COUNT, &rows)?;
+            let counts: Vec<u32> = column(&self.against.file, &EVENT_COUNT, &rows)?;
             events += counts.iter().map(|&count| count as usize).sum::<usize>();
             next = some.end;
         }

@@ -6,6 +6,7 @@ use crate::dataset::{self, StoredCalibration, sweep, trade};
 use crate::engine::Provenance;
 use crate::stats::Units;
 use crate::store::StoreError;
+use crate::store::reader::damaged;
 use crate::study::sweep::Sweep;
 use crate::study::trade::Trade;
 use std::path::Path;
@@ -41,6 +42,6 @@ fn verified(
     write: impl FnOnce(&mut Against) -> hdf5::Result<()>,
 ) -> Result<Verified, StoreError> {
     let mut file = Against::open(path, units.clone())?;
-    write(&mut file).and_then(|()| file.finish()).map_err(|error| file.damaged(&error))?;
+    write(&mut file).and_then(|()| file.finish()).map_err(damaged(path))?;
     Ok(Verified { values: file.values(), difference: file.difference().cloned() })
 }

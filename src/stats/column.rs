@@ -1,0 +1,427 @@
+//! Columns of values, and what is known of a variable before it has any: its name, its axes, its
+//! unit and its meaning.
+
+use super::{Dimension, Units};
+use crate::sums::{Damaged, Reader};
+use std::fmt::Debug;
+
+/// The unit of a variable; `label` gives its text.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Unit {
+    /// The variable has no `units` attribute: flags, names, and numbers of different dimensions in
+    /// one array.
+    None,
+    /// A product of units of the scenario.
+    Of(Dimension),
+    /// Seconds, whatever the unit of time of the scenario.
+    Seconds,
+}
+
+impl Unit {
+    pub(crate) const ONE: Unit = Unit::Of(Dimension::ONE);
+    pub(crate) const TIME: Unit = Unit::Of(Dimension::TIME);
+    pub(crate) const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
+    pub(crate) const FORCE: Unit = Unit::Of(Dimension::FORCE);
+    pub(crate) const TEMPERATURE: Unit = Unit::Of(Dimension::TEMPERATURE);
+    pub(crate) const VELOCITY: Unit = Unit::Of(Dimension::VELOCITY);
+    pub(crate) const AREA: Unit = Unit::Of(Dimension::AREA);
+    pub(crate) const WORK: Unit = Unit::Of(Dimension::WORK);
+
+    /// The `units` attribute, if there is one.
+    pub(crate) fn label(self, units: &Units) -> Option<String> {
+        match self {
+            Unit::None => None,
+            Unit::Of(dimension) => Some(dimension.udunits(units)),
+            Unit::Seconds => Some("s".to_owned()),
+        }
+    }
+}
+
+/// A variable whose description is constant.
+pub(crate) type Variable = Described<'static>;
+
+/// The description of one variable of a data set.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Described<'a> {
+    /// Name of the variable. A variable with the name of its only axis is the coordinate of that
+    /// dimension.
+    pub name: &'a str,
+    /// Names of the dimensions, the slowest first.
+    pub axes: &'a [&'a str],
+    /// Unit of the values.
+    pub unit: Unit,
+    /// Meaning of the variable, in words that fit the axis of a plot.
+    pub long_name: &'a str,
+    /// Further CF attributes: name and text.
+    pub attributes: &'a [(&'a str, &'a str)],
+    /// The values that flags may have. The attribute `flag_meanings` names them.
+    pub flags: &'a [i8],
+}
+
+impl<'a> Described<'a> {
+    /// Whether the variable gives a dimension its name and length.
+    pub(crate) fn is_coordinate(&self) -> bool {
+        *self.axes == [self.name]
+    }
+
+    /// Whether the variable is only a dimension, without values of its own.
+    pub(crate) fn is_bare_dimension(&self) -> bool {
+        self.long_name == BARE_DIMENSION
+    }
+
+    pub(crate) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
+        self.attributes = attributes;
+        self
+    }
+
+    pub(crate) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
+        self.flags = values;
+        self.with(meanings)
+    }
+}
+
+pub(crate) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
+    Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
+}
+
+/// The phrase with which netCDF-4 marks a dimension that has no variable. The ten characters at its
+/// end hold a length that no reader uses.
+pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
+
+/// A type that the values of a variable may have.
+pub(crate) trait Element: Clone {
+    /// Which type this is.
+    const KIND: Kind;
+    /// The value that means "missing".
+    const MISSING: Self;
+    /// These values, tagged with their type.
+    fn values(values: &[Self]) -> ColumnView<'_>;
+    /// The values of a column; none if the column has another type.
+    fn of(column: Column) -> Option<Vec<Self>>;
+}
+
+/// Declares the types that the values of a variable may have: the enum `Kind` of their names, and
+/// the values themselves, borrowed as `ColumnView` and owned as `Column`.
+macro_rules! kinds {
+    ($($kind:ident($type:ty), missing $missing:expr, $meaning:literal;)*) => {
+        /// Types of values.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(crate) enum Kind {
+            $(#[doc = $meaning] $kind,)*
+        }
+
+        /// Values of a variable, row by row, the last axis fastest.
+        #[derive(Clone, Copy, Debug)]
+        pub(crate) enum ColumnView<'a> {
+            $(#[doc = $meaning] $kind(&'a [$type]),)*
+        }
+
+        /// Owned values of a variable, row by row, the last axis fastest.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Column {
+            $(#[doc = $meaning] $kind(Vec<$type>),)*
+        }
+
+        impl ColumnView<'_> {
+            /// Number of values.
+            pub(crate) fn len(&self) -> usize {
+                match self {
+                    $(ColumnView::$kind(values) => values.len(),)*
+                }
+            }
+
+            /// The type of the values.
+            pub(crate) fn kind(&self) -> Kind {
+                match self {
+                    $(ColumnView::$kind(_) => Kind::$kind,)*
+                }
+            }
+
+            /// A column of this type without values.
+            pub(crate) fn empty_column(&self) -> Column {
+                match self {
+                    $(ColumnView::$kind(_) => Column::$kind(Vec::new()),)*
+                }
+            }
+        }
+
+        impl Column {
+            /// Number of values.
+            pub fn len(&self) -> usize {
+                match self {
+                    $(Column::$kind(values) => values.len(),)*
+                }
+            }
+
+            /// The values, borrowed.
+            pub(crate) fn values(&self) -> ColumnView<'_> {
+                match self {
+                    $(Column::$kind(values) => ColumnView::$kind(values),)*
+                }
+            }
+
+            /// Some of the values; none if there are not so many.
+            pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
+                match self {
+                    $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
+                }
+            }
+
+            /// Add the values of another column. Fails if that column has another type.
+            pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
+                match (self, other) {
+                    $((Column::$kind(column), Column::$kind(values)) => column.extend_from_slice(values),)*
+                    _ => return Err(()),
+                }
+                Ok(())
+            }
+
+            /// Add values of the type of this column.
+            pub(crate) fn extend(&mut self, values: ColumnView) {
+                match (self, values) {
+                    $((Column::$kind(column), ColumnView::$kind(values)) => column.extend_from_slice(values),)*
+                    (column, values) => unreachable!("{values:?} for a column of {column:?}"),
+                }
+            }
+        }
+
+        $(impl Element for $type {
+            const KIND: Kind = Kind::$kind;
+            const MISSING: Self = $missing;
+
+            fn values(values: &[Self]) -> ColumnView<'_> {
+                ColumnView::$kind(values)
+            }
+
+            fn of(column: Column) -> Option<Vec<Self>> {
+                match column {
+                    Column::$kind(values) => Some(values),
+                    _ => None,
+                }
+            }
+        })*
+    };
+}
+
+kinds! {
+    F64(f64), missing f64::NAN, "Real numbers.";
+    U64(u64), missing 0, "Counts and seeds.";
+    U32(u32), missing 0, "Small counts.";
+    I8(i8), missing 0, "Flags.";
+    U8(u8), missing 0, "Bytes.";
+    Text(String), missing String::new(), "Names.";
+}
+
+impl Column {
+    /// Whether the column has no values.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl<'a, T: Element> From<&'a [T]> for ColumnView<'a> {
+    fn from(values: &'a [T]) -> Self {
+        T::values(values)
+    }
+}
+
+impl<'a, T: Element> From<&'a Vec<T>> for ColumnView<'a> {
+    fn from(values: &'a Vec<T>) -> Self {
+        T::values(values)
+    }
+}
+
+impl<'a, T: Element, const N: usize> From<&'a [T; N]> for ColumnView<'a> {
+    fn from(values: &'a [T; N]) -> Self {
+        T::values(values)
+    }
+}
+
+impl ColumnView<'_> {
+    /// Append the bytes of the values to `out`. Texts end with a zero.
+    pub(crate) fn write(self, out: &mut Vec<u8>) {
+        match self {
+            ColumnView::F64(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::U64(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::U32(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::I8(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
+            ColumnView::U8(values) => out.extend(values),
+            ColumnView::Text(texts) => texts.iter().for_each(|text| out.extend(text.bytes().chain([0]))),
+        }
+    }
+
+    /// The first value that differs from a computed one. Reals are compared bit for bit, except that
+    /// all NaN are equal, since NaN means a missing value.
+    pub(crate) fn first_difference(self, computed: ColumnView) -> Option<FirstDifference> {
+        let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
+        match (self, computed) {
+            // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
+            // them.
+            (ColumnView::F64(stored), ColumnView::F64(computed)) => first(stored, computed, same_real),
+            (ColumnView::U64(stored), ColumnView::U64(computed)) => first(stored, computed, u64::eq),
+            (ColumnView::U32(stored), ColumnView::U32(computed)) => first(stored, computed, u32::eq),
+            (ColumnView::I8(stored), ColumnView::I8(computed)) => first(stored, computed, i8::eq),
+            (ColumnView::U8(stored), ColumnView::U8(computed)) => first(stored, computed, u8::eq),
+            (ColumnView::Text(stored), ColumnView::Text(computed)) => first(stored, computed, String::eq),
+            _ => Some((None, "of another type".into(), "there".into())),
+        }
+    }
+}
+
+/// The index of a difference, and the stored and the computed value as text.
+pub(crate) type FirstDifference = (Option<usize>, String, String);
+
+fn first<T: Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
+    if stored.len() != computed.len() {
+        return Some((None, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
+    }
+    let at = stored.iter().zip(computed).position(|(stored, computed)| !is_same(stored, computed))?;
+    Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
+}
+
+impl Kind {
+    /// The number of bytes of a value. Texts have no fixed number.
+    pub(crate) const fn size(self) -> usize {
+        match self {
+            Kind::F64 | Kind::U64 => 8,
+            Kind::U32 => 4,
+            Kind::I8 | Kind::U8 => 1,
+            Kind::Text => 0,
+        }
+    }
+
+    /// Read so many values of this type that [`ColumnView::write`] wrote.
+    pub(crate) fn read(self, length: usize, from: &mut Reader<'_>) -> Result<Column, Damaged> {
+        let bytes = from.take(length.checked_mul(self.size()).ok_or(Damaged)?)?;
+        Ok(match self {
+            Kind::F64 => Column::F64(bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()),
+            Kind::U64 => Column::U64(bytes.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect()),
+            Kind::U32 => Column::U32(bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect()),
+            Kind::I8 => Column::I8(bytes.iter().map(|byte| byte.cast_signed()).collect()),
+            Kind::U8 => Column::U8(bytes.to_vec()),
+            Kind::Text => return Err(Damaged),
+        })
+    }
+}
+
+/// A table of columns. Some of them have one value for each path and the others one for each row,
+/// which is a path, an event or a time. [`columns`] declares such tables.
+pub(crate) trait Columns: Default {
+    /// The values of a row.
+    type Row;
+    /// A row of which nothing is known.
+    const MISSING: Self::Row;
+    /// Every column in the order of the table, with the type of its values.
+    const VARIABLES: &'static [(Variable, Kind)];
+
+    /// The values of every column.
+    fn views(&self) -> Vec<ColumnView<'_>>;
+
+    /// Add a row.
+    fn push(&mut self, row: Self::Row);
+
+    /// Replace a row.
+    fn set(&mut self, at: usize, row: Self::Row);
+
+    /// Add the rows of another table.
+    fn append(&mut self, other: &Self);
+
+    /// The table with these columns, in its order. A column of another type is an error.
+    fn of(columns: Vec<Column>) -> Result<Self, String>;
+
+    /// The table with the columns that `read` returns.
+    fn read<E: From<String>>(mut read: impl FnMut(&'static Variable, Kind) -> Result<Column, E>) -> Result<Self, E> {
+        let columns = Self::VARIABLES.iter().map(|(variable, kind)| read(variable, *kind));
+        Ok(Self::of(columns.collect::<Result<_, E>>()?)?)
+    }
+
+    /// The columns with their values.
+    fn columns(&self) -> impl Iterator<Item = (&'static Variable, ColumnView<'_>)> {
+        Self::VARIABLES.iter().map(|(variable, _)| variable).zip(self.views())
+    }
+
+    /// The number of bytes of one value of every column along these axes.
+    fn bytes_along(axes: &[&str]) -> usize {
+        Self::VARIABLES.iter().filter(|(variable, _)| variable.axes == axes).map(|(_, kind)| kind.size()).sum()
+    }
+}
+
+/// Take the values of a column out of it, if they have this type.
+pub(crate) fn values_of<T: Element>(variable: &Described, column: Column) -> Result<Vec<T>, String> {
+    T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name))
+}
+
+/// Declares a table and its row: first the columns with one value for each path, then those with
+/// one for each row, each with its meaning for readers of the code, its name, its type, and its
+/// description for readers of a data set.
+macro_rules! columns {
+    (
+        $(#[$table_doc:meta])*
+        $table:ident { $($(#[$head_doc:meta])* $head:ident: $head_type:ty = $head_variable:expr;)* }
+        $(#[$row_doc:meta])*
+        $row:ident { $($(#[$cell_doc:meta])* $cell:ident: $cell_type:ty = $cell_variable:expr;)* }
+    ) => {
+        $(#[$table_doc])*
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct $table {
+            $($(#[$head_doc])* pub $head: Vec<$head_type>,)*
+            $($(#[$cell_doc])* pub $cell: Vec<$cell_type>,)*
+        }
+
+        $(#[$row_doc])*
+        pub(crate) struct $row {
+            $(pub $cell: $cell_type,)*
+        }
+
+        impl $table {
+            /// Whether another table has the same values. All NaN are equal, since NaN means a
+            /// missing value.
+            pub fn is_same(&self, other: &Self) -> bool {
+                self.views().into_iter().zip(other.views()).all(|(own, other)| own.first_difference(other).is_none())
+            }
+        }
+
+        impl Columns for $table {
+            type Row = $row;
+            const MISSING: $row = $row { $($cell: <$cell_type>::MISSING,)* };
+            const VARIABLES: &'static [(Variable, Kind)] = &[
+                $(($head_variable, <$head_type>::KIND),)*
+                $(($cell_variable, <$cell_type>::KIND),)*
+            ];
+
+            fn views(&self) -> Vec<ColumnView<'_>> {
+                vec![$((&self.$head).into(),)* $((&self.$cell).into(),)*]
+            }
+
+            fn push(&mut self, row: $row) {
+                $(self.$cell.push(row.$cell);)*
+            }
+
+            fn set(&mut self, at: usize, row: $row) {
+                $(self.$cell[at] = row.$cell;)*
+            }
+
+            fn append(&mut self, other: &Self) {
+                $(self.$head.extend_from_slice(&other.$head);)*
+                $(self.$cell.extend_from_slice(&other.$cell);)*
+            }
+
+            fn of(columns: Vec<Column>) -> Result<Self, String> {
+                let mut columns = Self::VARIABLES.iter().zip(columns);
+                Ok($table {
+                    $($head: next_values(&mut columns)?,)*
+                    $($cell: next_values(&mut columns)?,)*
+                })
+            }
+        }
+    };
+}
+pub(super) use columns;
+
+/// The values of the next column.
+pub(super) fn next_values<T: Element>(
+    columns: &mut impl Iterator<Item = (&'static (Variable, Kind), Column)>,
+) -> Result<Vec<T>, String> {
+    let ((variable, _), column) = columns.next().ok_or("a column is missing")?;
+    values_of(variable, column)
+}
