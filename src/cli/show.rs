@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
-use stick_slip::store::{self, FileKind, Stored};
+use stick_slip::store::{self, Content, FileKind, Stored};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -71,29 +71,24 @@ impl Show {
         }
     }
 
-    /// Prints one file of any kind. A file that is not a file of results is read as a run, whose
-    /// reader reports what is wrong.
+    /// Prints one file of any kind.
     fn print_alone(&self, file: &Path) -> Result<(), Failure> {
-        match files::read(file, store::kind) {
-            Ok(Some(FileKind::Calibration)) => {
-                let stored = files::read(file, store::read_calibration)?;
+        match files::read(file, store::content)? {
+            Content::Run(run) => self.print_one(file, &run),
+            Content::Calibration(stored) => {
                 calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
             }
-            Ok(Some(FileKind::Trade)) => {
-                let trade = files::read(file, store::read_trade)?;
-                match self.json {
-                    true => print_data(&trade_report::stored_json(&trade, &file.display().to_string())),
-                    false => print(&trade_report::stored_table(&trade)),
-                }
-            }
-            Ok(Some(FileKind::Sweep)) => {
-                let sweep = sweep::stored(file, files::read(file, store::read_sweep)?)?;
+            Content::Trade(trade) => match self.json {
+                true => print_data(&trade_report::stored_json(&trade, &file.display().to_string())),
+                false => print(&trade_report::stored_table(&trade)),
+            },
+            Content::Sweep(stored) => {
+                let sweep = sweep::stored(file, *stored)?;
                 match self.json {
                     true => print_data(&sweep_report::json(&sweep, file)),
                     false => print(&sweep_report::table(&sweep, &[], file)),
                 }
             }
-            Ok(Some(FileKind::Run) | None) | Err(_) => self.print_one(file),
         }
     }
 
@@ -101,30 +96,19 @@ impl Show {
         let [file] = self.files.as_slice() else {
             return Err(Failure::usage("--scenario prints the scenario of one file", "give one file"));
         };
-        let (text, is_measured) = match files::read(file, store::kind)? {
-            Some(FileKind::Sweep) => {
-                let stored = files::read(file, store::read_sweep)?;
-                (stored.scenario_text, stored.series.is_some())
-            }
-            Some(FileKind::Trade) => (files::read(file, store::read_trade)?.scenario_text, false),
-            Some(FileKind::Calibration) => (files::read(file, store::read_calibration)?.scenario_text, false),
-            Some(FileKind::Run) | None => {
-                let stored = files::read(file, store::read)?;
-                (stored.header.scenario_text, stored.header.series.is_some())
-            }
-        };
+        let content = files::read(file, store::content)?;
+        let (text, is_measured) = content.scenario();
         if is_measured {
             note(
                 "the measured temperature is in the file of results and not in the text: run it beside the CSV file that it names",
             );
         }
-        print_data(&text)
+        print_data(text)
     }
 
-    fn print_one(&self, file: &Path) -> Result<(), Failure> {
-        let stored = files::read(file, store::read)?;
-        let scenario = results::scenario("scenario", &stored, &[]).ok();
-        let info = info(file, &stored, scenario.as_ref());
+    fn print_one(&self, file: &Path, stored: &Stored) -> Result<(), Failure> {
+        let scenario = results::scenario("scenario", stored, &[]).ok();
+        let info = info(file, stored, scenario.as_ref());
         if let Some(scenario) = &scenario {
             results::warn(scenario, stored.summary.has_bias());
         }

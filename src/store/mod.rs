@@ -13,6 +13,7 @@
 
 mod at_once;
 mod calibration;
+mod content;
 mod draft;
 mod error;
 mod failure;
@@ -48,6 +49,7 @@ mod writer;
 pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
 pub use crate::saved::{Parts, Question, SavedError, read_block, write_block};
 pub use calibration::{read_calibration, write_calibration};
+pub use content::{Content, FileKind, content, kind};
 pub use error::StoreError;
 pub use folder::{file_of, partial_path};
 pub use found::is_unfinished_sweep;
@@ -55,7 +57,7 @@ pub use lock::lock_path;
 pub use look::{is_sealed, look_through};
 pub use outlet::RankLog;
 pub use parts::PartError;
-pub use reader::{FileKind, Stored, kind, read};
+pub use reader::{Stored, read};
 pub use remains::take_remains;
 pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};

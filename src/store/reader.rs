@@ -5,11 +5,8 @@ use super::folder::{STATE, file_of, partial_path};
 use super::lock::Lock;
 use super::superblock::superblock;
 use super::{StoreError, seal, state};
-use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
-use crate::dataset::header::{FORMAT_NAME, FORMAT_VERSION};
-use crate::dataset::sweep::SWEEP_FORMAT_NAME;
-use crate::dataset::trade::TRADE_FORMAT_NAME;
-use crate::dataset::{header, layout, read_attribute, read_or_empty, series, summary};
+use crate::dataset::header::FORMAT_VERSION;
+use crate::dataset::{header, layout, read_or_empty, series, summary};
 use crate::engine::{Part, Provenance, Status};
 use crate::stats::Summary;
 use hdf5::File;
@@ -34,39 +31,6 @@ pub struct Stored {
     pub completed_paths: u64,
     /// Statistics of these paths.
     pub summary: Summary,
-}
-
-/// What a file of this program holds.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum FileKind {
-    /// The ensemble of a run.
-    Run,
-    /// A trade: the price of accuracy for each scheme.
-    Trade,
-    /// A sweep: statistics as functions of keys of the scenario.
-    Sweep,
-    /// A calibration: parameters fitted to a measurement.
-    Calibration,
-}
-
-/// What kind of file this is; `None` if it cannot be opened or is not an HDF5 file. An HDF5 file of
-/// another program is an error, and so is a damaged one.
-pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
-    if unfinished(path).is_some() {
-        return Ok(Some(FileKind::Run));
-    }
-    match check_file(path) {
-        Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
-        other => other?,
-    };
-    let file = open(path)?;
-    match read_attribute::<_, String>(&file, "format_name").unwrap_or_default().as_str() {
-        FORMAT_NAME => Ok(Some(FileKind::Run)),
-        TRADE_FORMAT_NAME => Ok(Some(FileKind::Trade)),
-        SWEEP_FORMAT_NAME => Ok(Some(FileKind::Sweep)),
-        CALIBRATION_FORMAT_NAME => Ok(Some(FileKind::Calibration)),
-        _ => Err(StoreError::Foreign { path: path.to_owned() }),
-    }
 }
 
 /// The target of an unfinished run, if there is one. `path` is either the target itself or the
