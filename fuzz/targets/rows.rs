@@ -10,7 +10,7 @@ use stick_slip::engine::Run;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::RunTotals;
 use stick_slip::sums::Codec as _;
-use stick_slip::store::{self, FileSink, Question};
+use stick_slip::store::{self, FileSink, RunQuestion};
 
 /// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {
@@ -26,7 +26,7 @@ static STATE: LazyLock<(Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
     // There are few rows of the output grid, so that the state is small.
     scenario.time.output_step = scenario.time.end;
     let asked = Run::of(&scenario).question();
-    let mut head = Question { scenario: scenario.clone(), asked, note: String::new() }.to_bytes();
+    let mut head = RunQuestion { scenario: scenario.clone(), asked, note: String::new() }.to_bytes();
     let sums = RunTotals::empty(&scenario.model, &scenario.timeline()).to_bytes();
     let mut length = Vec::new();
     (sums.len() as u64).write(&mut length);

@@ -13,7 +13,7 @@ use std::time::{Duration, Instant};
 use stick_slip::engine::{Crew, Deliver, Portion, RunError, Work};
 use stick_slip::ensemble::{Delivered, Plan};
 use stick_slip::stats::{BlockResult, Counts};
-use stick_slip::store::Question;
+use stick_slip::store::RunQuestion;
 use stick_slip::sums::Damaged;
 
 /// How long to wait for the ranks after they were told to give up their blocks, or that the program
@@ -87,7 +87,7 @@ impl Crew for Coordinator {
     fn simulate(&self, work: &Work<'_>, deliver: &mut Deliver<'_>) -> Result<u64, RunError> {
         let Work { scenario, asked, plan, threads, stops, .. } = work;
         let options = RankOptions { threads: *threads, has_goals: !asked.goals.is_empty() };
-        let question = Question { scenario: (*scenario).clone(), asked: (*asked).clone(), note: String::new() };
+        let question = RunQuestion { scenario: (*scenario).clone(), asked: (*asked).clone(), note: String::new() };
         let outlet = work.outlet.clone().unwrap_or_default();
         let instructions = Instructions { question, options, outlet }.to_bytes();
         (1..self.ranks).for_each(|rank| send(rank, Kind::Run, &instructions));

@@ -8,7 +8,7 @@ use std::time::Instant;
 use stick_slip::ensemble::{Delivered, Plan, Stops};
 use stick_slip::saved::SavedError;
 use stick_slip::stats::{BlockResult, Counts, RunTotals, Totals};
-use stick_slip::store::{self, Question, RankLog, StoreError};
+use stick_slip::store::{self, RankLog, RunQuestion, StoreError};
 use stick_slip::sums::{Codec as _, Damaged, Reader};
 
 /// The result of a lease: which lease it is, how many of its blocks are done, and their rows and
@@ -40,7 +40,7 @@ pub(super) struct RankOptions {
 
 /// What a worker receives before its first lease.
 pub(super) struct Instructions {
-    pub question: Question,
+    pub question: RunQuestion,
     pub options: RankOptions,
     /// The outlet, where the worker may write the rows of its paths. It is empty if the rows are to
     /// be sent with the leases.
@@ -67,7 +67,7 @@ impl Instructions {
         let outlet = read_bytes(&mut from).map_err(damaged)?.to_vec();
         let rest = from.take(from.left()).map_err(damaged)?;
         let options = RankOptions { threads: threads as usize, has_goals: has_goals > 0 };
-        Ok(Instructions { question: Question::of_bytes(rest, Path::new("the message of rank 0"))?, options, outlet })
+        Ok(Instructions { question: RunQuestion::of_bytes(rest, Path::new("the message of rank 0"))?, options, outlet })
     }
 }
 

@@ -6,7 +6,7 @@ use super::files;
 use super::numbers::counted;
 use super::results;
 use std::path::{Path, PathBuf};
-use stick_slip::engine::{self, Rows, Status, other_program};
+use stick_slip::engine::{self, ReplayRows, Status, other_program};
 use stick_slip::ensemble::Plan;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Record;
@@ -104,10 +104,10 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
 }
 
 /// How fine the rows of the trajectory are, in words.
-fn rows(rows: Rows) -> String {
+fn rows(rows: ReplayRows) -> String {
     match rows {
-        Rows::Steps { stride: 1, .. } => "every step".into(),
-        Rows::Steps { stride, of } => format!("one in {stride} of the {of} steps"),
-        Rows::Finer(times) => format!("{times} times as fine as the output grid of the run"),
+        ReplayRows::Steps { stride: 1, .. } => "every step".into(),
+        ReplayRows::Steps { stride, of } => format!("one in {stride} of the {of} steps"),
+        ReplayRows::Finer(times) => format!("{times} times as fine as the output grid of the run"),
     }
 }

@@ -10,7 +10,7 @@ use super::{Destination, Source, columns_of, read_attribute_of, read_variable, s
 use crate::engine::{Provenance, Status, other_program};
 use crate::model::Series;
 use crate::scenario::Scenario;
-use crate::stats::{GROUPS, Statistic, Values};
+use crate::stats::{GROUPS, GroupValues, Statistic};
 use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Question, Seeds, Setting, Sweep};
 use std::sync::Arc;
 
@@ -227,7 +227,7 @@ fn points<W: Walk>(
             let row = p * STATISTICS + statistic.index();
             estimate_of(statistic, found.each_ref().map(|column| column[row]))
         };
-        let group = |values: &[f64]| -> Values { std::array::from_fn(|i| values[i]) };
+        let group = |values: &[f64]| -> GroupValues { std::array::from_fn(|i| values[i]) };
         let groups = without[p * GROUPS * STATISTICS..].chunks(STATISTICS).take(GROUPS).map(group);
         points.push((status[p] != 0).then(|| Point {
             estimates: Statistic::ALL.map(estimate),

@@ -37,6 +37,6 @@ pub use error::RunError;
 pub use outcome::{BiasReport, Outcome, Status};
 pub use progress::Progress;
 pub use provenance::{GIT_HASH, PROGRAM_VERSION, Provenance, other_program};
-pub use replay::{Replay, Rows};
+pub use replay::{Replay, ReplayRows};
 pub use run::{Run, SoFar};
 pub use sink::{Memory, Moment, Sink, SinkError};

@@ -25,14 +25,14 @@ pub struct Replay {
     /// What is recorded of the path.
     pub record: Record,
     /// The times of the rows of the trajectory.
-    pub rows: Rows,
+    pub rows: ReplayRows,
     /// A block that contains only this path.
     pub block: BlockResult,
 }
 
 /// The times of the rows of the trajectory of a replay.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Rows {
+pub enum ReplayRows {
     /// One row every `stride` steps.
     Steps {
         /// Number of steps from row to row.
@@ -61,7 +61,7 @@ impl Replay {
         // than `MAX_TRAJECTORIES`.
         scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
         let mut plan = Plan { record, ..scenario.plan() };
-        if let Rows::Finer(refinement) = rows {
+        if let ReplayRows::Finer(refinement) = rows {
             plan = plan.looked_at_closer(refinement);
         }
         let block = plan.replay(path);
@@ -88,16 +88,16 @@ const REFINEMENT: usize = 10;
 
 /// The output step of the finest trajectory of the same path that has at most [`MOST_ROWS`] rows,
 /// and the times of its rows.
-fn finest_grid(scenario: &Scenario) -> (f64, Rows) {
+fn finest_grid(scenario: &Scenario) -> (f64, ReplayRows) {
     let most = MOST_ROWS as u64 - 1;
     let output_step = scenario.time.output_step;
     if let (Some(step), Some(of)) = (scenario.scheme.step(), scenario.steps()) {
         let stride = stride(of, most);
-        return (stride as f64 * step, Rows::Steps { stride, of });
+        return (stride as f64 * step, ReplayRows::Steps { stride, of });
     }
     let rows = scenario.timeline().rows().saturating_sub(1);
     let refinement = (most as usize).checked_div(rows).unwrap_or(1).clamp(1, REFINEMENT);
-    (output_step / refinement as f64, Rows::Finer(refinement))
+    (output_step / refinement as f64, ReplayRows::Finer(refinement))
 }
 
 /// The smallest number of steps between rows that gives at most `most` rows besides the first one.

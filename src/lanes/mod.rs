@@ -113,11 +113,11 @@ pub const ROW: usize = 8;
 #[repr(align(64))]
 pub struct Row(pub [f64; ROW]);
 
-/// The number of lower bits of a key that do not select an entry of a [`Table`].
+/// The number of lower bits of a key that do not select an entry of a [`LookupTable`].
 pub const KEY_SHIFT: u32 = 45;
 
 /// A table with one entry for each value of the upper 19 bits of a key.
-pub type Table = [u64; 1 << (u64::BITS - KEY_SHIFT)];
+pub type LookupTable = [u64; 1 << (u64::BITS - KEY_SHIFT)];
 
 /// Several numbers side by side, and the operations that the schemes need on them.
 ///
@@ -198,7 +198,7 @@ pub trait Lanes:
     fn bitmask(mask: Self::Mask) -> u32;
     /// In each lane, the entry of the table whose index is `key >> KEY_SHIFT`, the upper bits of
     /// `key`.
-    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits;
+    fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits;
 
     /// The bit patterns of the lanes.
     fn to_bits(self) -> Self::Bits;

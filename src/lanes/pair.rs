@@ -4,7 +4,7 @@
 //! it is then a chain of operations that wait for each other, and the management of a register is
 //! shared by four paths only. A pair has two such chains, and shares the management among eight.
 
-use super::{Lanes, ROW, Row, Table};
+use super::{Lanes, LookupTable, ROW, Row};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// The lanes of the first register, and then those of the second. They are four each at most, so
@@ -126,7 +126,7 @@ impl<L: Lanes> Lanes for Pair<L> {
         }
         fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] { L::compress(entries, lanes) }
         fn bitmask(mask: Self::Mask) -> u32 { L::bitmask(mask.0) | L::bitmask(mask.1) << L::WIDTH }
-        fn lookup(table: &Table, key: Self::Bits) -> Self::Bits { (L::lookup(table, key.0), L::lookup(table, key.1)) }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { (L::lookup(table, key.0), L::lookup(table, key.1)) }
         fn splat_bits(value: u64) -> Self::Bits { (L::splat_bits(value), L::splat_bits(value)) }
         fn load_bits(from: &[u64]) -> Self::Bits { (L::load_bits(from), L::load_bits(&from[L::WIDTH..])) }
         fn store_bits(bits: Self::Bits, to: &mut [u64]) {

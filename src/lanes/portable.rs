@@ -1,6 +1,6 @@
 //! Four lanes in plain Rust, for processors without the wide instruction sets.
 
-use super::{Lanes, ROW, Row, Table};
+use super::{Lanes, LookupTable, ROW, Row};
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
 /// Four numbers side by side.
@@ -79,7 +79,7 @@ impl Lanes for Portable {
         fn bitmask(mask: Self::Mask) -> u32 {
             mask.iter().enumerate().map(|(i, &yes)| u32::from(yes) << i).sum()
         }
-        fn lookup(table: &Table, key: Self::Bits) -> Self::Bits { key.map(|key| <f64 as Lanes>::lookup(table, key)) }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { key.map(|key| <f64 as Lanes>::lookup(table, key)) }
         fn splat_bits(value: u64) -> Self::Bits { [value; 4] }
         fn load_bits(from: &[u64]) -> Self::Bits { std::array::from_fn(|i| from[i]) }
         fn store_bits(bits: Self::Bits, to: &mut [u64]) { to[..4].copy_from_slice(&bits); }

@@ -1,6 +1,6 @@
 //! `f64` as a single lane, for code that follows paths one by one.
 
-use super::{KEY_SHIFT, Lanes, ROW, Row, Table};
+use super::{KEY_SHIFT, Lanes, LookupTable, ROW, Row};
 
 impl Lanes for f64 {
     const WIDTH: usize = 1;
@@ -34,7 +34,7 @@ impl Lanes for f64 {
         fn always() -> bool { true }
         fn not_beyond(self, least: Self, most: Self, among: bool) -> bool { among && !(self < least || self > most) }
         fn bitmask(mask: bool) -> u32 { u32::from(mask) }
-        fn lookup(table: &Table, key: u64) -> u64 { table[(key >> KEY_SHIFT) as usize] }
+        fn lookup(table: &LookupTable, key: u64) -> u64 { table[(key >> KEY_SHIFT) as usize] }
         fn to_bits(self) -> u64 { f64::to_bits(self) }
         fn from_bits(bits: u64) -> Self { f64::from_bits(bits) }
         fn splat_bits(value: u64) -> u64 { value }

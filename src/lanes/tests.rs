@@ -69,7 +69,7 @@ impl Inputs {
 /// Runs all operations on all inputs and keeps the bits of every result, by operation and lane.
 struct All<'a> {
     inputs: &'a Inputs,
-    table: &'a Table,
+    table: &'a LookupTable,
     results: Vec<(&'static str, Vec<u64>)>,
     /// The index of the operation whose results are kept next.
     next: usize,
@@ -223,7 +223,7 @@ fn available() -> Vec<InstructionSet> {
 #[test]
 fn every_operation_has_the_bits_of_the_scalar_lane() {
     let inputs = Inputs::new();
-    let mut table: Box<Table> = vec![0; 1 << (u64::BITS - KEY_SHIFT)].try_into().expect("of this length");
+    let mut table: Box<LookupTable> = vec![0; 1 << (u64::BITS - KEY_SHIFT)].try_into().expect("of this length");
     for word in inputs.words[0].iter() {
         table[(word >> KEY_SHIFT) as usize] = word.rotate_left(9) ^ 0x5555;
     }

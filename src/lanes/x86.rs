@@ -7,10 +7,10 @@
 //! and they reach exactly `WIDTH` elements of a slice whose length is checked first, or no more
 //! elements of an array than its type has. The aligned loads and stores of AVX-512 go to entries of
 //! a [`Row`], which is aligned to 64 bytes. Table lookups read the entry whose index is 64 bits
-//! shifted right by `KEY_SHIFT`, and a [`Table`] has one entry for each such index.
+//! shifted right by `KEY_SHIFT`, and a [`LookupTable`] has one entry for each such index.
 
 use super::pair::Pair;
-use super::{KEY_SHIFT, LaneProgram, Lanes, ROW, Row, Table};
+use super::{KEY_SHIFT, LaneProgram, Lanes, LookupTable, ROW, Row};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -206,7 +206,7 @@ impl Lanes for Avx512 {
         u32::from(mask)
     }
     #[inline(always)]
-    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
+    fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
         unsafe { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<KEY_SHIFT>(key), table.as_ptr().cast()) }
     }
     #[inline(always)]
@@ -482,7 +482,7 @@ impl Lanes for Avx2 {
         unsafe { _mm256_movemask_pd(mask) as u32 }
     }
     #[inline(always)]
-    fn lookup(table: &Table, key: Self::Bits) -> Self::Bits {
+    fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
         unsafe { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
     }
     #[inline(always)]

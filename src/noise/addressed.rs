@@ -15,7 +15,7 @@
 use super::mirror;
 use super::normal::{half_normals, standard_normal};
 use super::stream::{GAMMA, path_word};
-use crate::lanes::{Lanes, Table};
+use crate::lanes::{Lanes, LookupTable};
 use std::f64::consts::SQRT_2;
 
 /// The random numbers of one path, from a place of a cell on. Each draw moves on to the next place.
@@ -156,20 +156,20 @@ impl<L: Lanes> LaneDraws<L> {
 
     /// [`AddressedDraws::normal`].
     #[inline(always)]
-    pub fn normal(&self, cells: &Table, after: u64) -> L {
+    pub fn normal(&self, cells: &LookupTable, after: u64) -> L {
         half_normals::<L>(cells, L::xor(self.bits(after), self.flip)) * SQRT_2
     }
 
     /// [`AddressedDraws::normal_pair`].
     #[inline(always)]
-    pub fn normal_pair(&self, cells: &Table, after: u64) -> [L; 2] {
+    pub fn normal_pair(&self, cells: &LookupTable, after: u64) -> [L; 2] {
         let bits = L::xor(self.bits(after), self.flip);
         [half_normals::<L>(cells, bits) * SQRT_2, half_normals::<L>(cells, L::rotate_left::<32>(bits)) * SQRT_2]
     }
 
     /// [`AddressedDraws::three_normals`].
     #[inline(always)]
-    pub fn three_normals(&self, cells: &Table, after: u64) -> [L; 3] {
+    pub fn three_normals(&self, cells: &LookupTable, after: u64) -> [L; 3] {
         let [one, two] = self.normal_pair(cells, after);
         [one, two, self.normal(cells, after + 1)]
     }

@@ -14,7 +14,7 @@
 //! from the lower bits. So there is no search, no special case for the tail, and no branch. The
 //! normals reach from the median to 9.1 sigma, where |y| = 1. A cell of negative y has -A and -b.
 
-use crate::lanes::{KEY_SHIFT, Lanes, Table};
+use crate::lanes::{KEY_SHIFT, Lanes, LookupTable};
 use std::f64::consts::SQRT_2;
 use std::sync::LazyLock;
 
@@ -68,9 +68,9 @@ fn cell(y: u64) -> u64 {
 
 /// The cells of both signs, at the places where [`Lanes::lookup`] finds them. Only the 132 KiB
 /// around them, of 4 MiB, are ever touched.
-pub(crate) fn cells() -> &'static Table {
-    static TABLE: LazyLock<Box<Table>> = LazyLock::new(|| {
-        let mut table = vec![0; size_of::<Table>() / size_of::<u64>()];
+pub(crate) fn cells() -> &'static LookupTable {
+    static TABLE: LazyLock<Box<LookupTable>> = LazyLock::new(|| {
+        let mut table = vec![0; size_of::<LookupTable>() / size_of::<u64>()];
         for y in (0..64).flat_map(|octave| (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))) {
             for y in [y.to_bits(), (-y).to_bits()] {
                 table[(y >> KEY_SHIFT) as usize] = cell(y);
@@ -95,7 +95,7 @@ pub fn standard_normal(draw: u64) -> f64 {
 /// The normals of variance 1/2 that draws represent, lane by lane: the same as [`standard_normal`]
 /// before its factor sqrt(2), with the same bits. `cells` is the table of [`cells`].
 #[inline(always)]
-pub(super) fn half_normals<L: Lanes>(cells: &Table, draws: L::Bits) -> L {
+pub(super) fn half_normals<L: Lanes>(cells: &LookupTable, draws: L::Bits) -> L {
     let y = L::from_integers(draws).to_bits();
     let cell = L::lookup(cells, y);
     let slope = L::from_bits(L::keep_and_set(cell, SLOPE, BEFORE_SLOPE.to_bits())).sub(L::splat(NO_SLOPE));

@@ -13,7 +13,7 @@
 
 use super::mirror;
 use super::normal::{cells, half_normals};
-use crate::lanes::{InstructionSet, LaneProgram, Lanes, Table};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable};
 use std::f64::consts::SQRT_2;
 
 /// Increment of SplitMix64: 2^64 / golden ratio, odd.
@@ -173,7 +173,7 @@ pub struct LaneNormals<L: Lanes, const R: usize, const MIRRORED: bool> {
     words: [[L::Bits; 4]; R],
     flips: [L::Bits; R],
     is_second: bool,
-    cells: &'static Table,
+    cells: &'static LookupTable,
 }
 
 impl<L: Lanes, const R: usize, const MIRRORED: bool> LaneNormals<L, R, MIRRORED> {

@@ -19,7 +19,7 @@ pub use error::SavedError;
 pub use part::PartRecorder;
 pub use parts::{Parts, PartsError};
 pub use rows::{read_block, write_block};
-pub use state::Question;
+pub use state::RunQuestion;
 
 #[cfg(all(test, feature = "store"))]
 pub(crate) use rows::write_rows;

@@ -1,7 +1,7 @@
 //! The state of a part that is kept in memory.
 
 use super::rows::Position;
-use super::state::{Question, to_bytes};
+use super::state::{RunQuestion, to_bytes};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
@@ -11,7 +11,7 @@ use std::time::Duration;
 /// The file of the same part has the same bytes.
 #[derive(Debug, Default)]
 pub struct PartRecorder {
-    question: Option<Question>,
+    question: Option<RunQuestion>,
     rows: Position,
     bytes: Vec<u8>,
     state: Option<Vec<u8>>,
@@ -26,7 +26,7 @@ impl PartRecorder {
 
 impl Sink for PartRecorder {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
-        let question = || Question { scenario: scenario.clone(), asked: asked.clone(), note: String::new() };
+        let question = || RunQuestion { scenario: scenario.clone(), asked: asked.clone(), note: String::new() };
         self.question = asked.part.map(|_| question());
         Ok(())
     }

@@ -3,7 +3,7 @@
 
 use super::SavedError;
 use super::rows::{OwnedRows, Position};
-use super::state::{Question, State, of_bytes};
+use super::state::{RunQuestion, State, of_bytes};
 use crate::dataset::layout::Variable;
 use crate::dataset::{Column, Dataset, Kind};
 use crate::engine::SoFar;
@@ -61,7 +61,7 @@ pub enum PartsError {
 #[derive(Debug)]
 pub struct Parts {
     /// The run as a whole.
-    pub question: Question,
+    pub question: RunQuestion,
     /// The merged sums of all parts.
     pub so_far: SoFar,
     /// The names of the parts and their states, in the order of their paths.
@@ -149,7 +149,7 @@ pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
     from: &S,
     mut visit: impl FnMut(&OwnedRows) -> Result<(), E>,
 ) -> Result<(), E> {
-    let Question { scenario: Scenario { record, .. }, asked, .. } = &state.question;
+    let RunQuestion { scenario: Scenario { record, .. }, asked, .. } = &state.question;
     if *record == Record::NOTHING {
         return Ok(());
     }

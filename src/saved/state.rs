@@ -25,7 +25,7 @@ const VERSION: u64 = 3;
 
 /// What a run is asked to do. It is the same in every saved state of the run.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Question {
+pub struct RunQuestion {
     /// What is simulated.
     pub scenario: Scenario,
     /// Number of paths, part, goals, time limit and bias.
@@ -34,7 +34,7 @@ pub struct Question {
     pub note: String,
 }
 
-impl Question {
+impl RunQuestion {
     /// The plan of the ensemble, with the number of paths that was asked for.
     pub fn plan(&self) -> Plan {
         self.asked.plan(&self.scenario)
@@ -42,7 +42,7 @@ impl Question {
 
     /// The first difference between this question and another one, in words; `None` if they are
     /// equal.
-    pub(crate) fn difference_from(&self, other: &Question) -> Option<String> {
+    pub(crate) fn difference_from(&self, other: &RunQuestion) -> Option<String> {
         let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
         let lines = || mine.lines().zip(theirs.lines());
         let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
@@ -102,7 +102,7 @@ impl std::fmt::Display for Program {
 #[derive(Clone, Debug)]
 pub(crate) struct State {
     pub program: Program,
-    pub question: Question,
+    pub question: RunQuestion,
     pub so_far: SoFar,
     /// How much of each log counts: of the process that keeps the run, then of those that simulate
     /// for it.
@@ -139,8 +139,8 @@ fn other_program(path: &Path, theirs: &Program, mine: &Program) -> SavedError {
 }
 
 /// The state of a run as bytes. `totals` are the bytes of its sums.
-pub(crate) fn to_bytes(question: &Question, totals: &[u8], spent: Duration, logs: &[Position]) -> Vec<u8> {
-    let Question { scenario, asked, note } = question;
+pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, logs: &[Position]) -> Vec<u8> {
+    let RunQuestion { scenario, asked, note } = question;
     let program = Program::mine();
     let mut out = MAGIC.to_vec();
     VERSION.write(&mut out);
@@ -233,7 +233,7 @@ fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
         false => ParseError::OtherProgram(Box::new([program.clone(), mine])),
     })?;
     let is_sound = from.left() == 0 && !logs.is_empty() && is_of(&totals, &asked);
-    let question = Question { scenario, asked, note };
+    let question = RunQuestion { scenario, asked, note };
     if is_sound {
         Ok(State { program, question, so_far: SoFar { totals, spent }, logs })
     } else {
@@ -324,7 +324,7 @@ mod tests {
     use crate::config::Override;
     use crate::ensemble::BLOCK_SIZE;
 
-    fn question() -> Question {
+    fn question() -> RunQuestion {
         // With a burn-in every count of the sums is above zero.
         let set =
             ["time.output_step=30", "time.end=30", "time.step=0.1", "scheme.kind=discrete-vi", "statistics.after=9"];
@@ -338,7 +338,7 @@ mod tests {
             max_time: Some(Duration::new(17_400, 123_456_789)),
             with_bias: true,
         };
-        Question { scenario, asked, note: "of the caller\u{2014}any text".into() }
+        RunQuestion { scenario, asked, note: "of the caller\u{2014}any text".into() }
     }
 
     fn state(blocks: std::ops::Range<u64>) -> Vec<u8> {

@@ -36,8 +36,8 @@
 
 use super::columns::{Columns, Seen};
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Ladder, Noiseless, OneByOne, Path, Scene, StepRules,
-    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, Work, cell_length, check_friction, noise_between,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, StepLadder, StepRules,
+    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, WorkLeft, cell_length, check_friction, noise_between,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
@@ -140,7 +140,7 @@ impl QuasiStaticSimulation {
     /// lane. If the path cannot be resolved, all lanes are lost.
     fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
-        let mut work = Work::new(self.work_limit);
+        let mut work = WorkLeft::new(self.work_limit);
         let (mut phase, mut since, mut x) = (Phase::Static, 0.0, self.model.initial_displacement);
         let mut next = self.next(cascade, phase, since, x, &mut work);
         for stop in self.timeline.stops() {
@@ -170,7 +170,7 @@ impl QuasiStaticSimulation {
         phase: Phase,
         since: f64,
         x: f64,
-        work: &mut Work,
+        work: &mut WorkLeft,
     ) -> Result<Option<Event>, Unresolved> {
         work.spend()?;
         let Phase::Slip(direction) = phase else {
@@ -190,7 +190,7 @@ impl QuasiStaticSimulation {
 struct NoisyRecursion {
     scene: Scene,
     timeline: Timeline,
-    ladder: Ladder,
+    ladder: StepLadder,
     corridor: Corridor,
     slip: Swing,
     work_limit: u64,
@@ -220,7 +220,7 @@ impl Cascade for NoisyRecursion {
         &self.timeline
     }
 
-    fn ladder(&self) -> &Ladder {
+    fn ladder(&self) -> &StepLadder {
         &self.ladder
     }
 

@@ -26,7 +26,7 @@ use crate::sums::jackknife::leaving_one_out;
 pub const GROUPS: usize = BATCHES;
 
 /// The value of every statistic, in the order of [`Statistic::ALL`].
-pub type Values = [f64; Statistic::ALL.len()];
+pub type GroupValues = [f64; Statistic::ALL.len()];
 
 /// Observes the blocks of a run, and sums each group of paths separately.
 #[derive(Clone, Debug)]
@@ -54,7 +54,7 @@ impl Groups {
     /// all paths. If there are fewer units than groups, each unit is a group. The median is NaN
     /// where durations are whole numbers of steps, because leaving out paths mostly does not change
     /// it at all.
-    pub fn without(&self, run: &Totals) -> Vec<Values> {
+    pub fn without(&self, run: &Totals) -> Vec<GroupValues> {
         let Totals { timeline, counts, .. } = run;
         let some = &self.0[..GROUPS.min(counts.units() as usize)];
         let medians = counts.durations.medians_without_each_batch();

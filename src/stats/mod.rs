@@ -43,7 +43,7 @@ pub(crate) use catalogue::StepError;
 pub use corrected::Corrected;
 pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
-pub use groups::{GROUPS, Grouping, Groups, Values};
+pub use groups::{GROUPS, GroupValues, Grouping, Groups};
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};

@@ -47,7 +47,7 @@ mod workshop;
 mod writer;
 
 pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
-pub use crate::saved::{Parts, Question, SavedError, read_block, write_block};
+pub use crate::saved::{Parts, RunQuestion, SavedError, read_block, write_block};
 pub use calibration::{read_calibration, write_calibration};
 pub use content::{Content, FileKind, content, kind};
 pub use error::StoreError;

@@ -7,7 +7,7 @@ use super::workshop::Workshop;
 use super::{StoreError, Writer, check_space};
 use crate::dataset::{header, layout};
 use crate::engine::{Asked, Outcome, Sink, SinkError, Status};
-use crate::saved::{Parts, PartsError, Question, State, each_block, of_bytes};
+use crate::saved::{Parts, PartsError, RunQuestion, State, each_block, of_bytes};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
 use std::path::{Path, PathBuf};
@@ -76,7 +76,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
 /// finished.
 struct Merge<'a> {
     parts: &'a [(PathBuf, State)],
-    question: &'a Question,
+    question: &'a RunQuestion,
     target: PathBuf,
     force: bool,
     workshop: Option<Workshop>,
@@ -99,7 +99,7 @@ impl Sink for Merge<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(());
         }
-        let Question { scenario, asked, .. } = self.question;
+        let RunQuestion { scenario, asked, .. } = self.question;
         let header = asked.provenance(scenario);
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
         for (path, state) in self.parts {

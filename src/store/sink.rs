@@ -8,7 +8,7 @@ use super::state;
 use super::workshop::{Workshop, lock};
 use super::{StoreError, Writer, check_space, finished, found};
 use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
-use crate::saved::{Position, Question, State, to_bytes};
+use crate::saved::{Position, RunQuestion, State, to_bytes};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
 use std::path::{Path, PathBuf};
@@ -51,7 +51,7 @@ pub struct FileSink {
 #[derive(Debug)]
 struct Open {
     workshop: Workshop,
-    question: Question,
+    question: RunQuestion,
     /// The log; `None` if nothing is recorded of single paths.
     log: Option<Log>,
     /// How much of each log is on the disk. The first log is that of this process, and the others
@@ -65,7 +65,7 @@ struct Open {
 #[derive(Debug)]
 pub struct Unfinished {
     /// What the run is.
-    pub question: Question,
+    pub question: RunQuestion,
     /// The sums of the paths that are done, and the time spent on them.
     pub so_far: SoFar,
     /// The sink that goes on saving the run.
@@ -153,8 +153,8 @@ impl FileSink {
     }
 
     /// Create the folder and the log of a new run.
-    fn create(&self, question: Question) -> Result<Open, StoreError> {
-        let Question { scenario, asked, .. } = &question;
+    fn create(&self, question: RunQuestion) -> Result<Open, StoreError> {
+        let RunQuestion { scenario, asked, .. } = &question;
         // The factor is 2 because rows are written twice: to the log, and to the file.
         let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
         check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
@@ -188,7 +188,7 @@ fn logs(workshop: &Workshop, ends: &[Position]) -> Vec<(PathBuf, Position)> {
 
 /// The error for a folder that already contains a run: the same run, another run, or something that
 /// cannot be read.
-fn left_over(partial: PathBuf, target: PathBuf, question: &Question) -> StoreError {
+fn left_over(partial: PathBuf, target: PathBuf, question: &RunQuestion) -> StoreError {
     let Ok(state) = state::read(&partial.join(STATE)) else { return StoreError::LeftOver { partial, target } };
     let (saved_paths, paths) = (state.paths(), state.question.asked.own_paths());
     let what = match state.question.difference_from(question) {
@@ -218,7 +218,7 @@ impl Open {
     fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
         let Open { workshop, question, log, logs: ends, .. } = self;
         drop(log);
-        let Question { scenario, asked, .. } = &question;
+        let RunQuestion { scenario, asked, .. } = &question;
         let header = asked.provenance(scenario);
         let (rows, state) = (logs(&workshop, &ends), workshop.path(STATE));
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
@@ -247,7 +247,7 @@ impl Open {
 impl Sink for FileSink {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
         if self.open.is_none() {
-            let question = Question { scenario: scenario.clone(), asked: asked.clone(), note: self.note.clone() };
+            let question = RunQuestion { scenario: scenario.clone(), asked: asked.clone(), note: self.note.clone() };
             self.open = Some(self.create(question)?);
         }
         Ok(())

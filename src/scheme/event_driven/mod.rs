@@ -33,11 +33,11 @@ pub(super) use cell_loop::simulate;
 pub(super) use law::cells::{Cell, cell_length};
 pub(super) use law::corridor::Corridor;
 pub(super) use law::inside::{Glance, Known, noise_between};
-pub(super) use law::ladder::Ladder;
+pub(super) use law::ladder::StepLadder;
 pub(super) use law::scene::Scene;
 pub(super) use law::step_rules::StepRules;
 pub(super) use noiseless::{ExactTime, Noiseless, UnfeltNoise};
-pub(super) use work::{Unresolved, WORK_LIMIT, Work};
+pub(super) use work::{Unresolved, WORK_LIMIT, WorkLeft};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};

@@ -19,7 +19,7 @@ use super::cell_loop;
 use super::law::cells::cell_length;
 use super::law::corridor::Corridor;
 use super::law::first_stop::StopSearch;
-use super::law::ladder::Ladder;
+use super::law::ladder::StepLadder;
 use super::law::scene::Scene;
 use super::law::slip_step::SlipStep;
 use super::law::slip_transition::DrivenOscillator;
@@ -34,7 +34,7 @@ use crate::scheme::{Observer, Timeline};
 pub struct Noisy {
     pub(super) scene: Scene,
     pub(super) timeline: Timeline,
-    pub(super) ladder: Ladder,
+    pub(super) ladder: StepLadder,
     pub(super) corridor: Corridor,
     pub(super) oscillator: DrivenOscillator,
     /// The slip step of the usual length. It covers a whole cell where

@@ -8,7 +8,7 @@
 
 /// The number of evaluations that a path may still make.
 #[derive(Clone, Copy, Debug)]
-pub struct Work {
+pub struct WorkLeft {
     left: u64,
 }
 
@@ -31,10 +31,10 @@ pub struct Unresolved;
 /// of usual scenes take microseconds to seconds.
 pub const WORK_LIMIT: u64 = 100_000_000;
 
-impl Work {
+impl WorkLeft {
     /// A limit of `limit` evaluations.
     pub fn new(limit: u64) -> Self {
-        Work { left: limit }
+        WorkLeft { left: limit }
     }
 
     /// The number of evaluations that are left.

@@ -26,7 +26,7 @@ pub use paired::Paired;
 pub use simulate::{Simulation, SweepEnd};
 
 use crate::scenario::Scenario;
-use crate::stats::{Estimate, Statistic, Values};
+use crate::stats::{Estimate, GroupValues, Statistic};
 
 /// Whether all points use the same noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -105,7 +105,7 @@ pub struct Point {
     /// CPU seconds that the point took.
     pub seconds: f64,
     /// For each group of paths, the values of all statistics without that group.
-    pub without: Vec<Values>,
+    pub without: Vec<GroupValues>,
 }
 
 /// A sweep with the results so far.

@@ -72,11 +72,11 @@ impl Stage for Sweep {
 
 /// Makes a stage of each task: it works on all lanes that were taken out of the queue of the task.
 macro_rules! tasks {
-    ($($Work:ident: $work:ident,)*) => {
+    ($($WorkLeft:ident: $work:ident,)*) => {
         $(
-            struct $Work;
+            struct $WorkLeft;
 
-            impl Stage for $Work {
+            impl Stage for $WorkLeft {
                 #[inline(always)]
                 fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
                     while let Some((rows, lanes)) = crossing.paths.jobs.next::<L>() {

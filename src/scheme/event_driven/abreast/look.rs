@@ -12,17 +12,17 @@ use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
 use crate::scheme::columns::{Columns, LOST};
 use crate::scheme::event_driven::cell_loop::Inside;
 use crate::scheme::event_driven::law::corridor::{Node, stick_piece};
-use crate::scheme::event_driven::law::first_stop::{Interval, Motion};
+use crate::scheme::event_driven::law::first_stop::{Interval, SlipVelocity};
 use crate::scheme::event_driven::law::inside::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
-use crate::scheme::event_driven::law::slip_step::{SlipState, force, motion, resolved_travel};
+use crate::scheme::event_driven::law::slip_step::{SlipPoint, force, motion, resolved_travel};
 
 /// The start of a slip step.
 #[derive(Clone, Copy)]
 struct StepStart<L: Lanes> {
     /// Its time after the start of the cell.
     after: L,
-    state: SlipState<L>,
-    motion: Motion<L>,
+    state: SlipPoint<L>,
+    motion: SlipVelocity<L>,
     eps: L,
 }
 
@@ -111,8 +111,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn clear_slip(&self, now: &Border<L>, next: &Border<L>, ends: [&SharedStep<L>; 2]) -> ClearSlip<L> {
         let (scene, zero, eps) = (&self.paths.noisy.scene, L::splat(0.0), now.eps);
-        let state = SlipState { x: now.x, v: now.v, n: now.n };
-        let end = SlipState { x: next.x, v: next.v, n: next.n };
+        let state = SlipPoint { x: now.x, v: now.v, n: now.n };
+        let end = SlipPoint { x: next.x, v: next.v, n: next.n };
         let (start, interval) = self.whole_extent().between(scene, eps, (&state, now.force), (&end, next.force));
         let step = StepStart { after: zero, state, motion: start, eps };
         let until = interval.length;
@@ -151,17 +151,22 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let (rows, lanes, left, right) = self.paths.records.slips.get::<L>(first);
             let [velocity, acceleration, after, travel, began, x0, eps, _] = left;
             let [v1, a1, distance, length, inverse, noise, noise0, force0] = right;
-            let interval =
-                Interval { end: Motion { velocity: v1, acceleration: a1 }, travel: distance, length, inverse, noise };
+            let interval = Interval {
+                end: SlipVelocity { velocity: v1, acceleration: a1 },
+                travel: distance,
+                length,
+                inverse,
+                noise,
+            };
             // A step that begins with the cell has the state at its start; one that begins later
             // starts from rest.
             let is_later = began.gt(zero);
             let now = Border::<L>::get(&self.paths.now, &rows);
-            let state = SlipState { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
+            let state = SlipPoint { x: x0, v: L::select(is_later, zero, now.v), n: L::select(is_later, noise0, now.n) };
             let force0 = L::select(is_later, force0, now.force);
             let friction = eps * scene.friction.dynamic_force;
             let step = StepStart { after: began, state, motion: motion(body, eps, state.v, force0, friction), eps };
-            let start = Motion { velocity, acceleration };
+            let start = SlipVelocity { velocity, acceleration };
             let (from, to) = (began + after, began + (after + length));
             let piece = SlipPiece { eps, x0, after: from, until: to, travel, start, interval };
             let mut piece = piece.less([&self.way(&step, from), &self.way(&step, to)]);
@@ -185,7 +190,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 piece = SlipPiece {
                     after: L::select(is_held, rest.after, piece.after),
                     travel: L::select(is_held, rest.travel, piece.travel),
-                    start: Motion::select(is_held, rest.start, piece.start),
+                    start: SlipVelocity::select(is_held, rest.start, piece.start),
                     interval: Interval::select(is_held, &rest.interval, &piece.interval),
                     ..piece
                 };
@@ -309,7 +314,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     }
 
     #[inline(always)]
-    fn way_to(&self, step: &StepStart<L>, mean: SlipState<L>, forcing: L, since: L) -> Way<L> {
+    fn way_to(&self, step: &StepStart<L>, mean: SlipPoint<L>, forcing: L, since: L) -> Way<L> {
         let scene = &self.paths.noisy.scene;
         let (body, eps) = (&scene.oscillator, step.eps);
         let friction = eps * scene.friction.dynamic_force;

@@ -31,8 +31,8 @@ use super::alone::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
 use super::cell_loop::{Inside, PathSet};
 use super::law::cells::Cell;
 use super::noisy::Noisy;
-use super::work::{Simulated, Work};
-use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW, Row, Table};
+use super::work::{Simulated, WorkLeft};
+use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable, ROW, Row};
 use crate::model::{Event, Phase, Sign};
 use crate::noise::{AddressedDraws, cells};
 use crate::scheme::Observer;
@@ -46,7 +46,7 @@ use std::collections::BTreeSet;
 pub struct Abreast<'a> {
     noisy: &'a Noisy,
     instructions: InstructionSet,
-    normals: &'static Table,
+    normals: &'static LookupTable,
     count: usize,
     /// The [`states::Border`] of each lane at the start of the cell, and at its end.
     now: Vec<Row>,
@@ -119,7 +119,7 @@ impl<'a> Abreast<'a> {
     /// The path of a lane at the start of the cell.
     fn path(&self, lane: usize) -> Path<f64> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
-        let mut work = Work::new(self.noisy.work_limit);
+        let mut work = WorkLeft::new(self.noisy.work_limit);
         work.spend_all(self.spent_before[lane]);
         Path {
             after: 0.0,

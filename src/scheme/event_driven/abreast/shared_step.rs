@@ -2,7 +2,7 @@
 
 use crate::lanes::Lanes;
 use crate::scheme::event_driven::law::cells::Cell;
-use crate::scheme::event_driven::law::slip_step::{Push, SlipState, SlipStep};
+use crate::scheme::event_driven::law::slip_step::{Push, SlipPoint, SlipStep};
 use crate::scheme::event_driven::law::slip_transition::{SlipTransition, splat};
 use crate::scheme::event_driven::noisy::Noisy;
 
@@ -37,7 +37,7 @@ impl<L: Lanes> SharedStep<L> {
 
     /// The mean state at the end of the step.
     #[inline(always)]
-    pub fn mean(&self, start: SlipState<L>, friction: L) -> SlipState<L> {
+    pub fn mean(&self, start: SlipPoint<L>, friction: L) -> SlipPoint<L> {
         let mut mean = self.transition.free(start, friction);
         for push in &self.pushes {
             (mean.x, mean.v) = (mean.x + push.x, mean.v + push.v);

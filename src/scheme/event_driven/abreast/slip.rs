@@ -9,10 +9,10 @@ use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
 use crate::scheme::event_driven::law::corridor::Node;
 use crate::scheme::event_driven::law::first_stop::{
-    FEEBLE, FINEST, Interval, Motion, STOP_REFINEMENTS, early_parts, forwards, halves,
+    FEEBLE, FINEST, Interval, STOP_REFINEMENTS, SlipVelocity, early_parts, forwards, halves,
 };
 use crate::scheme::event_driven::law::ladder::SAME_LENGTH;
-use crate::scheme::event_driven::law::slip_step::{Extent, SHORTEST, SlipState, force};
+use crate::scheme::event_driven::law::slip_step::{Extent, SHORTEST, SlipPoint, force};
 use crate::scheme::event_driven::law::slip_transition::{SlipTransition, given_noise};
 use crate::scheme::event_driven::noisy::Noisy;
 
@@ -21,7 +21,7 @@ use crate::scheme::event_driven::noisy::Noisy;
 pub(super) struct SearchedSlip<L: Lanes> {
     /// The motion at the start of the interval, and the time and distance there since the start of
     /// the step.
-    pub left: Motion<L>,
+    pub left: SlipVelocity<L>,
     pub after: L,
     pub travel: L,
     pub count: Count<L>,
@@ -47,7 +47,7 @@ impl<L: Lanes> SearchedSlip<L> {
     fn get(jobs: &Jobs, rows: &RowNumbers) -> Self {
         let [velocity, acceleration, after, travel, count, x, start, eps] = L::gather_rows(&jobs.left, rows);
         let (interval, origin, key) = interval_of(L::gather_rows(&jobs.right, rows));
-        let (left, count) = (Motion { velocity, acceleration }, Count::of(count));
+        let (left, count) = (SlipVelocity { velocity, acceleration }, Count::of(count));
         SearchedSlip { left, after, travel, count, x, start, eps, interval, origin, key }
     }
 
@@ -68,7 +68,7 @@ impl<L: Lanes> SearchedSlip<L> {
     fn pass(&mut self, mask: L::Mask, passed: &Interval<L>) {
         self.after = L::select(mask, self.after + passed.length, self.after);
         self.travel = L::select(mask, self.travel + passed.travel, self.travel);
-        self.left = Motion::select(mask, passed.end, self.left);
+        self.left = SlipVelocity::select(mask, passed.end, self.left);
         self.count = self.count.spent_where(mask);
     }
 }
@@ -77,7 +77,7 @@ impl<L: Lanes> SearchedSlip<L> {
 fn interval_of<L: Lanes>(
     [v, a, travel, length, inverse, noise, origin, key]: [L; ROW],
 ) -> (Interval<L>, L::Bits, L::Bits) {
-    let end = Motion { velocity: v, acceleration: a };
+    let end = SlipVelocity { velocity: v, acceleration: a };
     (Interval { end, travel, length, inverse, noise }, origin.to_bits(), key.to_bits())
 }
 
@@ -176,9 +176,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let (found_after, found_travel) = (searched.after + there, searched.travel + rest);
         let after = L::select(is_before, searched.after + near.after, searched.after);
         let travel = L::select(is_before, searched.travel + near.travel, searched.travel);
-        let left = Motion::select(is_before, near.motion, searched.left);
+        let left = SlipVelocity::select(is_before, near.motion, searched.left);
         let at_it = SearchedSlip {
-            left: Motion::select(near.is_at_it, near.motion, left),
+            left: SlipVelocity::select(near.is_at_it, near.motion, left),
             after: L::select(near.is_at_it, found_after, after),
             travel: L::select(near.is_at_it, forwards(found_travel), travel),
             count,
@@ -197,7 +197,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let spoiled = L::bitmask(searched.count.has(STOP_REFINEMENTS as f64 - 1.0)) & missed;
         self.odd_lanes(rows, (found & !good) | spoiled);
         self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
-        let end = Motion { velocity: L::splat(0.0), acceleration };
+        let end = SlipVelocity { velocity: L::splat(0.0), acceleration };
         self.saw_slip(rows, good, &searched, &Interval::new(end, rest, there, search.noise));
         self.paths.jobs.push::<L>(Task::FindStop, rows, missed & !spoiled);
         self.paths.jobs.push::<L>(Task::Rest, rows, good);
@@ -249,10 +249,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn mean_state(
         &self,
         transition: &SlipTransition<L>,
-        start: SlipState<L>,
+        start: SlipPoint<L>,
         after: L,
         friction: L,
-    ) -> (SlipState<L>, L) {
+    ) -> (SlipPoint<L>, L) {
         let mut mean = transition.free(start, friction);
         let mut forcing = L::splat(0.0);
         for harmonic in 0..self.cell.terms.len() {
@@ -275,7 +275,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let Begun { after, noise, force, eps, x, count, origin, key } = begun;
         let (zero, length) = (L::splat(0.0), self.cell.length);
         let remaining = L::splat(length) - after;
-        let start = SlipState { x, v: zero, n: noise };
+        let start = SlipPoint { x, v: zero, n: noise };
         let (end, end_force) = self.drawn_to_the_end(&begun, start, remaining, rows);
         let Noisy { scene, search, .. } = self.paths.noisy;
         let (first, interval) =
@@ -306,10 +306,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn drawn_to_the_end(
         &self,
         begun: &Begun<L>,
-        start: SlipState<L>,
+        start: SlipPoint<L>,
         remaining: L,
         rows: &RowNumbers,
-    ) -> (SlipState<L>, L) {
+    ) -> (SlipPoint<L>, L) {
         let Noisy { scene, oscillator, .. } = self.paths.noisy;
         let mut transition = oscillator.series(remaining);
         transition.given_noise = given_noise(&transition.covariance);

@@ -10,7 +10,7 @@ use super::stick::SearchedStick;
 use crate::lanes::Lanes;
 use crate::scheme::event_driven::law::cells::{EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
 use crate::scheme::event_driven::law::corridor::Node;
-use crate::scheme::event_driven::law::slip_step::{Extent, SlipState, force};
+use crate::scheme::event_driven::law::slip_step::{Extent, SlipPoint, force};
 use crate::scheme::event_driven::noisy::Noisy;
 
 impl<L: Lanes> Crossing<'_, '_, L> {
@@ -87,7 +87,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let now = Border::<L>::get(&self.paths.now, rows);
         let end_noise = self.end_noise_of(&now);
         let eps = now.eps;
-        let start = SlipState { x: now.x, v: now.v, n: now.n };
+        let start = SlipPoint { x: now.x, v: now.v, n: now.n };
         let friction = eps * scene.friction.dynamic_force;
         let normals = now.draws(self.cell.index << 32).normal_pair(self.paths.normals, WHOLE_PLACE);
         let end = whole.transition.drawn(whole.mean(start, friction), end_noise, normals);

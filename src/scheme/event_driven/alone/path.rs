@@ -7,9 +7,9 @@ use crate::noise::AddressedDraws;
 use crate::scheme::Timeline;
 use crate::scheme::event_driven::law::cells::{Cell, EVENT_PLACE, NOISE_PLACE};
 use crate::scheme::event_driven::law::corridor::Corridor;
-use crate::scheme::event_driven::law::ladder::Ladder;
+use crate::scheme::event_driven::law::ladder::StepLadder;
 use crate::scheme::event_driven::law::scene::Scene;
-use crate::scheme::event_driven::work::{Unresolved, Work};
+use crate::scheme::event_driven::work::{Unresolved, WorkLeft};
 
 /// The state of one path.
 #[derive(Clone, Debug)]
@@ -30,7 +30,7 @@ pub struct Path<M> {
     /// What else the scheme needs to know of the motion.
     pub motion: M,
     pub draws: AddressedDraws,
-    pub work: Work,
+    pub work: WorkLeft,
     pub is_lost: bool,
 }
 
@@ -44,7 +44,7 @@ pub trait Cascade {
     fn scene(&self) -> &Scene;
     fn timeline(&self) -> &Timeline;
     /// The division of time into cells.
-    fn ladder(&self) -> &Ladder;
+    fn ladder(&self) -> &StepLadder;
     /// Finds the exits from sticks.
     fn corridor(&self) -> &Corridor;
     /// The number of evaluations that a path may make.
@@ -77,12 +77,12 @@ pub trait Cascade {
 pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Memory> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     let (noise, second_noise) = scene.draw_initial_noise(draws);
-    Path { second_noise, ..Path::new(scene, noise, draws, Work::new(cascade.work_limit())) }
+    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::new(cascade.work_limit())) }
 }
 
 impl<M: Default> Path<M> {
     /// A path at t = 0, at rest, with this n.
-    pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: Work) -> Self {
+    pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: WorkLeft) -> Self {
         let displacement = scene.initial_displacement;
         Path {
             after: 0.0,

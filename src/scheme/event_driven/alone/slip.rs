@@ -11,11 +11,11 @@ use crate::scheme::Timeline;
 use crate::scheme::columns::Seen;
 use crate::scheme::event_driven::law::cells::{Cell, WHOLE_PLACE};
 use crate::scheme::event_driven::law::corridor::Corridor;
-use crate::scheme::event_driven::law::first_stop::{Motion, SlipStop};
+use crate::scheme::event_driven::law::first_stop::{SlipStop, SlipVelocity};
 use crate::scheme::event_driven::law::inside::{Glance, Known, noise_between};
-use crate::scheme::event_driven::law::ladder::{Ladder, SAME_LENGTH};
+use crate::scheme::event_driven::law::ladder::{SAME_LENGTH, StepLadder};
 use crate::scheme::event_driven::law::scene::{Scene, forcing};
-use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipState, SlipStep, force, motion};
+use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipPoint, SlipStep, force, motion};
 use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::event_driven::work::Unresolved;
 use std::cell::RefCell;
@@ -46,7 +46,7 @@ impl Cascade for Noisy {
         &self.timeline
     }
 
-    fn ladder(&self) -> &Ladder {
+    fn ladder(&self) -> &StepLadder {
         &self.ladder
     }
 
@@ -127,7 +127,7 @@ impl Slip<'_> {
             }
             path.work.spend()?;
             let (step, is_last) = self.step_towards(remaining, partial);
-            let (began, start) = (path.after, SlipState { x: path.displacement, v: path.motion, n: path.noise });
+            let (began, start) = (path.after, SlipPoint { x: path.displacement, v: path.motion, n: path.noise });
             self.take(step, is_last, path, terms);
             let last = self.motion(path);
             if !last.is_finite() {
@@ -163,7 +163,7 @@ impl Slip<'_> {
     /// with it. n at its end is known if the step ends with the cell, and is drawn otherwise.
     #[inline(always)]
     fn take(&self, step: &SlipStep, is_last: bool, path: &mut Path<f64>, terms: &mut [Complex]) {
-        let start = SlipState { x: path.displacement, v: path.motion, n: path.noise };
+        let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
         let is_whole = is_last && path.after == 0.0;
         let mut noise = self.end_noise;
         if !is_last {
@@ -188,7 +188,7 @@ impl Slip<'_> {
 
     /// eps x' and its derivative.
     #[inline(always)]
-    fn motion(&self, path: &Path<f64>) -> Motion {
+    fn motion(&self, path: &Path<f64>) -> SlipVelocity {
         let body = &self.noisy.scene.oscillator;
         motion(body, self.direction.value(), path.motion, path.force, self.friction())
     }

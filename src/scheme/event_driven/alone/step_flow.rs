@@ -8,10 +8,10 @@ use super::watch::{Watch, WatchedPiece};
 use crate::model::Complex;
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
-use crate::scheme::event_driven::law::first_stop::{FEEBLE, KnownStep, Motion, SlipStop, forwards};
+use crate::scheme::event_driven::law::first_stop::{FEEBLE, KnownStep, SlipStop, SlipVelocity, forwards};
 use crate::scheme::event_driven::law::inside::{Glance, Known, SlipPiece, Way, noise_between};
 use crate::scheme::event_driven::law::scene::{Scene, forcing};
-use crate::scheme::event_driven::law::slip_step::{SlipState, SlipStep, force, motion, resolved_travel};
+use crate::scheme::event_driven::law::slip_step::{SlipPoint, SlipStep, force, motion, resolved_travel};
 use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::event_driven::work::Unresolved;
 use std::cell::{Cell, RefCell};
@@ -30,7 +30,7 @@ pub(super) struct StepFlow<'a> {
     step: &'a SlipStep,
     /// The time at which the step begins, after the start of the cell.
     after: f64,
-    start: SlipState,
+    start: SlipPoint,
     /// The drawn motion at both ends of the step, which is searched for a stop.
     searched: KnownStep,
     /// The last time at which n was drawn for an observer, and n there: for the rows of the run,
@@ -44,7 +44,7 @@ impl<'a> StepFlow<'a> {
     pub fn new(
         slip: &'a Slip<'a>,
         step: &'a SlipStep,
-        (after, start): (f64, SlipState),
+        (after, start): (f64, SlipPoint),
         searched: KnownStep,
         buffers: &'a RefCell<FlowBuffers>,
     ) -> Self {
@@ -130,7 +130,7 @@ impl<'a> StepFlow<'a> {
             |deviation: f64, most: f64| if deviation.abs() > most { most.copysign(deviation) } else { deviation };
         let most_velocity = most * searched.length + (searched.end.velocity - end.velocity).abs();
         let most_acceleration = most + (searched.end.acceleration - end.acceleration).abs();
-        let off = Motion {
+        let off = SlipVelocity {
             velocity: bounded(-interpolated.velocity, most_velocity),
             acceleration: bounded(stop.acceleration - interpolated.acceleration, most_acceleration),
         };

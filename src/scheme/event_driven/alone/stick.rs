@@ -156,9 +156,9 @@ mod tests {
     use crate::noise::{AddressedDraws, Transition};
     use crate::scheme::event_driven::law::cells::cell_length;
     use crate::scheme::event_driven::law::harness::{mean_and_error, noise_alone};
-    use crate::scheme::event_driven::law::ladder::Ladder;
+    use crate::scheme::event_driven::law::ladder::StepLadder;
     use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
-    use crate::scheme::event_driven::work::Work;
+    use crate::scheme::event_driven::work::WorkLeft;
 
     /// The time and the side of the first exit from the initial stick of each path, started at n =
     /// `noise`.
@@ -169,12 +169,12 @@ mod tests {
         let length = cell_length(0.5 / rates.fold(scene.relaxation_rate, f64::max), f64::INFINITY);
         let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
         let spring_force = scene.oscillator.stiffness * scene.initial_displacement;
-        let ladder = Ladder::even(length);
+        let ladder = StepLadder::even(length);
         let (mut cell, mut pending) = (Cell::new(&scene, &ladder, 0), PendingNodes::new());
         (0..paths)
             .map(|number| {
                 let draws = AddressedDraws::new(seed, number);
-                let mut path = Path::<()>::new(&scene, noise, draws, Work::new(1_000_000));
+                let mut path = Path::<()>::new(&scene, noise, draws, WorkLeft::new(1_000_000));
                 for index in 0..(horizon / length).ceil() as u64 {
                     cell.move_to(&scene, &ladder, index);
                     let end_noise = transition.next(path.noise, draws.at(index, 0).normal());

@@ -3,10 +3,10 @@
 
 use crate::noise::AddressedDraws;
 use crate::scheme::event_driven::law::first_stop::{
-    FINEST, HALVINGS, Interval, KnownStep, Motion, STOP_REFINEMENTS, SlipStop, StopSearch, early_parts, forwards,
+    FINEST, HALVINGS, Interval, KnownStep, STOP_REFINEMENTS, SlipStop, SlipVelocity, StopSearch, early_parts, forwards,
     halves,
 };
-use crate::scheme::event_driven::work::{Unresolved, Work};
+use crate::scheme::event_driven::work::{Unresolved, WorkLeft};
 
 /// The intervals that remain to be searched, the nearest one last. It is kept from search to
 /// search, so that it need not be initialised again.
@@ -16,7 +16,7 @@ pub struct PendingIntervals([Interval; HALVINGS + 1]);
 impl PendingIntervals {
     /// An empty stack.
     pub fn new() -> Self {
-        let end = Motion { velocity: 0.0, acceleration: 0.0 };
+        let end = SlipVelocity { velocity: 0.0, acceleration: 0.0 };
         PendingIntervals([Interval { end, travel: 0.0, length: 0.0, inverse: 0.0, noise: 0.0 }; HALVINGS + 1])
     }
 }
@@ -28,7 +28,7 @@ pub struct Passed {
     pub after: f64,
     pub travel: f64,
     /// The motion at its start.
-    pub start: Motion,
+    pub start: SlipVelocity,
     pub interval: Interval,
 }
 
@@ -37,7 +37,7 @@ impl Passed {
     pub fn ending_at(self, stop: &SlipStop) -> Self {
         let Passed { after, travel, interval, .. } = self;
         let part = (stop.after - after) / interval.length;
-        let end = Motion { velocity: 0.0, acceleration: stop.acceleration };
+        let end = SlipVelocity { velocity: 0.0, acceleration: stop.acceleration };
         let interval = if part > 0.0 { interval.parted(part, stop.travel - travel, end)[0] } else { interval };
         Passed { interval, ..self }
     }
@@ -53,7 +53,7 @@ impl StopSearch {
         step: &KnownStep,
         draws: &mut AddressedDraws,
         pending: &mut PendingIntervals,
-        work: &mut Work,
+        work: &mut WorkLeft,
         mut passed: impl FnMut(Passed),
     ) -> Result<Option<SlipStop>, Unresolved> {
         let (whole, start) = (self.whole(step), step.start);
@@ -72,9 +72,9 @@ struct Bisection<'a, P> {
     /// known to be positive.
     after: f64,
     travel: f64,
-    left: Motion,
+    left: SlipVelocity,
     draws: &'a mut AddressedDraws,
-    work: &'a mut Work,
+    work: &'a mut WorkLeft,
     passed: P,
 }
 
@@ -141,7 +141,7 @@ impl<P: FnMut(Passed)> Bisection<'_, P> {
         let part = left.velocity / (left.velocity - next.end.velocity);
         let part = if part.is_finite() { part } else { 0.0 };
         let acceleration = left.acceleration + part * (next.end.acceleration - left.acceleration);
-        let end = Motion { velocity: 0.0, acceleration };
+        let end = SlipVelocity { velocity: 0.0, acceleration };
         self.pass(Interval::new(end, part * next.travel, part * next.length, self.search.noise));
         SlipStop { after: self.after, acceleration, travel: forwards(self.travel) }
     }
@@ -172,7 +172,7 @@ impl<P: FnMut(Passed)> Bisection<'_, P> {
             if near.is_at_it {
                 let acceleration = near.motion.acceleration;
                 let (there, rest) = near.zero();
-                let end = Motion { velocity: 0.0, acceleration };
+                let end = SlipVelocity { velocity: 0.0, acceleration };
                 self.pass(Interval::new(end, rest, there, self.search.noise));
                 return acceleration;
             }
@@ -198,7 +198,7 @@ mod tests {
     /// given the one before, up to the first at which V is not above zero. Within a step V is taken
     /// to be a straight line. A pair of zeros within one step is missed, with a probability of some
     /// 1e-3 in all.
-    fn by_small_steps(start: Motion, c: f64, draws: &mut AddressedDraws) -> Option<SlipStop> {
+    fn by_small_steps(start: SlipVelocity, c: f64, draws: &mut AddressedDraws) -> Option<SlipStop> {
         let (steps, mut x, mut motion) = (4096, 0.0, start);
         let u = 1.0 / f64::from(steps);
         for i in 0..steps {
@@ -219,11 +219,11 @@ mod tests {
     /// in an interval that was passed as clear. Such intervals are searched again, at a caution
     /// of 8.
     fn zeros_passed_over(caution: f64) -> u32 {
-        let (c, start) = (1.5, Motion { velocity: 0.0, acceleration: 0.2 });
+        let (c, start) = (1.5, SlipVelocity { velocity: 0.0, acceleration: 0.2 });
         let (search, closer) = (StopSearch { noise: c, caution }, StopSearch { noise: c, caution: 8.0 });
         let (mut pending, mut passed, mut missed) = (PendingIntervals::new(), Vec::new(), 0);
         for slip in 0..200_000 {
-            let (mut draws, mut work) = (AddressedDraws::new(53, slip), Work::new(1_000_000));
+            let (mut draws, mut work) = (AddressedDraws::new(53, slip), WorkLeft::new(1_000_000));
             let step = free_step(start, 0.5 * draws.uniform(), c, &mut draws);
             passed.clear();
             let keep = |interval| passed.push(interval);
@@ -261,13 +261,13 @@ mod tests {
         for (case, (velocity, acceleration, c)) in
             [(0.0, 0.3, 1.0), (0.05, -0.1, 0.6), (0.0, 0.1, 0.5)].into_iter().enumerate()
         {
-            let start = Motion { velocity, acceleration };
+            let start = SlipVelocity { velocity, acceleration };
             let search = StopSearch { noise: c, caution: 4.0 };
             let found: Vec<Option<SlipStop>> = (0..SLIPS)
                 .map(|slip| {
                     let mut draws = AddressedDraws::new(51 + 10 * case as u64, slip);
                     let step = free_step(start, 1.0, c, &mut draws);
-                    let (mut pending, mut work) = (PendingIntervals::new(), Work::new(1_000_000));
+                    let (mut pending, mut work) = (PendingIntervals::new(), WorkLeft::new(1_000_000));
                     search.first(&step, &mut draws, &mut pending, &mut work, |_| ()).expect("within its work")
                 })
                 .collect();

@@ -5,7 +5,7 @@
 //! path, a function of (seed, path, cell). What happens inside a cell is drawn given n at its end.
 //! So two scenes with the same cells see the same noise, and observing a path does not change it.
 
-use super::ladder::Ladder;
+use super::ladder::StepLadder;
 use super::scene::Scene;
 use crate::lanes::{Lanes, small_unit};
 use crate::model::Complex;
@@ -50,7 +50,7 @@ pub struct Forcing<L = f64> {
 
 impl Cell {
     /// The cell with this number, for a scene.
-    pub fn new(scene: &Scene, ladder: &Ladder, index: u64) -> Self {
+    pub fn new(scene: &Scene, ladder: &StepLadder, index: u64) -> Self {
         let length = ladder.length();
         let mut cell = Cell {
             index,
@@ -69,7 +69,7 @@ impl Cell {
     }
 
     /// Turns this cell into the cell with another number.
-    pub fn move_to(&mut self, scene: &Scene, ladder: &Ladder, index: u64) {
+    pub fn move_to(&mut self, scene: &Scene, ladder: &StepLadder, index: u64) {
         let rung = ladder.rung(index);
         if rung.length != self.length || scene.is_pinned {
             self.length = rung.length;

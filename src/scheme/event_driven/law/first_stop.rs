@@ -39,14 +39,14 @@ use crate::lanes::{Choose, Lanes};
 
 /// The velocity eps x' and its derivative at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<L = f64> {
+pub struct SlipVelocity<L = f64> {
     /// V.
     pub velocity: L,
     /// a.
     pub acceleration: L,
 }
 
-impl<L: Lanes> Motion<L> {
+impl<L: Lanes> SlipVelocity<L> {
     /// Whether both are numbers.
     #[inline(always)]
     pub fn is_finite(&self) -> L::Mask {
@@ -57,13 +57,13 @@ impl<L: Lanes> Motion<L> {
     /// The difference of two motions.
     #[inline(always)]
     pub fn less(self, other: Self) -> Self {
-        Motion { velocity: self.velocity - other.velocity, acceleration: self.acceleration - other.acceleration }
+        SlipVelocity { velocity: self.velocity - other.velocity, acceleration: self.acceleration - other.acceleration }
     }
 
     /// `a` where `mask` holds, `b` elsewhere.
     #[inline(always)]
     pub fn select(mask: L::Mask, a: Self, b: Self) -> Self {
-        Motion {
+        SlipVelocity {
             velocity: L::select(mask, a.velocity, b.velocity),
             acceleration: L::select(mask, a.acceleration, b.acceleration),
         }
@@ -75,9 +75,9 @@ impl<L: Lanes> Motion<L> {
 #[derive(Clone, Copy, Debug)]
 pub struct KnownStep {
     /// At u = 0; V0 >= 0, and V0 = 0 only where a sub-phase starts.
-    pub start: Motion,
+    pub start: SlipVelocity,
     /// At u = h.
-    pub end: Motion,
+    pub end: SlipVelocity,
     /// s.
     pub travel: f64,
     /// h.
@@ -88,12 +88,12 @@ pub struct KnownStep {
 
 impl KnownStep {
     /// The mean of the distance and of the motion at a time u.
-    pub fn mean(&self, u: f64) -> (f64, Motion) {
+    pub fn mean(&self, u: f64) -> (f64, SlipVelocity) {
         let inverse = 1.0 / self.length;
         let whole = Interval { end: self.end, travel: self.travel, length: self.length, inverse, noise: 0.0 };
         let (quintic, p) = (Quintic::new(self.start, &whole), u * inverse);
         let velocity = quintic.velocity(p) * inverse;
-        (quintic.travel(p), Motion { velocity, acceleration: quintic.acceleration(p) * inverse * inverse })
+        (quintic.travel(p), SlipVelocity { velocity, acceleration: quintic.acceleration(p) * inverse * inverse })
     }
 }
 
@@ -141,7 +141,7 @@ const ROOT_HALF: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// there; it holds the motion at its end, and the distance travelled in it.
 #[derive(Clone, Copy, Debug)]
 pub struct Interval<L = f64> {
-    pub end: Motion<L>,
+    pub end: SlipVelocity<L>,
     pub travel: L,
     pub length: L,
     /// 1 / length.
@@ -165,19 +165,19 @@ impl StopSearch {
 
     /// Whether V stays above zero on an interval, except with a probability that is neglected.
     #[inline(always)]
-    pub fn is_clear<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>) -> L::Mask {
+    pub fn is_clear<L: Lanes>(&self, left: SlipVelocity<L>, next: &Interval<L>) -> L::Mask {
         VelocityBounds::new(left, next, self.caution).is_positive()
     }
 
     /// Whether V has one zero in an interval, where it falls.
     #[inline(always)]
-    pub fn is_stop<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>) -> L::Mask {
+    pub fn is_stop<L: Lanes>(&self, left: SlipVelocity<L>, next: &Interval<L>) -> L::Mask {
         VelocityBounds::new(left, next, self.caution).has_one_zero()
     }
 
     /// Draws a state near the zero of V, with three normals.
     #[inline(always)]
-    pub fn near_stop<L: Lanes>(&self, left: Motion<L>, next: &Interval<L>, normals: [L; 3]) -> NearStop<L> {
+    pub fn near_stop<L: Lanes>(&self, left: SlipVelocity<L>, next: &Interval<L>, normals: [L; 3]) -> NearStop<L> {
         let mean = Quintic::new(left, next);
         let p = mean.near_zero();
         let (h, noise) = (next.length, next.noise);
@@ -193,7 +193,7 @@ impl StopSearch {
         // At the stop V falls, by `caution` standard deviations.
         let falls = acceleration.lt(L::splat(0.0));
         let is_at_it = L::and(falls, (late.abs() * (self.noise * self.noise)).le(tolerated * tolerated));
-        NearStop { after, behind, travel, motion: Motion { velocity, acceleration }, late, is_at_it }
+        NearStop { after, behind, travel, motion: SlipVelocity { velocity, acceleration }, late, is_at_it }
     }
 }
 
@@ -205,7 +205,7 @@ pub struct NearStop<L: Lanes = f64> {
     pub behind: L,
     /// The distance travelled since the start of the interval.
     pub travel: L,
-    pub motion: Motion<L>,
+    pub motion: SlipVelocity<L>,
     /// The time from this state to the zero of the velocity, at uniform acceleration.
     pub late: L,
     /// Whether the noise until then can be neglected.
@@ -216,7 +216,7 @@ impl<L: Lanes> NearStop<L> {
     /// Time and distance from the start of the interval to the zero of V.
     #[inline(always)]
     pub fn zero(&self) -> (L, L) {
-        let Motion { velocity, acceleration } = self.motion;
+        let SlipVelocity { velocity, acceleration } = self.motion;
         let t = self.late;
         (self.after + t, self.travel + t * (velocity + t * 0.5 * acceleration))
     }
@@ -242,31 +242,36 @@ pub fn forwards<L: Lanes>(travel: L) -> L {
 /// Draws the state at a fraction `p` of an interval with three normals, given both ends. Returns
 /// the distance from the start of the interval and the motion.
 #[inline(always)]
-pub fn state_inside<L: Lanes>(left: Motion<L>, next: &Interval<L>, p: L, normals: [L; 3]) -> (L, Motion<L>) {
+pub fn state_inside<L: Lanes>(
+    left: SlipVelocity<L>,
+    next: &Interval<L>,
+    p: L,
+    normals: [L; 3],
+) -> (L, SlipVelocity<L>) {
     let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
     let (h, inverse, noise) = (next.length, next.inverse, next.noise);
     let velocity = mean.velocity(p) * inverse + noise * h * dv;
     let acceleration = mean.acceleration(p) * inverse * inverse + noise * da;
-    (mean.travel(p) + noise * h * h * dx, Motion { velocity, acceleration })
+    (mean.travel(p) + noise * h * h * dx, SlipVelocity { velocity, acceleration })
 }
 
 impl<L: Lanes> Interval<L> {
     /// An interval of a length, for noise of intensity `noise`.
     #[inline(always)]
-    pub fn new(end: Motion<L>, travel: L, length: L, noise: f64) -> Self {
+    pub fn new(end: SlipVelocity<L>, travel: L, length: L, noise: f64) -> Self {
         Interval { end, travel, length, inverse: L::splat(1.0) / length, noise: length.sqrt() * noise }
     }
 
     /// The same interval with other values at its end.
     #[inline(always)]
-    pub fn with_end(self, travel: L, end: Motion<L>) -> Self {
+    pub fn with_end(self, travel: L, end: SlipVelocity<L>) -> Self {
         Interval { end, travel, ..self }
     }
 
     /// The two parts of the interval, divided at a fraction `p` of it, where the distance and the
     /// motion are these.
     #[inline(always)]
-    pub fn parted(self, p: L, travel: L, motion: Motion<L>) -> [Self; 2] {
+    pub fn parted(self, p: L, travel: L, motion: SlipVelocity<L>) -> [Self; 2] {
         let behind = L::splat(1.0) - p;
         [self.part(p).with_end(travel, motion), self.part(behind).with_end(self.travel - travel, self.end)]
     }
@@ -281,7 +286,7 @@ impl<L: Lanes> Interval<L> {
     #[inline(always)]
     pub fn select(mask: L::Mask, a: &Self, b: &Self) -> Self {
         Interval {
-            end: Motion::select(mask, a.end, b.end),
+            end: SlipVelocity::select(mask, a.end, b.end),
             travel: L::select(mask, a.travel, b.travel),
             length: L::select(mask, a.length, b.length),
             inverse: L::select(mask, a.inverse, b.inverse),
@@ -292,11 +297,15 @@ impl<L: Lanes> Interval<L> {
 
 /// Draws the state in the middle of an interval with three normals, and divides the interval there.
 #[inline(always)]
-pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: [L; 3]) -> (Interval<L>, Interval<L>) {
+pub fn halves<L: Lanes>(
+    left: SlipVelocity<L>,
+    next: &Interval<L>,
+    [one, two, three]: [L; 3],
+) -> (Interval<L>, Interval<L>) {
     let (v0, v1, a0, a1) = (left.velocity, next.end.velocity, left.acceleration, next.end.acceleration);
     let (h, noise) = (next.length, next.noise);
     let da = noise * 0.25 * one;
-    let middle = Motion {
+    let middle = SlipVelocity {
         velocity: next.inverse * 1.875 * next.travel - (v0 + v1) * 0.4375
             + h * ((a1 - a0) * 0.03125 + noise * MIDDLE_VELOCITY * two),
         acceleration: next.inverse * 1.5 * (v1 - v0) - (a0 + a1) * 0.25 + da,
@@ -310,7 +319,7 @@ pub fn halves<L: Lanes>(left: Motion<L>, next: &Interval<L>, [one, two, three]: 
 
 /// The same at the fraction `EARLY` of the interval.
 #[inline(always)]
-pub fn early_parts<L: Lanes>(left: Motion<L>, next: &Interval<L>, normals: [L; 3]) -> (Interval<L>, Interval<L>) {
+pub fn early_parts<L: Lanes>(left: SlipVelocity<L>, next: &Interval<L>, normals: [L; 3]) -> (Interval<L>, Interval<L>) {
     let early = L::splat(EARLY);
     let (travel, motion) = state_inside(left, next, early, normals);
     let [near, far] = next.parted(early, travel, motion);
@@ -377,7 +386,7 @@ struct Quintic<L> {
 
 impl<L: Lanes> Quintic<L> {
     #[inline(always)]
-    fn new(left: Motion<L>, next: &Interval<L>) -> Self {
+    fn new(left: SlipVelocity<L>, next: &Interval<L>) -> Self {
         let (h, s, half) = (next.length, next.travel, next.length * next.length * 0.5);
         let (d0, d1) = (h * left.velocity, h * next.end.velocity);
         let (e0, e1) = (half * left.acceleration, half * next.end.acceleration);
@@ -454,9 +463,9 @@ mod tests {
     }
 
     /// The motion at the start of an interval of length h, and the interval, for noise c.
-    fn an_interval(h: f64, c: f64) -> (Motion, Interval) {
-        let left = Motion { velocity: 0.7, acceleration: -1.3 };
-        let end = Motion { velocity: -0.4, acceleration: 0.9 };
+    fn an_interval(h: f64, c: f64) -> (SlipVelocity, Interval) {
+        let left = SlipVelocity { velocity: 0.7, acceleration: -1.3 };
+        let end = SlipVelocity { velocity: -0.4, acceleration: 0.9 };
         (left, Interval::new(end, 0.31, h, c))
     }
 

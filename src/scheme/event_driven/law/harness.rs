@@ -1,6 +1,6 @@
 //! Helpers that the unit tests of the laws, and of paths alone, share.
 
-use super::first_stop::{KnownStep, Motion};
+use super::first_stop::{KnownStep, SlipVelocity};
 use crate::model::Model;
 use crate::model::paper::paper;
 use crate::noise::AddressedDraws;
@@ -30,10 +30,10 @@ pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
 /// A slip step of length h whose end is drawn from the law of a twice integrated Brownian motion,
 /// by the Cholesky factor of the covariance h, h^2/2, h^3/6; ., h^3/3, h^4/8; ., ., h^5/20 of (a,
 /// V, x) for c = 1.
-pub fn free_step(start: Motion, h: f64, c: f64, draws: &mut AddressedDraws) -> KnownStep {
+pub fn free_step(start: SlipVelocity, h: f64, c: f64, draws: &mut AddressedDraws) -> KnownStep {
     let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
-    let (root, Motion { velocity, acceleration }) = (c * h.sqrt(), start);
-    let end = Motion {
+    let (root, SlipVelocity { velocity, acceleration }) = (c * h.sqrt(), start);
+    let end = SlipVelocity {
         velocity: velocity + h * acceleration + root * h * (0.5 * one + two / (2.0 * 3f64.sqrt())),
         acceleration: acceleration + root * one,
     };

@@ -11,7 +11,7 @@
 //! three-dimensional Bessel bridge: Revuz and Yor, *Continuous martingales and Brownian motion*,
 //! chapter XI.)
 
-use super::first_stop::{Interval, Motion, state_inside};
+use super::first_stop::{Interval, SlipVelocity, state_inside};
 use super::scene::Scene;
 use crate::lanes::{Choose, Lanes};
 use crate::noise::{
@@ -40,7 +40,7 @@ pub struct Glance {
 #[derive(Clone, Copy, Debug)]
 pub struct Way<L = f64> {
     pub travel: L,
-    pub motion: Motion<L>,
+    pub motion: SlipVelocity<L>,
     pub noise: L,
 }
 
@@ -57,7 +57,7 @@ pub struct SlipPiece<L = f64> {
     /// The deviation of the distance since the start of the step, and of the motion, at the start
     /// of the piece.
     pub travel: L,
-    pub start: Motion<L>,
+    pub start: SlipVelocity<L>,
     /// The length of the piece, and the deviations of its distance and of the motion at its end.
     pub interval: Interval<L>,
 }
@@ -81,7 +81,7 @@ pub struct Slipping<L = f64> {
     /// and of the motion.
     passed: L,
     off_travel: L,
-    off: Motion<L>,
+    off: SlipVelocity<L>,
 }
 
 impl<L: Lanes> SlipPiece<L> {
@@ -111,7 +111,7 @@ impl<L: Lanes> SlipPiece<L> {
         let is_inside = part.gt(zero);
         let (way, drawn) = state_inside(self.start, &self.interval, part, normals);
         let passed = L::select(is_inside, way, zero);
-        let Motion { velocity, acceleration } = Motion::select(is_inside, drawn, self.start);
+        let SlipVelocity { velocity, acceleration } = SlipVelocity::select(is_inside, drawn, self.start);
         // The velocity is positive in law, but for a probability that the search neglects.
         let velocity = velocity.or_at_least(-here.motion.velocity);
         let off_travel = self.travel + passed;
@@ -123,7 +123,7 @@ impl<L: Lanes> SlipPiece<L> {
             part,
             passed,
             off_travel,
-            off: Motion { velocity, acceleration },
+            off: SlipVelocity { velocity, acceleration },
         }
     }
 

@@ -10,7 +10,7 @@ use std::sync::Arc;
 
 /// The division of time into cells.
 #[derive(Clone, Debug)]
-pub struct Ladder {
+pub struct StepLadder {
     /// The length of most cells.
     length: f64,
     cuts: Option<Arc<Cuts>>,
@@ -27,7 +27,7 @@ struct Cuts {
 
 /// One cell: where it lies in time.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Rung {
+pub struct CellPlace {
     /// The time at which it begins.
     pub start: f64,
     /// The time at which it ends and the next cell begins.
@@ -37,10 +37,10 @@ pub struct Rung {
     pub piece: usize,
 }
 
-impl Ladder {
+impl StepLadder {
     /// All cells have this length.
     pub fn even(length: f64) -> Self {
-        Ladder { length, cuts: None }
+        StepLadder { length, cuts: None }
     }
 
     /// Cells of at most this length, which also end at every sample.
@@ -52,7 +52,7 @@ impl Ladder {
             firsts.push(firsts[firsts.len() - 1] + parts(pair[1] - pair[0]) as u64);
         }
         let usual = series.usual_spacing();
-        Ladder { length: usual / parts(usual), cuts: Some(Arc::new(Cuts { times, firsts })) }
+        StepLadder { length: usual / parts(usual), cuts: Some(Arc::new(Cuts { times, firsts })) }
     }
 
     /// The length of most cells.
@@ -67,10 +67,10 @@ impl Ladder {
 
     /// The cell with this number. After the last sample, cells go on with the length of those
     /// before it.
-    pub fn rung(&self, index: u64) -> Rung {
+    pub fn rung(&self, index: u64) -> CellPlace {
         let Some(cuts) = &self.cuts else {
             let (start, end) = (index as f64 * self.length, (index + 1) as f64 * self.length);
-            return Rung { start, end, length: self.length, piece: 0 };
+            return CellPlace { start, end, length: self.length, piece: 0 };
         };
         let Cuts { times, firsts } = cuts.as_ref();
         let piece = firsts.partition_point(|first| *first <= index).clamp(1, firsts.len() - 1) - 1;
@@ -79,7 +79,7 @@ impl Ladder {
         let length = (to - from) / parts as f64;
         // The last cell before a sample ends exactly at the sample.
         let at = |part: u64| if part == parts { to } else { from + part as f64 * length };
-        Rung { start: at(done), end: at(done + 1), length, piece }
+        CellPlace { start: at(done), end: at(done + 1), length, piece }
     }
 }
 
@@ -94,7 +94,7 @@ mod tests {
     #[test]
     fn cells_end_at_samples_and_leave_no_time_out() {
         let series = Series::new(vec![0.0, 1.0, 1.3, 2.3, 3.3], vec![0.0; 5]).unwrap();
-        let ladder = Ladder::cut(&series, 0.4);
+        let ladder = StepLadder::cut(&series, 0.4);
         let mut at = 0.0;
         for index in 0..10 {
             let rung = ladder.rung(index);
@@ -109,7 +109,7 @@ mod tests {
         assert_eq!((ladder.length(), ladder.is_even()), (1.0 / 3.0, false));
         assert_eq!(ladder.rung(10).start, 3.3);
         // Ten minutes are filled by three cells of 200 s.
-        assert_eq!(Ladder::cut(&Series::new(vec![0.0, 600.0], vec![0.0; 2]).unwrap(), 200.0).length(), 200.0);
-        assert_eq!(Ladder::even(0.5).rung(7), Rung { start: 3.5, end: 4.0, length: 0.5, piece: 0 });
+        assert_eq!(StepLadder::cut(&Series::new(vec![0.0, 600.0], vec![0.0; 2]).unwrap(), 200.0).length(), 200.0);
+        assert_eq!(StepLadder::even(0.5).rung(7), CellPlace { start: 3.5, end: 4.0, length: 0.5, piece: 0 });
     }
 }

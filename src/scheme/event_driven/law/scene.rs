@@ -5,7 +5,7 @@
 //! B = K beta T_det, and the phase lasts while |b| <= f_s. In a slip, m x'' = B(t) - K x - 2 alpha
 //! x' - eps f_d + n.
 
-use super::ladder::{Ladder, Rung};
+use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
 use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series};
@@ -142,13 +142,13 @@ impl Scene {
 
     /// The cells for this scene, each of at most this length. All have the same length, except that
     /// a cell also ends at every sample of a measured temperature.
-    pub fn ladder(&self, longest: f64) -> Ladder {
-        self.series.as_ref().map_or(Ladder::even(longest), |series| Ladder::cut(series, longest))
+    pub fn ladder(&self, longest: f64) -> StepLadder {
+        self.series.as_ref().map_or(StepLadder::even(longest), |series| StepLadder::cut(series, longest))
     }
 
     /// The transition of n over a cell: that of a free Ornstein-Uhlenbeck process, or, where the
     /// noise is pinned, that of a bridge to zero at the next sample.
-    pub fn transition(&self, rung: &Rung) -> Transition {
+    pub fn transition(&self, rung: &CellPlace) -> Transition {
         let (theta, s) = (self.relaxation_rate, self.diffusion);
         match &self.series {
             Some(series) if self.is_pinned => {

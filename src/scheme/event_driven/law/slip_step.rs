@@ -1,7 +1,7 @@
 //! One exact step of (x, x', n) in a sub-phase, given n at its end, for one path or for several in
 //! lanes.
 
-use super::first_stop::{Interval, KnownStep, Motion};
+use super::first_stop::{Interval, KnownStep, SlipVelocity};
 use super::scene::Scene;
 use super::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 use crate::lanes::Lanes;
@@ -9,7 +9,7 @@ use crate::model::{Complex, Oscillator};
 
 /// x, x' and n at one time.
 #[derive(Clone, Copy, Debug)]
-pub struct SlipState<L = f64> {
+pub struct SlipPoint<L = f64> {
     pub x: L,
     pub v: L,
     pub n: L,
@@ -47,7 +47,7 @@ impl SlipStep {
 
     /// The step between two places, with the motion there.
     #[inline(always)]
-    pub fn between(&self, eps: f64, (x0, start): (f64, Motion), (x1, end): (f64, Motion)) -> KnownStep {
+    pub fn between(&self, eps: f64, (x0, start): (f64, SlipVelocity), (x1, end): (f64, SlipVelocity)) -> KnownStep {
         let length = self.length();
         let travel = resolved_travel(eps * x0, eps * x1, start, end, length);
         KnownStep { start, end, travel, length, root_length: self.root_length }
@@ -56,7 +56,7 @@ impl SlipStep {
     /// The mean state at the end of the step, from a known start. `terms`, the terms of B, are
     /// moved from the start of the step to its end.
     #[inline(always)]
-    pub fn mean(&self, start: SlipState, terms: &mut [Complex], friction: f64) -> SlipState {
+    pub fn mean(&self, start: SlipPoint, terms: &mut [Complex], friction: f64) -> SlipPoint {
         let mut mean = self.transition.free(start, friction);
         for (term, response) in terms.iter_mut().zip(&self.harmonics) {
             let push = response.push(*term);
@@ -98,9 +98,9 @@ impl<L: Lanes> SlipTransition<L> {
     /// The mean state after the step without the forcing: from the state at its start and the
     /// dynamic friction alone, with the noise n relaxing from its start.
     #[inline(always)]
-    pub fn free(&self, start: SlipState<L>, friction: L) -> SlipState<L> {
+    pub fn free(&self, start: SlipPoint<L>, friction: L) -> SlipPoint<L> {
         let [x, v] = [&self.x, &self.v];
-        SlipState {
+        SlipPoint {
             x: x[0].mul_add(start.x, x[1].mul_add(start.v, x[2].mul_add(start.n, -(x[3] * friction)))),
             v: v[0].mul_add(start.x, v[1].mul_add(start.v, v[2].mul_add(start.n, -(v[3] * friction)))),
             n: self.n * start.n,
@@ -110,10 +110,10 @@ impl<L: Lanes> SlipTransition<L> {
     /// Draws the state after the step, given its mean and n at the end, with one normal for x' and
     /// one for x.
     #[inline(always)]
-    pub fn drawn(&self, mean: SlipState<L>, n: L, [b, c]: [L; 2]) -> SlipState<L> {
+    pub fn drawn(&self, mean: SlipPoint<L>, n: L, [b, c]: [L; 2]) -> SlipPoint<L> {
         let [v_on_n, v_sd, x_on_n, x_on_v, x_sd] = self.given_noise;
         let a = n - mean.n;
-        SlipState {
+        SlipPoint {
             x: x_on_n.mul_add(a, x_on_v.mul_add(b, x_sd.mul_add(c, mean.x))),
             v: v_on_n.mul_add(a, v_sd.mul_add(b, mean.v)),
             n,
@@ -123,14 +123,14 @@ impl<L: Lanes> SlipTransition<L> {
 
 /// b = K (beta T - x) - 2 alpha x', where `forcing` is the part B of K beta T without noise.
 #[inline(always)]
-pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: SlipState<L>) -> L {
+pub fn force<L: Lanes>(body: &Oscillator, forcing: L, state: SlipPoint<L>) -> L {
     forcing + state.n - state.x * body.stiffness - state.v * (2.0 * body.damping)
 }
 
 /// eps x' and its derivative, from the force b and the friction force `friction` = eps f_d.
 #[inline(always)]
-pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> Motion<L> {
-    Motion { velocity: eps * v, acceleration: eps * (force - friction) * (1.0 / body.mass) }
+pub fn motion<L: Lanes>(body: &Oscillator, eps: L, v: L, force: L, friction: L) -> SlipVelocity<L> {
+    SlipVelocity { velocity: eps * v, acceleration: eps * (force - friction) * (1.0 / body.mass) }
 }
 
 /// How long a step lasts, as a search for its stop needs it.
@@ -158,9 +158,9 @@ impl<L: Lanes> Extent<L> {
         self,
         scene: &Scene,
         eps: L,
-        (start, start_force): (&SlipState<L>, L),
-        (end, end_force): (&SlipState<L>, L),
-    ) -> (Motion<L>, Interval<L>) {
+        (start, start_force): (&SlipPoint<L>, L),
+        (end, end_force): (&SlipPoint<L>, L),
+    ) -> (SlipVelocity<L>, Interval<L>) {
         let Extent { length, inverse, noise } = self;
         let (body, friction) = (&scene.oscillator, eps * scene.friction.dynamic_force);
         let first = motion(body, eps, start.v, start_force, friction);
@@ -173,7 +173,7 @@ impl<L: Lanes> Extent<L> {
 /// The distance x1 - x0. Where rounding of x0 and x1 hides the difference (far from x = 0, or in a
 /// very short step), it is the distance that the cubic through the motion at both ends covers.
 #[inline(always)]
-pub fn resolved_travel<L: Lanes>(x0: L, x1: L, start: Motion<L>, end: Motion<L>, h: L) -> L {
+pub fn resolved_travel<L: Lanes>(x0: L, x1: L, start: SlipVelocity<L>, end: SlipVelocity<L>, h: L) -> L {
     let travel = x1 - x0;
     let slopes = (start.velocity + end.velocity) * 0.5;
     let cubic = h * (slopes + h * (1.0 / 12.0) * (start.acceleration - end.acceleration));

@@ -16,7 +16,7 @@
 //! whole interval lie so far from the polynomial that most intervals would have to be divided once
 //! more.
 
-use super::first_stop::{Interval, Motion};
+use super::first_stop::{Interval, SlipVelocity};
 use crate::lanes::Lanes;
 
 /// The mean of V on an interval, and the doubt about it.
@@ -39,7 +39,7 @@ const SLOPE_SPREAD: f64 = 0.25 / 4.0;
 impl<L: Lanes> VelocityBounds<L> {
     /// The bounds that hold with `caution` standard deviations at every time.
     #[inline(always)]
-    pub fn new(left: Motion<L>, next: &Interval<L>, caution: f64) -> Self {
+    pub fn new(left: SlipVelocity<L>, next: &Interval<L>, caution: f64) -> Self {
         let (v0, v1, quarter) = (left.velocity, next.end.velocity, next.length * 0.25);
         let (q0, q1) = (quarter * left.acceleration, quarter * next.end.acceleration);
         let middle = next.travel * 5.0 * next.inverse - (v0 + v1) * 2.0 + (q1 - q0);
@@ -164,10 +164,10 @@ mod tests {
     }
 
     /// An interval as the search meets it: about as many that stay positive as not.
-    fn any_interval(draws: &mut AddressedDraws) -> (Motion, Interval) {
+    fn any_interval(draws: &mut AddressedDraws) -> (SlipVelocity, Interval) {
         let (h, c) = ((-4.0 * draws.uniform()).exp(), 1.5);
         // In units of the spread of a free step.
-        let start = Motion {
+        let start = SlipVelocity {
             velocity: (draws.normal() * 0.3).max(0.0) * c * h.powf(1.5),
             acceleration: c * h.sqrt() * draws.normal(),
         };
@@ -233,8 +233,8 @@ mod tests {
     /// The control points give the derivative of the mean distance, in the middle of each half too.
     #[test]
     fn the_control_points_are_those_of_the_mean_velocity() {
-        let left = Motion { velocity: 0.7, acceleration: -1.3 };
-        let next = Interval::new(Motion { velocity: -0.4, acceleration: 0.9 }, 0.31, 0.8, 0.0);
+        let left = SlipVelocity { velocity: 0.7, acceleration: -1.3 };
+        let next = Interval::new(SlipVelocity { velocity: -0.4, acceleration: 0.9 }, 0.31, 0.8, 0.0);
         let controls = VelocityBounds::new(left, &next, 4.0).controls;
         let step =
             KnownStep { start: left, end: next.end, travel: next.travel, length: 0.8, root_length: 0.8f64.sqrt() };

@@ -14,7 +14,7 @@
 //! the resolution of r. For the first zero of several functions, the step is the smallest of their
 //! u*.
 
-use super::super::work::{Unresolved, Work};
+use super::super::work::{Unresolved, WorkLeft};
 
 /// A function g at one point, and a bound of its second derivative ahead of this point.
 #[derive(Clone, Copy, Debug)]
@@ -39,7 +39,7 @@ pub fn first_root<const N: usize>(
     start: f64,
     end: f64,
     span: f64,
-    work: &mut Work,
+    work: &mut WorkLeft,
 ) -> Result<Option<(f64, usize)>, Unresolved> {
     let mut r = start;
     loop {
@@ -101,7 +101,7 @@ mod tests {
                     bend_growth: 0.0,
                 }]
             };
-            let root = first_root(g, 0.0, 100.0, 1.0, &mut Work::new(10_000)).expect("bounded");
+            let root = first_root(g, 0.0, 100.0, 1.0, &mut WorkLeft::new(10_000)).expect("bounded");
             assert_eq!(root.is_some(), found, "{lift}");
             if let Some((r, _)) = root {
                 // The zero to the left of the minimum is where 4.5 u^2 = -lift.
@@ -113,7 +113,7 @@ mod tests {
     #[test]
     fn simple_zeros_are_exact_to_rounding() {
         let cosine = |r: f64| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0 }];
-        let root = first_root(cosine, 0.0, 9.0, 1.0, &mut Work::new(100));
+        let root = first_root(cosine, 0.0, 9.0, 1.0, &mut WorkLeft::new(100));
         let (root, _) = root.expect("bounded").expect("before the end");
         assert!((root - std::f64::consts::FRAC_PI_2).abs() <= 4e-16, "{root}");
     }

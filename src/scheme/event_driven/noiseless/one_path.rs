@@ -13,7 +13,7 @@
 //! is missed, and are found to rounding. Nothing is random, so one path is computed and reported
 //! for every lane.
 
-use super::super::work::{Simulated, Unresolved, WORK_LIMIT, Work};
+use super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow};
@@ -90,7 +90,7 @@ impl Noiseless {
     /// cannot be resolved, all lanes are lost.
     pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
         let mut columns = Columns::new(lanes);
-        let mut work = Work::new(self.work_limit);
+        let mut work = WorkLeft::new(self.work_limit);
         let mut leg = self.initial_leg(&mut work);
         for stop in self.timeline.stops() {
             while let Ok(Some((end, is_due))) = leg.as_ref().map(|leg| leg.end_by(stop.time)) {
@@ -112,7 +112,7 @@ impl Noiseless {
         Simulated { lost, evaluations: self.work_limit - work.left() }
     }
 
-    fn initial_leg(&self, work: &mut Work) -> Result<Leg, Unresolved> {
+    fn initial_leg(&self, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
         let terms = self.terms_at(ExactTime::ZERO);
         let displacement = self.model.initial_displacement;
         let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
@@ -120,7 +120,7 @@ impl Noiseless {
     }
 
     /// The leg that follows `leg`.
-    fn next_leg(&self, leg: &Leg, work: &mut Work) -> Result<Leg, Unresolved> {
+    fn next_leg(&self, leg: &Leg, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
         work.spend()?;
         let Some((duration, end)) = leg.end else { return Err(Unresolved) };
         let start = leg.start.after(duration);
@@ -179,7 +179,7 @@ impl Noiseless {
         &self,
         start: ExactTime,
         displacement: f64,
-        work: &mut Work,
+        work: &mut WorkLeft,
     ) -> Result<Option<Event>, Unresolved> {
         let terms = self.terms_at(start);
         let force = self.force_at_rest(start, &terms, displacement);
@@ -207,7 +207,7 @@ impl Noiseless {
         displacement: f64,
         force: f64,
         terms: Vec<Complex>,
-        work: &mut Work,
+        work: &mut WorkLeft,
     ) -> Result<Leg, Unresolved> {
         let (f_s, m) = (self.model.friction.static_force, self.model.oscillator.mass);
         let (line, horizon, is_cut) = self.line(start);
@@ -267,7 +267,7 @@ impl Noiseless {
         (velocity, force): (f64, f64),
         terms: Vec<Complex>,
         direction: Sign,
-        work: &mut Work,
+        work: &mut WorkLeft,
     ) -> Result<Leg, Unresolved> {
         let (line, horizon, is_cut) = self.line(start);
         let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
