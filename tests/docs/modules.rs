@@ -72,23 +72,12 @@ pub struct Module {
 impl Modules {
     /// Reads all modules.
     pub fn read() -> Modules {
-        let source = root().join("src");
-        let files: Vec<(Segments, String)> = all(&source)
-            .into_iter()
-            .map(|(path, text)| {
-                let place = path.strip_prefix(&source).expect("below src").with_extension("");
-                let mut place: Segments = place.iter().map(|part| part.to_string_lossy().into_owned()).collect();
-                place.pop_if(|last| ["mod", "lib", "main"].contains(&last.as_str()));
-                (place, code(&text))
-            })
-            .collect();
+        let files = compiled();
         let names: BTreeSet<Segments> = files.iter().map(|(place, _)| place.clone()).collect();
-        let for_tests: Vec<Segments> = files.iter().flat_map(|(place, code)| test_modules(place, code)).collect();
-        let is_compiled = |place: &Segments| !for_tests.iter().any(|test| place.starts_with(test));
         let mut modules: BTreeMap<Segments, Module> = BTreeMap::new();
-        for (place, code) in files.into_iter().filter(|(place, _)| is_compiled(place)) {
+        for (place, code) in files {
             // main.rs and lib.rs have the same path.
-            modules.entry(place.clone()).or_default().add(&place, &without_tests(&code), &names);
+            modules.entry(place.clone()).or_default().add(&place, &code, &names);
         }
         Modules(modules)
     }
@@ -160,6 +149,27 @@ fn absolute(place: &Segments, path: &[String], modules: &BTreeSet<Segments>) -> 
     }
     base.extend(rest.iter().filter(|segment| *segment != "self" && *segment != "*").cloned());
     Some(base)
+}
+
+/// Every file of the source that is not for tests only: its module, and its code without tests.
+pub fn compiled() -> Vec<(Segments, String)> {
+    let source = root().join("src");
+    let files: Vec<(Segments, String)> = all(&source)
+        .into_iter()
+        .map(|(path, text)| {
+            let place = path.strip_prefix(&source).expect("below src").with_extension("");
+            let mut place: Segments = place.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+            place.pop_if(|last| ["mod", "lib", "main"].contains(&last.as_str()));
+            (place, code(&text))
+        })
+        .collect();
+    let for_tests: Vec<Segments> = files.iter().flat_map(|(place, code)| test_modules(place, code)).collect();
+    let is_compiled = |place: &Segments| !for_tests.iter().any(|test| place.starts_with(test));
+    files
+        .into_iter()
+        .filter(|(place, _)| is_compiled(place))
+        .map(|(place, code)| (place, without_tests(&code)))
+        .collect()
 }
 
 /// The modules that a file declares for tests only.

@@ -3,10 +3,13 @@
 //! A file is written with its folder or by its name alone (`stats/totals.rs`, `reading.rs`), an
 //! item with its owner (`Splat::impulse`, `noise::MAX_NORMAL_ERROR`), a type alone (`Turn`). Other
 //! words are names of data: keys, variables, statistics, options, schemes.
+//!
+//! A name of a type means one thing.
 
 use super::markdown::{Page, root};
+use super::modules::compiled;
 use super::source::{all, blocks, code, code_and_texts, is_word, texts, words};
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Names that do not belong to this package: of other programs, their types and units, of other
@@ -155,4 +158,44 @@ fn what_a_page_names_exists() {
     }
     assert!(looked_up > 500, "names are recognised: {looked_up}");
     assert_eq!(unknown, BTreeSet::new(), "neither a file nor an item nor a name of data");
+}
+
+/// The type that a line of code declares, and whether it is declared `pub`.
+fn declared_type(line: &str) -> Option<(String, bool)> {
+    let (mut words, mut is_public) = (line.split_whitespace().peekable(), false);
+    if words.peek().is_some_and(|word| word.starts_with("pub")) {
+        is_public = words.next() == Some("pub");
+    }
+    let keyword = words.next()?;
+    // Types in traits and their implementations are indented.
+    let declares = TYPES.contains(&keyword) && (keyword != "type" || !line.starts_with(' '));
+    let name: String = words.next()?.chars().take_while(|c| is_word(*c)).collect();
+    (declares && name.starts_with(char::is_uppercase)).then_some((name, is_public))
+}
+
+/// The types of which there are several under one key, with their files. The key follows from the
+/// room, the name of the type, and whether it is declared `pub`; a type without a key does not count.
+fn several(key: impl Fn(&str, &str, bool) -> Option<String>) -> BTreeMap<String, Vec<String>> {
+    let mut files: BTreeMap<String, Vec<String>> = BTreeMap::new();
+    for (place, code) in compiled() {
+        let room = place.first().map_or("", String::as_str);
+        for (name, is_public) in code.lines().filter_map(declared_type) {
+            if let Some(key) = key(room, &name, is_public) {
+                files.entry(key).or_default().push(place.join("/"));
+            }
+        }
+    }
+    assert!(files.len() > 300, "types are recognised: {}", files.len());
+    files.into_iter().filter(|(_, files)| files.len() > 1).collect()
+}
+
+#[test]
+fn a_room_has_one_type_of_a_name() {
+    assert_eq!(several(|room, name, _| Some(format!("{room}::{name}"))), BTreeMap::new());
+}
+
+#[test]
+fn the_library_has_one_public_type_of_a_name() {
+    let public = |room: &str, name: &str, is_public| (is_public && room != "cli").then(|| name.to_string());
+    assert_eq!(several(public), BTreeMap::new());
 }
