@@ -2,15 +2,16 @@
 //! paths, and prints what was chosen and why.
 
 use super::failure::{Failure, note};
-use super::numbers::{grouped, parse_share, percent, significant, time, wrapped};
-use super::progress::Measuring;
+use super::numbers::{grouped, parse_share_in, percent, significant, time, wrapped};
+use super::progress::measuring;
+use super::trade_report::without_answer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{
     Accuracy, AccuracyError, AccuracyGoal, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, TARGETS,
 };
-use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
+use stick_slip::study::trade::{Choice, Standing, Trade, TradeError};
 
 /// The keys of a scenario whose values are chosen.
 pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
@@ -30,11 +31,7 @@ impl Chooser<'_> {
     /// `Failure::Interrupted` when `stop` is raised meanwhile.
     pub fn choose(&self, scenario: &Scenario, stop: &AtomicBool) -> Result<Decision, Failure> {
         self.say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
-        let line = Measuring::new(PILOT, self.is_quiet);
-        let begins = |what: &str| line.begin(what);
-        let limits = Limits { time: None, stop: Some(stop), begins: Some(&begins) };
-        let chosen = self.accuracy.choose(scenario, limits);
-        line.finish();
+        let chosen = measuring(PILOT, self.is_quiet, stop, |limits| self.accuracy.choose(scenario, limits));
         if stop.load(Ordering::Relaxed) {
             note("interrupted while choosing how to run it: nothing was run, nothing is written");
             return Err(Failure::Interrupted);
@@ -91,12 +88,8 @@ impl Chooser<'_> {
             ));
         }
         if named.is_empty() {
-            for standing in [Standing::Zero, Standing::NoLimit, Standing::Absent] {
-                let left: Vec<_> = Statistic::ALL.into_iter().filter(|s| trade.standing(*s) == standing).collect();
-                let names: Vec<_> = left.iter().map(|statistic| statistic.name()).collect();
-                if !names.is_empty() {
-                    self.say(&format!("no accuracy is guaranteed for {}: {standing}", names.join(", ")));
-                }
+            for (names, standing) in without_answer(trade) {
+                self.say(&format!("no accuracy is guaranteed for {names}: {standing}"));
             }
         }
     }
@@ -113,7 +106,7 @@ impl Chooser<'_> {
         match error {
             AccuracyError::Pilot(error @ TradeError::BudgetTooSmall { .. }) => {
                 let remedy = "choose --scheme and --paths yourself; mc trade --budget measures longer";
-                Failure::Run(format!("--accuracy: {error}, about {} s\n  fix: {remedy}", PILOT.as_secs()))
+                Failure::run(format!("--accuracy: {error}, about {} s", PILOT.as_secs()), remedy)
             }
             AccuracyError::Pilot(error) => error.into(),
             AccuracyError::Misfit(error) => error.into(),
@@ -199,8 +192,7 @@ fn why_not(statistic: Statistic, standing: Standing) -> String {
 
 /// Reads a relative error, e.g. `1e-2` or `1%`.
 pub fn target(text: &str) -> Result<f64, String> {
-    let target = parse_share(text).filter(|target| TARGETS.contains(target));
-    target.ok_or_else(|| "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%".into())
+    parse_share_in(text, &TARGETS, "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%")
 }
 
 #[cfg(test)]

@@ -40,18 +40,9 @@ impl Merge {
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
         cost::check_memory(scenario, asked.paths, self.options.threads())?;
         let stop = stop_on_signals()?;
-        let name = scenario.title.clone();
         let mut file = parts.sink(&self.output, self.force);
-        Sitting {
-            options: &self.options,
-            name,
-            scenario,
-            output: &self.output,
-            accuracy_goal: None,
-            stop: &stop,
-            leaves: Leaves::Nothing,
-        }
-        .simulate(asked, Some(parts.so_far.clone()), &mut file)
+        let sitting = Sitting::of(&self.options, scenario, &self.output, &stop);
+        Sitting { leaves: Leaves::Nothing, ..sitting }.simulate(asked, Some(parts.so_far.clone()), &mut file)
     }
 }
 

@@ -3,6 +3,7 @@
 use super::failure::{Failure, note, writable};
 use super::files;
 use super::numbers::counted;
+use super::overrides::settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
@@ -93,8 +94,7 @@ impl Plot {
     fn scene(&self, output: &Path) -> Result<Scene, Failure> {
         match files::read(&self.subject, store::kind)? {
             None => {
-                let set = self.set.iter().map(|text| Override::set(text));
-                let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
+                let mut overrides = settings(&self.set)?;
                 overrides.extend(self.until());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
                 writable(output, self.force, results::inputs(&self.subject, &scenario))?;

@@ -57,9 +57,7 @@ impl Replay {
         writable(&output, self.force, [self.file.as_path()])?;
         replay(&scenario, self.path, &output, self.force)
     }
-}
 
-impl Replay {
     /// Checks that the path is the one that the file holds.
     fn check_path(&self, scenario: &Scenario) -> Result<(), Failure> {
         if self.file.is_dir() || !self.file.exists() {
@@ -72,11 +70,11 @@ impl Replay {
         if bits(&held) == bits(&made) {
             return Ok(());
         }
-        let (file, path) = (self.file.display(), self.path);
-        Err(Failure::Run(format!(
-            "{file}: path {path} of its scenario is another one than the file holds\n  fix: take the file as it was written (its \
-             scenario, seed or rows were changed), or the program that wrote it"
-        )))
+        Err(Failure::run_of(
+            &self.file,
+            format!("path {} of its scenario is another one than the file holds", self.path),
+            "take the file as it was written (its scenario, seed or rows were changed), or the program that wrote it",
+        ))
     }
 }
 

@@ -1,8 +1,7 @@
 //! Where results are written, and what the command says about them before and after a run.
 
 use super::document::JsonWarning;
-use super::failure::{Failure, note};
-use super::numbers::wrapped;
+use super::failure::{self, Failure};
 use super::report;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
@@ -43,9 +42,7 @@ pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<S
 /// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of
 /// the step are left out where the run measures that bias.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    for warning in scenario.warnings_of_run(measures_bias) {
-        note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
-    }
+    scenario.warnings_of_run(measures_bias).iter().for_each(failure::warn);
 }
 
 /// All warnings about results: those of the scenario and those that follow from the statistics.
@@ -63,9 +60,7 @@ pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarni
 
 /// Prints a warning if the bias of the step is larger than the statistical interval suggests.
 pub fn warn_of_bias(summary: &Summary) {
-    if let Some(line) = report::dominating_bias(summary) {
-        note(wrapped(&format!("warning: {line}"), "  ").trim_end());
-    }
+    report::dominating_bias(summary).iter().for_each(failure::warn);
 }
 
 impl From<RunError> for Failure {

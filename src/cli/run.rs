@@ -6,7 +6,7 @@ use super::failure::{Failure, note, writable};
 use super::interrupt::stop_on_signals;
 use super::overrides::Overrides;
 use super::results;
-use super::sitting::{Leaves, RunOptions, Sitting};
+use super::sitting::{RunOptions, Sitting};
 use std::path::PathBuf;
 use std::time::Duration;
 use stick_slip::engine::{self, MOST_PATHS, Part};
@@ -116,20 +116,10 @@ impl Run {
         let run = engine::Run::of(&scenario).paths(paths).part(self.part).until(goals).within(self.max_time);
         let run = if self.no_bias { run.without_bias() } else { run };
         let name = self.scenario.display().to_string();
-        Sitting {
-            options: &self.options,
-            name,
-            scenario: &scenario,
-            output: &output,
-            accuracy_goal,
-            stop: &stop,
-            leaves: Leaves::Run,
-        }
-        .simulate(run.question(), None, &mut file)
+        let sitting = Sitting::of(&self.options, &scenario, &output, &stop);
+        Sitting { name, accuracy_goal, ..sitting }.simulate(run.question(), None, &mut file)
     }
-}
 
-impl Run {
     /// Refuses options that only a whole run can have, such as a goal, and more parts than there
     /// are blocks.
     fn check_part(&self, scenario: &Scenario, goals: &[Goal]) -> Result<(), Failure> {

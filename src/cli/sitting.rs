@@ -72,7 +72,13 @@ pub enum Leaves {
     Nothing,
 }
 
-impl Sitting<'_> {
+impl<'a> Sitting<'a> {
+    /// A sitting under the title of the scenario, without `--accuracy`, which leaves a run.
+    pub fn of(options: &'a RunOptions, scenario: &'a Scenario, output: &'a Path, stop: &'a AtomicBool) -> Self {
+        let name = scenario.title.clone();
+        Sitting { options, name, scenario, output, accuracy_goal: None, stop, leaves: Leaves::Run }
+    }
+
     /// Simulates a run from its beginning, or continues it from where an earlier sitting has left
     /// it.
     pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
@@ -142,8 +148,7 @@ impl Sitting<'_> {
             return Err(Failure::Interrupted);
         }
         if self.is_unfinished(outcome) {
-            let continued = format!("interrupted; continue it with: mc resume {}", self.output.display());
-            note(&continued);
+            note(&format!("interrupted; continue it with: mc resume {}", self.output.display()));
             return Err(Failure::Interrupted);
         }
         match failure {
@@ -165,13 +170,9 @@ impl Sitting<'_> {
         } else if !quiet {
             print(&report::table(summary, &info))?;
         }
-        if let Some(line) = report::lost(summary, &info).filter(|_| json || quiet) {
-            note(&format!("warning: {line}"));
-        }
-        if let Some(line) = report::unsettled(summary).filter(|_| json || quiet) {
-            note(&format!("warning: {line}"));
-        }
-        if let Some(line) = report::too_few(summary).filter(|_| json || quiet) {
+        // The table has these lines as remarks.
+        let remarks = [report::lost(summary, &info), report::unsettled(summary), report::too_few(summary)];
+        for line in remarks.into_iter().flatten().filter(|_| json || quiet) {
             note(&format!("warning: {line}"));
         }
         results::warn_of_bias(summary);

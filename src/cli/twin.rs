@@ -2,7 +2,8 @@
 
 use super::failure::{Failure, note, print, writable};
 use super::measurements;
-use super::numbers::{grouped, parse_duration, parse_share, significant};
+use super::numbers::{grouped, parse_duration, parse_share_in, significant};
+use super::overrides::settings;
 use super::results;
 use super::table::{Row, aligned};
 use std::fmt::Write as _;
@@ -34,7 +35,7 @@ pub struct Twin {
     /// Noise of the displacement sensor: the standard deviations of white and of red noise in
     /// metres, and the correlation time of the red noise
     #[arg(long, value_name = "WHITE[,RED[,TIME]]", default_value = "30e-6,150e-6,1d", value_parser = sensor_noise)]
-    sensor_noise: SensorNoise,
+    sensor_noise: Flaws,
     /// Relative standard deviation of f_s from slip to slip; f_d does not vary
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     scatter: f64,
@@ -68,13 +69,6 @@ pub struct Twin {
     force: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct SensorNoise {
-    white: f64,
-    red: f64,
-    memory: f64,
-}
-
 /// The temperature of the air, sample by sample.
 struct Air {
     start: Option<Start>,
@@ -90,7 +84,7 @@ const MOST: f64 = 1e7;
 
 impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
-        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
         let air = match &scene.file {
@@ -98,16 +92,13 @@ impl Twin {
             None => self.drawn(&set)?,
         };
         let response = Bearing::of(&scene, air.temperatures[0]).response();
-        let SensorNoise { white, red, memory } = self.sensor_noise;
         let flaws = Flaws {
-            white,
-            red,
-            memory,
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),
             resolution: self.resolution,
             spikes: self.spikes,
             gaps: self.gaps,
+            ..self.sensor_noise
         };
         let made = twin(&response, &air.times, &air.temperatures, &flaws, self.seed);
         store::write_whole(&self.output, csv(&made, &air, &scene)?.as_bytes(), self.force)?;
@@ -160,13 +151,14 @@ fn csv(made: &Made, air: &Air, scene: &BridgeScene) -> Result<String, Failure> {
     Ok(text)
 }
 
-fn sensor_noise(text: &str) -> Result<SensorNoise, String> {
+/// Reads the noise of the sensor, the only flaw that it returns.
+fn sensor_noise(text: &str) -> Result<Flaws, String> {
     let mut parts = text.split(',');
     let mut number = |default: f64| parts.next().map_or(Ok(default), not_negative);
     let (white, red) = (number(0.0)?, number(0.0)?);
     let memory = parts.next().map_or(Ok(86_400.0), parse_seconds)?;
     match parts.next() {
-        None => Ok(SensorNoise { white, red, memory }),
+        None => Ok(Flaws { white, red, memory, ..Flaws::NONE }),
         Some(_) => Err("write at most three, e.g. 30e-6,150e-6,1d".to_string()),
     }
 }
@@ -177,9 +169,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    parse_share(text)
-        .filter(|share| (0.0..0.5).contains(share))
-        .ok_or_else(|| "write a number from 0 to below 0.5".to_string())
+    parse_share_in(text, &(0.0..0.5), "write a number from 0 to below 0.5")
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {

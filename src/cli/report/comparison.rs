@@ -1,7 +1,7 @@
 //! Several files as one table: the statistics of each, and their differences from the first file.
 
 use super::RunInfo;
-use crate::cli::numbers::{Digits, counted, wrapped};
+use crate::cli::numbers::{counted, with_error, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
 use stick_slip::engine::Provenance;
@@ -23,29 +23,20 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     }
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {
-        headings.extend([
-            letter.clone(),
-            "std. error".into(),
-            format!("{letter} - {}", letters[0]),
-            "std. error".into(),
-        ]);
-        headings.push(String::new());
+        let difference = format!("{letter} - {}", letters[0]);
+        headings.extend([letter, "std. error", &difference, "std. error", ""].map(String::from));
     }
     let mut rows = vec![Row::labelled("statistic", headings)];
     for statistic in Statistic::ALL {
         let first = summaries[0].estimate(statistic);
-        let digits = Digits::of(first.estimate, first.standard_error);
-        let mut cells = vec![digits.show(first.estimate), digits.show(first.standard_error)];
+        let mut cells = with_error(first.estimate, first.standard_error).to_vec();
         for summary in &summaries[1..] {
             let other = summary.estimate(statistic);
-            let digits = Digits::of(other.estimate, other.standard_error);
-            let (difference, error) =
-                (other.estimate - first.estimate, first.standard_error.hypot(other.standard_error));
-            let of_difference = Digits::of(difference, error);
-            let is_clear = difference.abs() > INTERVAL * error;
-            cells.extend([digits.show(other.estimate), digits.show(other.standard_error)]);
-            cells.extend([of_difference.show(difference), of_difference.show(error)]);
-            cells.push(if is_clear { "*".into() } else { String::new() });
+            let difference = other.estimate - first.estimate;
+            let error = first.standard_error.hypot(other.standard_error);
+            cells.extend(with_error(other.estimate, other.standard_error));
+            cells.extend(with_error(difference, error));
+            cells.push(if difference.abs() > INTERVAL * error { "*".into() } else { String::new() });
         }
         rows.push(Row::labelled(statistic.name(), cells));
     }
