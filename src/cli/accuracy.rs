@@ -126,21 +126,16 @@ impl Chooser<'_> {
                 Failure::usage(problem, alternative(instead))
             }
             AccuracyError::TooLong { choice, seconds, instead } => {
+                let limit = time(max_time.unwrap_or(LONGEST).as_secs_f64());
                 let limit = match max_time {
-                    Some(limit) => format!("--max-time allows {}", time(limit.as_secs_f64())),
-                    None => {
-                        format!("no run of more than {} is begun without --max-time", time(LONGEST.as_secs_f64()))
-                    }
+                    Some(_) => format!("--max-time allows {limit}"),
+                    None => format!("no run of more than {limit} is begun without --max-time"),
                 };
                 let Choice { decisive, scheme, paths, .. } = choice;
-                let pairs = pairs(&choice);
-                let problem = format!(
-                    "--accuracy: {} of {} takes about {} on {threads} threads, for {scheme} --paths {paths}{pairs}; {limit}",
-                    percent(target),
-                    decisive.name(),
-                    time(seconds),
-                );
-                Failure::usage(problem, alternative(instead))
+                let (target, seconds) = (percent(target), time(seconds));
+                let takes = format!("{target} of {} takes about {seconds} on {threads} threads", decisive.name());
+                let how = format!("for {scheme} --paths {paths}{}", pairs(&choice));
+                Failure::usage(format!("--accuracy: {takes}, {how}; {limit}"), alternative(instead))
             }
         }
     }

@@ -118,7 +118,7 @@ fn report(found: &WeatherFit) -> String {
     let mut row = |name: &str, value: f64, error: f64, note: String| {
         let digits = Digits::of(value, error);
         let cells = [digits.show(value), significant(error, 2)];
-        rows.push(Row { note, ..Row::labelled(name, cells) });
+        rows.push(Row::labelled(name, cells).noted(note));
     };
     row("mean", found.mean().0, found.mean().1, "degrees".into());
     for cycle in found.cycles() {

@@ -151,11 +151,11 @@ fn report(title: &str, found: &Found) -> String {
         let ranges = [found_level.expected_interval, found_level.year_interval];
         let label = words(found_level.quantity, found.question.share);
         let unit = found_level.quantity.unit().replace('1', "");
-        rows.push(Row { note: unit, ..Row::labelled(label, cells(found_level.expected, &ranges)) });
+        rows.push(Row::labelled(label, cells(found_level.expected, &ranges)).noted(unit));
     }
     for level in &found.return_levels {
         let label = format!("|z| exceeded in one of {} years", level.years);
-        rows.push(Row { note: "m".into(), ..Row::labelled(label, cells(level.expected, &[level.interval])) });
+        rows.push(Row::labelled(label, cells(level.expected, &[level.interval])).noted("m"));
     }
     let mut text = format!("{title}\n\n{}", aligned(&rows, "  "));
     let years: usize = found.years.iter().map(Vec::len).sum();

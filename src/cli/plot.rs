@@ -139,11 +139,7 @@ impl Plot {
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Scene, Failure> {
-        if self.path >= stored.header.paths {
-            let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
-            let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
-            return Err(Failure::usage(problem, remedy));
-        }
+        results::check_path(stored, self.path)?;
         let name = self.subject.display().to_string();
         // Events do not depend on the end of the simulation, so a shorter path is the beginning of
         // the longer one.

@@ -3,7 +3,6 @@
 
 use super::failure::{Failure, note, print, writable};
 use super::files;
-use super::numbers::counted;
 use super::results;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status, other_program};
@@ -40,13 +39,7 @@ pub struct Replay {
 impl Replay {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = files::read(&self.file, store::read)?;
-        // Any number names a path that can be simulated, but one outside the ensemble is most
-        // likely a typing error.
-        if self.path >= stored.header.paths {
-            let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
-            let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
-            return Err(Failure::usage(problem, remedy));
-        }
+        results::check_path(&stored, self.path)?;
         let scenario = results::scenario(&self.file.display().to_string(), &stored, &[])?;
         if let Some(other) = other_program(&stored.header.program_version, &stored.header.git_hash) {
             note(&format!("warning: {} was {other}", self.file.display()));

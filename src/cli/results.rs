@@ -2,6 +2,7 @@
 
 use super::document::JsonWarning;
 use super::failure::{self, Failure};
+use super::numbers::counted;
 use super::report;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
@@ -37,6 +38,17 @@ pub fn with_series(path: &Path, file: Option<&str>) -> Vec<PathBuf> {
 /// The scenario of a file of results, with its measured temperature, after these overrides.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
+}
+
+/// Checks that the ensemble of a file has a path of this number. Any number names a path that can be
+/// simulated, but one outside the ensemble is most likely a typing error.
+pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
+    let paths = stored.header.paths;
+    if path < paths {
+        return Ok(());
+    }
+    let problem = format!("--path {path}: the ensemble has {}", counted(paths, "path"));
+    Err(Failure::usage(problem, format!("give a number from 0 to {}", paths.saturating_sub(1))))
 }
 
 /// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of

@@ -69,12 +69,9 @@ pub struct Twin {
     force: bool,
 }
 
-/// The temperature of the air, sample by sample.
-struct Air {
-    start: Option<Start>,
-    times: Vec<f64>,
-    temperatures: Vec<f64>,
-}
+/// The temperature of the air: the time of the first sample if it is known, and the times and
+/// temperatures of all samples.
+type Air = (Option<Start>, Vec<f64>, Vec<f64>);
 
 /// The time of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";
@@ -87,11 +84,11 @@ impl Twin {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
-        let air = match &scene.file {
+        let (start, times, temperatures) = match &scene.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,
         };
-        let response = Bearing::of(&scene, air.temperatures[0]).response();
+        let response = Bearing::of(&scene, temperatures[0]).response();
         let flaws = Flaws {
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),
@@ -100,8 +97,8 @@ impl Twin {
             gaps: self.gaps,
             ..self.sensor_noise
         };
-        let made = twin(&response, &air.times, &air.temperatures, &flaws, self.seed);
-        store::write_whole(&self.output, csv(&made, &air, &scene)?.as_bytes(), self.force)?;
+        let made = twin(&response, &times, &temperatures, &flaws, self.seed);
+        store::write_whole(&self.output, csv(&made, start, &scene)?.as_bytes(), self.force)?;
         let truth = values(&response, scene.shear_stiffness);
         let row = |quantity: &Quantity| {
             let value = truth[*quantity as usize];
@@ -123,7 +120,7 @@ impl Twin {
             return Err(Failure::usage(problem, "choose other --duration and --every"));
         }
         let [times, temperatures] = drawn(&scenario.model.temperature, count as usize, self.every, self.seed);
-        Ok(Air { start: None, times, temperatures })
+        Ok((None, times, temperatures))
     }
 }
 
@@ -134,14 +131,14 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Fai
     let mut table = data::read(&path, measurements::time(scene), &wanted)?;
     measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
-    Ok(Air { start: table.start, times: column.times, temperatures: column.values })
+    Ok((table.start, column.times, column.values))
 }
 
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in
 /// millimetres.
-fn csv(made: &Made, air: &Air, scene: &BridgeScene) -> Result<String, Failure> {
+fn csv(made: &Made, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
     let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
-    let start = air.start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
+    let start = start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
     let temperature = scene.value.as_deref().unwrap_or("temperature_degC");
     let mut text = format!("{},{temperature},displacement_mm\n", scene.time);
     for i in 0..made.times.len() {

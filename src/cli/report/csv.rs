@@ -24,10 +24,10 @@ pub struct Csv {
     /// The keys of the scenario in which points of sweeps differ, in the order in which they first
     /// appeared.
     keys: Vec<String>,
-    lines: Vec<Line>,
+    lines: Vec<CsvLine>,
 }
 
-struct Line {
+struct CsvLine {
     file: String,
     /// The keys that are set for this line, by their index in the list of keys, and their values.
     at: Vec<(usize, f64)>,
@@ -48,7 +48,7 @@ impl Csv {
             });
             places.push((place, *value));
         }
-        self.lines.extend(estimates.iter().map(|e| Line {
+        self.lines.extend(estimates.iter().map(|e| CsvLine {
             file: file.to_string(),
             at: places.clone(),
             statistic: e.statistic.name(),
@@ -73,7 +73,7 @@ impl Csv {
         let keys = self.keys.iter().map(String::as_str);
         let headings = ["file"].into_iter().chain(keys).chain(["statistic", "unit"]).chain(NUMBERS);
         let mut text = line(headings.map(String::from));
-        for Line { file, at, statistic, unit, numbers } in &self.lines {
+        for CsvLine { file, at, statistic, unit, numbers } in &self.lines {
             let of_key = |k: usize| at.iter().find(|(place, _)| *place == k).map_or(f64::NAN, |(_, value)| *value);
             let keys = (0..self.keys.len()).map(|k| number(of_key(k)));
             let words = [statistic.to_string(), unit.clone()];
