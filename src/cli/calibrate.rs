@@ -3,12 +3,10 @@
 
 use super::calibrate_report as report;
 use super::cost::STUDY_BYTES;
-use super::failure::{Failure, note, print, warn, writable};
-use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{parse_duration, parse_share_in};
 use super::overrides::settings;
-use super::threads::Threads;
+use super::{Failure, Threads, note, print, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::bearing::calibration::{

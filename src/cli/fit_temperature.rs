@@ -1,10 +1,8 @@
 //! `mc fit-temperature`: fits harmonics and noise of a scenario to a measured temperature.
 
 use super::document::document;
-use super::failure::{Failure, note, print, writable};
-use super::measurements;
 use super::numbers::{Digits, grouped, significant, time};
-use super::table::{Row, aligned};
+use super::{Failure, Row, aligned, measurements, note, print, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};

@@ -1,16 +1,12 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
-use super::calibrate;
 use super::cost::STUDY_BYTES;
 use super::document::document;
-use super::failure::{Failure, note, print, warn, writable};
 use super::fit_temperature::without_weather;
-use super::interrupt::stop_on_signals;
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
 use super::overrides::settings;
-use super::table::{Row, aligned};
-use super::threads::Threads;
+use super::{Failure, Row, Threads, aligned, calibrate, note, print, stop_on_signals, warn, writable};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;

@@ -1,7 +1,6 @@
 //! Reads the measured columns of a bearing that a scenario names.
 
-use super::failure::{Failure, note};
-use super::results;
+use super::{Failure, note, results};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::Record;
 use stick_slip::data::{DataError, Origin, Pair, Repairs, TimeColumn, Wanted};

@@ -1,10 +1,7 @@
 //! `mc merge`: joins the parts of a run to the whole run.
 
-use super::cost;
-use super::failure::{Failure, writable};
-use super::files;
-use super::interrupt::stop_on_signals;
 use super::sitting::{Leaves, RunOptions, Sitting};
+use super::{Failure, cost, files, stop_on_signals, writable};
 use std::path::PathBuf;
 use stick_slip::store::{PartError, Parts};
 

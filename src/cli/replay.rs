@@ -1,9 +1,7 @@
 //! `mc replay`: simulates one path of a stored ensemble again, with its events and the finest
 //! trajectory that its scheme has.
 
-use super::failure::{Failure, note, print, writable};
-use super::files;
-use super::results;
+use super::{Failure, files, note, print, results, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, Rows, Status, other_program};
 use stick_slip::ensemble::Plan;

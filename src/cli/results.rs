@@ -1,9 +1,9 @@
 //! Where results are written, and what the command says about them before and after a run.
 
 use super::document::JsonWarning;
-use super::failure::{self, Failure};
+use super::failure;
 use super::numbers::counted;
-use super::report;
+use super::{Failure, report};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;

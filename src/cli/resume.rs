@@ -1,12 +1,9 @@
 //! `mc resume`: continues a run or a sweep that was interrupted or killed.
 
-use super::cost;
-use super::failure::{Failure, note};
-use super::interrupt::stop_on_signals;
 use super::numbers::grouped;
 use super::sitting::{Leaves, RunOptions, Sitting};
 use super::sweep_sitting::SweepSitting;
-use super::{files, ranks, sweep};
+use super::{Failure, cost, files, note, ranks, stop_on_signals, sweep};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, StoreError, Unfinished};

@@ -1,12 +1,9 @@
 //! `mc run`: simulates an ensemble, writes its statistics and prints them.
 
 use super::accuracy::{self, Chooser};
-use super::cost;
-use super::failure::{Failure, note, writable};
-use super::interrupt::stop_on_signals;
 use super::overrides::Overrides;
-use super::results;
 use super::sitting::{RunOptions, Sitting};
+use super::{Failure, cost, note, results, stop_on_signals, writable};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;

@@ -1,15 +1,10 @@
 //! One sitting of a run, which is the time from a start or a continuation to the next end:
 //! simulates, then prints the results and how precise they are.
 
-use super::accuracy;
-use super::cost;
-use super::ending;
-use super::failure::{Failure, note, print, print_data};
 use super::numbers::time;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
-use super::threads::Threads;
-use super::{ranks, results};
+use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};

@@ -1,12 +1,10 @@
 //! `mc sweep`: computes statistics as functions of keys of the scenario, or how strongly a key
 //! affects them.
 
-use super::failure::{Failure, print, writable};
 use super::numbers::{bytes, duration, grouped, parse_share_in};
 use super::overrides::Overrides;
-use super::results;
 use super::sweep_sitting::SweepSitting;
-use super::threads::Threads;
+use super::{Failure, Threads, print, results, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, symbol_and_meaning};
 use stick_slip::scenario::Scenario;

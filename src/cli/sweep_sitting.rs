@@ -1,11 +1,8 @@
 //! One sitting of a sweep: from the start or a continuation to its table, or to the next interruption.
 
-use super::failure::{Failure, note, print, print_data, warn};
-use super::interrupt::stop_on_signals;
 use super::numbers::wrapped;
 use super::progress::Progress;
-use super::sweep_report;
-use super::threads::Threads;
+use super::{Failure, Threads, note, print, print_data, stop_on_signals, sweep_report, warn};
 use std::collections::BTreeMap;
 use std::path::Path;
 use stick_slip::engine::Provenance;

@@ -1,15 +1,12 @@
 //! `mc trade`: measures what accuracy costs with each scheme, and which is the cheapest for a
 //! target.
 
-use super::failure::{Failure, note, print, print_data, warn, writable};
-use super::interrupt::stop_on_signals;
 use super::numbers::parse_duration;
 use super::overrides::settings;
 use super::plot::{self, Format};
 use super::progress::measuring;
-use super::results;
-use super::threads::Threads;
 use super::trade_report::{self, Asked};
+use super::{Failure, Threads, note, print, print_data, results, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;

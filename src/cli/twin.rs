@@ -1,11 +1,8 @@
 //! `mc twin`: makes synthetic measurements of a bearing with known parameters.
 
-use super::failure::{Failure, note, print, writable};
-use super::measurements;
 use super::numbers::{grouped, parse_duration, parse_share_in, significant};
 use super::overrides::settings;
-use super::results;
-use super::table::{Row, aligned};
+use super::{Failure, Row, aligned, measurements, note, print, results, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
