@@ -119,9 +119,7 @@ fn is_goal(until: &str) -> bool {
 
 fn wrong_goal(text: &str, error: &GoalError) -> Failure {
     let remedy = match error {
-        GoalError::UnknownStatistic(_) => {
-            format!("one of {}", super::statistic_names())
-        }
+        GoalError::UnknownStatistic(_) => format!("one of {}", super::statistic_names()),
         GoalError::NoComparison | GoalError::NoBound(_) => "such as --until \"stick_duration_mean < 0.5%\"".to_string(),
     };
     Failure::usage(format!("--until \"{text}\": {error}"), remedy)

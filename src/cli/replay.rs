@@ -105,9 +105,8 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;
     for i in 0..events.time.len() {
         let what = ["stick", "slip", "turn"][events.kind[i] as usize & 3];
-        let line =
-            format!("{what:>6} {:14.6} {:14.6} {:14.6}\n", events.time[i], events.displacement[i], events.force[i]);
-        print(&line)?;
+        let (time, displacement, force) = (events.time[i], events.displacement[i], events.force[i]);
+        print(&format!("{what:>6} {time:14.6} {displacement:14.6} {force:14.6}\n"))?;
     }
     let columns = replay.block.path_columns.unwrap_or_default();
     print(&format!("x(t_end) {}, {} sticks; in {}\n", columns.displacement_end[0], columns.sticks[0], output.display()))

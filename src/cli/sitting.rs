@@ -126,11 +126,12 @@ impl<'a> Sitting<'a> {
             let takes = cost::cpu_seconds_of(self.scenario, first);
             let takes =
                 takes.map_or_else(String::new, |seconds| format!(", which take about {} on a thread", time(seconds)));
-            return Err(Failure::Run(format!(
+            let problem = format!(
                 "the time was up before the first {first} paths were done{takes}; nothing is written, because results are those of \
-                 whole blocks of {BLOCK_SIZE} paths\n  fix: a longer --max-time, or a larger step or tolerance; mc check says how long it \
-                 takes"
-            )));
+                 whole blocks of {BLOCK_SIZE} paths"
+            );
+            let remedy = "a longer --max-time, or a larger step or tolerance; mc check says how long it takes";
+            return Err(Failure::run(problem, remedy));
         }
         let info = self.print(outcome)?;
         let failure = match &outcome.ended_by {

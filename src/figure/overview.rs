@@ -1,7 +1,8 @@
 //! A run at a glance: one of its paths with the sticks shaded, the quantiles of all paths, and the
 //! durations of sticks.
 
-use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, fan, path, sheet, solid, sticks};
+use super::path::PathTrace;
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, fan, sheet, solid, sticks};
 use crate::engine::Replay;
 use crate::stats::Dimension;
 
@@ -13,7 +14,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let (scenario, summary) = subject.run()?;
     let (_, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
-    let path = path::phases(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let path = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let curve = path.curve();
     let range = sticks::range(&summary.stick_durations)
         .ok_or(Absent::Nothing("no stick, the first of each path left out, has ended"))?;
     let palette = style.palette();
@@ -21,16 +23,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let time_axis = || Axis::linear([0.0, scenario.time.end], Label::new("time *t*"), &time_unit);
 
     let mut seen = fan::widest(&summary.bands);
-    seen.extend(path.curve.iter().map(|point| point[1]));
+    seen.extend(curve.iter().map(|point| point[1]));
     let displacement = |title: &str| Axis::around(seen.iter().copied(), Label::new(title), &length_unit);
 
     let mut one = Panel::new(time_axis(), displacement("one path *x*(*t*)"), 84.0);
     let size = seen.iter().fold(0.0, |size, x| f64::max(size, x.abs()));
-    for [begin, end] in &path.sticks {
+    for [begin, end] in path.sticks() {
         // The bar is higher than the panel, which clips it at its frame.
-        one.bar([*begin, -10.0 * size], [*end, 10.0 * size], palette.wide);
+        one.bar([begin, -10.0 * size], [end, 10.0 * size], palette.wide);
     }
-    one.line(path.curve.clone(), solid(palette.first));
+    one.line(curve, solid(palette.first));
 
     let mut all = Panel::new(time_axis(), displacement("all paths *x*(*t*)"), 84.0);
     fan::quantiles(&summary.bands, palette, &mut all);

@@ -57,7 +57,7 @@ struct Moment {
 
 /// A path, cut into pieces at its events.
 #[derive(Clone, Debug, PartialEq)]
-struct PathTrace {
+pub(super) struct PathTrace {
     pieces: Vec<Piece>,
     moments: Vec<Moment>,
 }
@@ -89,7 +89,7 @@ impl Count {
 impl PathTrace {
     /// The pieces of a path that was simulated again: the rows of its trajectory, with its events
     /// inserted between them. None if events or trajectory were not kept.
-    fn of(replay: &Replay) -> Option<PathTrace> {
+    pub(super) fn of(replay: &Replay) -> Option<PathTrace> {
         let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
         let model = &replay.scenario.model;
         let time = replay.scenario.timeline().output_times();
@@ -141,6 +141,16 @@ impl PathTrace {
         for moment in self.moments.iter().filter(|_| self.moments.len() <= MOST_MARKED) {
             panel.mark([moment.at.time, level], moment.mark(), palette.ink);
         }
+    }
+
+    /// The curve of x over time.
+    pub(super) fn curve(&self) -> Vec<[f64; 2]> {
+        self.samples().map(|s| [s.time, s.displacement]).collect()
+    }
+
+    /// The times at which each stick begins and ends.
+    pub(super) fn sticks(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.pieces.iter().filter(|piece| piece.slip.is_none()).map(|piece| [piece.begin(), piece.end()])
     }
 
     /// The time from an event to the nearest other event.
@@ -200,14 +210,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
     let spring = Stroke::solid(palette.faint, THIN);
     let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
-    let springs = || trace.samples().map(|s| [s.time, s.spring]).collect::<Vec<_>>();
     let dry = friction_force(&trace, scenario.model.friction.dynamic_force);
+    let forces = |panel: &mut Panel| {
+        panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
+        panel.line(dry.clone(), force.clone());
+    };
     let mut middle = Vec::new();
     if is_shared {
         let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*), force"), ""), 104.0);
-        panel.line(springs(), spring.clone());
-        panel.line(dry, force.clone());
+        forces(&mut panel);
         velocities(&trace, palette, &mut panel);
         middle.push(panel.lettered('B'));
     } else {
@@ -217,8 +229,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         middle.push(panel.lettered('B').above_another());
         let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("force"), &force_unit), 76.0);
-        panel.line(springs(), spring.clone());
-        panel.line(dry, force.clone());
+        forces(&mut panel);
         middle.push(panel);
     }
     let plane = phase_plane(&trace, palette, friction, &velocity_unit, &force_unit);
@@ -239,20 +250,6 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let panels: Vec<Panel> =
         [vec![displacement.lettered('A').above_another()], middle, vec![plane.lettered('C')]].concat();
     Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels))
-}
-
-/// A path as the curve of x over time, with the times at which each stick begins and ends.
-pub(super) struct Phases {
-    pub curve: Vec<[f64; 2]>,
-    pub sticks: Vec<[f64; 2]>,
-}
-
-/// The phases of a path; none if its events or its trajectory were not kept.
-pub(super) fn phases(replay: &Replay) -> Option<Phases> {
-    let trace = PathTrace::of(replay)?;
-    let sticks = trace.pieces.iter().filter(|piece| piece.slip.is_none());
-    let sticks = sticks.map(|piece| [piece.begin(), piece.end()]).collect();
-    Some(Phases { curve: trace.samples().map(|s| [s.time, s.displacement]).collect(), sticks })
 }
 
 /// The colour of sub-phase k of a slip.

@@ -53,9 +53,7 @@ impl<'a> Subject<'a> {
     pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
         match self {
             Subject::Scenario { scenario, path } | Subject::Run { scenario, path, .. } => Ok((scenario, *path)),
-            Subject::Trade(_) | Subject::Sweep { .. } | Subject::Calibration { .. } => {
-                Err(Absent::Elsewhere("a scenario or a file of `mc run`"))
-            }
+            _ => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
         }
     }
 

@@ -56,13 +56,9 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
     let mut legend = "errors of differences are those of independent runs; * marks a difference beyond 1.96 \
                       of them, which chance alone produces once in twenty"
         .to_string();
-    let same: Vec<&str> = letters
-        .iter()
-        .zip(infos)
-        .skip(1)
-        .filter(|(_, info)| info.provenance.seed == infos[0].provenance.seed)
-        .map(|l| l.0.as_str())
-        .collect();
+    let first = &infos[0].provenance;
+    let same = letters.iter().zip(infos).skip(1).filter(|(_, info)| info.provenance.seed == first.seed);
+    let same: Vec<&str> = same.map(|(letter, _)| letter.as_str()).collect();
     if !same.is_empty() {
         let _ = write!(
             legend,
@@ -73,9 +69,8 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
             same.join(", ")
         );
     }
-    if infos.iter().any(|info| {
-        info.provenance.scheme != infos[0].provenance.scheme || info.provenance.step != infos[0].provenance.step
-    }) {
+    let differs = |other: &Provenance| other.scheme != first.scheme || other.step != first.step;
+    if infos.iter().any(|info| differs(&info.provenance)) {
         legend.push_str(". Differences contain the biases of the steps");
     }
     legend
