@@ -2,15 +2,16 @@
 //! paths, and prints what was chosen and why.
 
 use super::failure::{Failure, note};
-use super::numbers::{grouped, parse_share, percent, significant, time, wrapped};
-use super::progress::Measuring;
+use super::numbers::{grouped, parse_share_in, percent, significant, time, wrapped};
+use super::progress::measuring;
+use super::trade_report::without_answer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{
     Accuracy, AccuracyError, AccuracyGoal, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, TARGETS,
 };
-use stick_slip::study::trade::{Choice, Limits, Standing, Trade, TradeError};
+use stick_slip::study::trade::{Choice, Standing, Trade, TradeError};
 
 /// The keys of a scenario whose values are chosen.
 pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.kind", "scheme.tolerance", "time.step"];
@@ -30,11 +31,7 @@ impl Chooser<'_> {
     /// `Failure::Interrupted` when `stop` is raised meanwhile.
     pub fn choose(&self, scenario: &Scenario, stop: &AtomicBool) -> Result<Decision, Failure> {
         self.say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
-        let line = Measuring::new(PILOT, self.is_quiet);
-        let begins = |what: &str| line.begin(what);
-        let limits = Limits { time: None, stop: Some(stop), begins: Some(&begins) };
-        let chosen = self.accuracy.choose(scenario, limits);
-        line.finish();
+        let chosen = measuring(PILOT, self.is_quiet, stop, |limits| self.accuracy.choose(scenario, limits));
         if stop.load(Ordering::Relaxed) {
             note("interrupted while choosing how to run it: nothing was run, nothing is written");
             return Err(Failure::Interrupted);
@@ -91,12 +88,8 @@ impl Chooser<'_> {
             ));
         }
         if named.is_empty() {
-            for standing in [Standing::Zero, Standing::NoLimit, Standing::Absent] {
-                let left: Vec<_> = Statistic::ALL.into_iter().filter(|s| trade.standing(*s) == standing).collect();
-                let names: Vec<_> = left.iter().map(|statistic| statistic.name()).collect();
-                if !names.is_empty() {
-                    self.say(&format!("no accuracy is guaranteed for {}: {standing}", names.join(", ")));
-                }
+            for (names, standing) in without_answer(trade) {
+                self.say(&format!("no accuracy is guaranteed for {names}: {standing}"));
             }
         }
     }
@@ -113,7 +106,7 @@ impl Chooser<'_> {
         match error {
             AccuracyError::Pilot(error @ TradeError::BudgetTooSmall { .. }) => {
                 let remedy = "choose --scheme and --paths yourself; mc trade --budget measures longer";
-                Failure::Run(format!("--accuracy: {error}, about {} s\n  fix: {remedy}", PILOT.as_secs()))
+                Failure::run(format!("--accuracy: {error}, about {} s", PILOT.as_secs()), remedy)
             }
             AccuracyError::Pilot(error) => error.into(),
             AccuracyError::Misfit(error) => error.into(),
@@ -133,21 +126,16 @@ impl Chooser<'_> {
                 Failure::usage(problem, alternative(instead))
             }
             AccuracyError::TooLong { choice, seconds, instead } => {
+                let limit = time(max_time.unwrap_or(LONGEST).as_secs_f64());
                 let limit = match max_time {
-                    Some(limit) => format!("--max-time allows {}", time(limit.as_secs_f64())),
-                    None => {
-                        format!("no run of more than {} is begun without --max-time", time(LONGEST.as_secs_f64()))
-                    }
+                    Some(_) => format!("--max-time allows {limit}"),
+                    None => format!("no run of more than {limit} is begun without --max-time"),
                 };
                 let Choice { decisive, scheme, paths, .. } = choice;
-                let pairs = pairs(&choice);
-                let problem = format!(
-                    "--accuracy: {} of {} takes about {} on {threads} threads, for {scheme} --paths {paths}{pairs}; {limit}",
-                    percent(target),
-                    decisive.name(),
-                    time(seconds),
-                );
-                Failure::usage(problem, alternative(instead))
+                let (target, seconds) = (percent(target), time(seconds));
+                let takes = format!("{target} of {} takes about {seconds} on {threads} threads", decisive.name());
+                let how = format!("for {scheme} --paths {paths}{}", pairs(&choice));
+                Failure::usage(format!("--accuracy: {takes}, {how}; {limit}"), alternative(instead))
             }
         }
     }
@@ -199,8 +187,7 @@ fn why_not(statistic: Statistic, standing: Standing) -> String {
 
 /// Reads a relative error, e.g. `1e-2` or `1%`.
 pub fn target(text: &str) -> Result<f64, String> {
-    let target = parse_share(text).filter(|target| TARGETS.contains(target));
-    target.ok_or_else(|| "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%".into())
+    parse_share_in(text, &TARGETS, "write a relative error from 1e-6 to 0.5, e.g. 1e-2 or 1%")
 }
 
 #[cfg(test)]

@@ -3,18 +3,15 @@
 
 use super::calibrate_report as report;
 use super::cost::STUDY_BYTES;
-use super::failure::{Failure, note, print, writable};
-use super::interrupt::stop_on_signals;
 use super::measurements::Source;
-use super::numbers::{parse_duration, parse_share, wrapped};
-use super::results;
-use super::threads::Threads;
+use super::numbers::{parse_duration, parse_share_in};
+use super::overrides::settings;
+use super::{Failure, Threads, note, print, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::bearing::calibration::{
     Calibration, CalibrationError, Lag, Method, NotHeld, Quantity, Question, calibrate,
 };
-use stick_slip::config::Override;
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
 
@@ -79,11 +76,9 @@ pub struct Calibrate {
 
 impl Calibrate {
     pub fn call(&self) -> Result<(), Failure> {
-        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
-        let scene = BridgeScene::read(&self.scenario, &set)?;
+        let scene = BridgeScene::read(&self.scenario, &settings(&self.set)?)?;
         if let Some(output) = &self.output {
-            let inputs = results::with_series(&self.scenario, scene.file.as_deref());
-            writable(output, self.force, self.source.files().chain(inputs.iter().map(PathBuf::as_path)))?;
+            writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
         }
         let record = self.source.record(&scene)?;
         let question = Question {
@@ -128,9 +123,7 @@ pub(super) fn show(
     warnings: &[(String, String)],
     json: bool,
 ) -> Result<(), Failure> {
-    for (_, warning) in warnings {
-        note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
-    }
+    warnings.iter().for_each(|(_, warning)| warn(warning));
     print(&if json { report::json(calibration, warnings) } else { report::table(title, calibration) })
 }
 
@@ -141,7 +134,7 @@ pub(super) fn refused(path: &Path, error: &CalibrationError, without_slips: &str
         CalibrationError::NoSlips => without_slips,
         error => error.remedy(),
     };
-    Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
+    Failure::run_of(path, error, remedy)
 }
 
 fn method(text: &str) -> Result<Method, String> {
@@ -173,6 +166,5 @@ fn lag(text: &str) -> Result<Lag, String> {
 }
 
 pub(super) fn level(text: &str) -> Result<f64, String> {
-    let level = parse_share(text).filter(|level| (0.5..=0.999).contains(level));
-    level.ok_or_else(|| "write a probability from 0.5 to 0.999".to_string())
+    parse_share_in(text, &(0.5..=0.999), "write a probability from 0.5 to 0.999")
 }

@@ -1,10 +1,9 @@
 //! `mc check`: prints a scenario in full, the numbers that follow from it, and warnings.
 
-use super::cost;
 use super::document::{JsonWarning, document};
-use super::failure::{Failure, print_data};
 use super::numbers::{bytes, counted, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
+use super::{Failure, cost, print_data};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;

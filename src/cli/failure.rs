@@ -1,7 +1,9 @@
 //! Everything a verb can fail with, and the only place where failures become exit codes.
 
 use super::interrupt::exit_code;
+use super::numbers::wrapped;
 use super::safe;
+use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
@@ -39,41 +41,40 @@ impl Failure {
         Failure::Usage { problem: problem.into(), remedy: remedy.into() }
     }
 
+    /// Work that did not finish, and what to do about it.
+    pub fn run(problem: impl Display, remedy: impl Display) -> Self {
+        Failure::Run(with_remedy(problem, remedy))
+    }
+
+    /// The same where a file is what the work came to nothing with.
+    pub fn run_of(file: &Path, problem: impl Display, remedy: impl Display) -> Self {
+        Failure::run(format!("{}: {problem}", file.display()), remedy)
+    }
+
     /// Prints the failure on standard error and returns the exit code of the process.
     pub fn report(&self) -> ExitCode {
-        // A failure to print is ignored: if standard error is closed, no message can reach anybody.
-        let say = |text: String| drop(writeln!(io::stderr(), "error: {}", safe::text(&text)));
-        match self {
-            Failure::Usage { problem, remedy } => {
-                say(format!("{problem}\n  fix: {remedy}"));
-                ExitCode::from(2)
-            }
-            Failure::Refused(problem) => {
-                say(problem.clone());
-                ExitCode::from(2)
-            }
-            Failure::Scenario(ScenarioError::Invalid(faults)) => {
-                faults.iter().for_each(|fault| say(fault.to_string()));
-                ExitCode::from(2)
-            }
-            Failure::Scenario(error) => {
-                say(error.to_string());
-                ExitCode::from(2)
-            }
-            Failure::Run(problem) => {
-                say(problem.clone());
-                ExitCode::from(1)
-            }
-            Failure::Interrupted => ExitCode::from(exit_code()),
+        let (code, problems) = match self {
+            Failure::Usage { problem, remedy } => (2, vec![with_remedy(problem, remedy)]),
+            Failure::Refused(problem) => (2, vec![problem.clone()]),
+            Failure::Scenario(ScenarioError::Invalid(faults)) => (2, faults.iter().map(ToString::to_string).collect()),
+            Failure::Scenario(error) => (2, vec![error.to_string()]),
+            Failure::Run(problem) => (1, vec![problem.clone()]),
+            Failure::Interrupted => (exit_code(), Vec::new()),
             // In `mc ... | head` the reader closes the pipe when it has read enough, which is no
             // failure.
-            Failure::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => ExitCode::SUCCESS,
-            Failure::Output(error) => {
-                say(format!("cannot write to standard output: {error}"));
-                ExitCode::from(1)
-            }
+            Failure::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => (0, Vec::new()),
+            Failure::Output(error) => (1, vec![format!("cannot write to standard output: {error}")]),
+        };
+        for problem in problems {
+            // If standard error is closed, no message can reach anybody.
+            drop(writeln!(io::stderr(), "error: {}", safe::text(&problem)));
         }
+        ExitCode::from(code)
     }
+}
+
+fn with_remedy(problem: impl Display, remedy: impl Display) -> String {
+    format!("{problem}\n  fix: {remedy}")
 }
 
 impl From<ScenarioError> for Failure {
@@ -107,6 +108,11 @@ fn print_as_it_is(text: &str) -> Result<(), Failure> {
 /// Writes a line to standard error. A failure to write it is ignored.
 pub fn note(text: &str) {
     drop(writeln!(io::stderr(), "{}", safe::text(text)));
+}
+
+/// Writes a warning to standard error, in lines that are no wider than the terminal.
+pub fn warn(warning: impl Display) {
+    note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
 }
 
 /// Checks that a file may be written at `path`: its directory exists, and it replaces at most a

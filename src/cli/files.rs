@@ -44,10 +44,11 @@ fn look_anew(path: &Path) -> Result<(), String> {
         "warning: {} has no checksum: another program changed it, or an earlier version of mc wrote it",
         path.display()
     ));
-    let program = std::env::current_exe().map_err(|error| unread(path, &format!("mc cannot start itself: {error}")))?;
+    let not_started = |error| unread(path, &format!("mc cannot start itself: {error}"));
+    let program = std::env::current_exe().map_err(not_started)?;
     let mut child = Command::new(program);
     child.arg("look-through").arg("--").arg(path).stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null());
-    let status = child.status().map_err(|error| unread(path, &format!("mc cannot start itself: {error}")))?;
+    let status = child.status().map_err(not_started)?;
     // An exit code means that a reader said what is wrong, which the reader here will repeat.
     match status.code() {
         Some(_) => Ok(()),

@@ -1,10 +1,8 @@
 //! `mc fit-temperature`: fits harmonics and noise of a scenario to a measured temperature.
 
 use super::document::document;
-use super::failure::{Failure, note, print, writable};
-use super::measurements;
 use super::numbers::{Digits, grouped, significant, time};
-use super::table::{Row, aligned};
+use super::{Failure, Row, aligned, measurements, note, print, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -73,8 +71,9 @@ impl FitTemperature {
         let table = Origin::File(&self.data).read_in_seconds(time, &wanted)?;
         measurements::note_repairs(&self.data, &table.repairs);
         let column = &table.columns[0];
+        let too_short = "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then";
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
-            .map_err(|error| refused(&self.data, &error))?;
+            .map_err(|error| without_weather(&self.data, &error, too_short))?;
         print(&if self.json { json(&found) } else { report(&found) })?;
         if let Some(output) = &self.output {
             let start = table.start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
@@ -86,16 +85,15 @@ impl FitTemperature {
     }
 }
 
-/// Says why there is no fit, and what to do.
-fn refused(path: &Path, error: &WeatherError) -> Failure {
+/// Says why there is no fit, and what to do. What to do about a record that is shorter than a
+/// period depends on the verb and is `too_short`.
+pub(super) fn without_weather(path: &Path, error: &WeatherError, too_short: &str) -> Failure {
     let remedy = match error {
-        WeatherError::ShorterThanPeriod(_) => {
-            "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then"
-        }
+        WeatherError::ShorterThanPeriod(_) => too_short,
         WeatherError::OneIsEnough => "take --processes 1",
         error => error.remedy(),
     };
-    Failure::Run(format!("{}: {error}\n  fix: {remedy}", path.display()))
+    Failure::run_of(path, error, remedy)
 }
 
 /// The temperature section of a scenario.
@@ -114,11 +112,11 @@ fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
 
 /// The fit as a table for people.
 fn report(found: &WeatherFit) -> String {
-    let mut rows = vec![Row::labelled("", ["estimate", "standard error", ""].map(String::from))];
+    let mut rows = vec![Row::labelled("", ["estimate", "standard error", ""])];
     let mut row = |name: &str, value: f64, error: f64, note: String| {
         let digits = Digits::of(value, error);
         let cells = [digits.show(value), significant(error, 2)];
-        rows.push(Row { note, ..Row::labelled(name, cells) });
+        rows.push(Row::labelled(name, cells).noted(note));
     };
     row("mean", found.mean().0, found.mean().1, "degrees".into());
     for cycle in found.cycles() {

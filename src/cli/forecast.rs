@@ -1,24 +1,20 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
-use super::calibrate;
 use super::cost::STUDY_BYTES;
 use super::document::document;
-use super::failure::{Failure, note, print, writable};
-use super::interrupt::stop_on_signals;
+use super::fit_temperature::without_weather;
 use super::measurements::Source;
-use super::numbers::{Digits, grouped, parse_share, percent, wrapped};
-use super::results;
-use super::table::{Row, aligned};
-use super::threads::Threads;
+use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
+use super::overrides::settings;
+use super::{Failure, Row, Threads, aligned, calibrate, note, print, stop_on_signals, warn, writable};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::bearing::calibration::{self, Calibration, Method};
 use stick_slip::bearing::forecast::{Forecast as Found, ForecastError, Quantity, Question, forecast};
-use stick_slip::bearing::weather::{PERIODS, WeatherError, fit};
-use stick_slip::config::Override;
+use stick_slip::bearing::weather::{PERIODS, fit};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store;
 
@@ -77,20 +73,17 @@ pub struct Forecast {
 
 impl Forecast {
     pub fn call(&self) -> Result<(), Failure> {
-        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
-        let scene = BridgeScene::read(&self.scenario, &set)?;
+        let scene = BridgeScene::read(&self.scenario, &settings(&self.set)?)?;
         if let Some(output) = &self.output {
-            let inputs = results::with_series(&self.scenario, scene.file.as_deref());
-            writable(output, self.force, self.source.files().chain(inputs.iter().map(PathBuf::as_path)))?;
+            writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
         }
         let threads = self.threads.ready("this forecast", STUDY_BYTES)?;
         let stop = stop_on_signals()?;
         let calibration = self.calibration(&scene, threads, &stop)?;
-        for warning in &calibration.warnings {
-            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
-        }
+        calibration.warnings.iter().for_each(warn);
+        let too_short = "measure for at least half a year: a forecast needs to know the seasons";
         let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
-            .map_err(|error| self.without_weather(&error))?;
+            .map_err(|error| without_weather(&self.source.data, &error, too_short))?;
         let question = Question {
             draws: u64::from(self.draws),
             years: u64::from(self.years),
@@ -101,9 +94,7 @@ impl Forecast {
         let found = forecast(&calibration, &weather, &question, threads, &stop)
             .map_err(|error| self.without_years(&error))?
             .ok_or(Failure::Interrupted)?;
-        for warning in found.warnings() {
-            note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
-        }
+        found.warnings().into_iter().for_each(warn);
         print(&if self.json { json(&found) } else { report(&scene.title, &found) })?;
         if let Some(output) = &self.output {
             store::write_whole(output, csv(&found).as_bytes(), self.force)?;
@@ -114,12 +105,7 @@ impl Forecast {
 
     /// Calibrates from the slips, because only that method gives errors of the parameters to draw
     /// from.
-    fn calibration(
-        &self,
-        scene: &BridgeScene,
-        threads: usize,
-        stop: &std::sync::atomic::AtomicBool,
-    ) -> Result<Calibration, Failure> {
+    fn calibration(&self, scene: &BridgeScene, threads: usize, stop: &AtomicBool) -> Result<Calibration, Failure> {
         let record = self.source.record(scene)?;
         let question = calibration::Question {
             method: Method::Slips,
@@ -130,23 +116,10 @@ impl Forecast {
             .map_err(|error| calibrate::refused(&self.source.data, &error, error.remedy()))
     }
 
-    fn without_weather(&self, error: &WeatherError) -> Failure {
-        let remedy = match error {
-            WeatherError::ShorterThanPeriod(_) => {
-                "measure for at least half a year: a forecast needs to know the seasons"
-            }
-            WeatherError::OneIsEnough => "take --processes 1",
-            error => error.remedy(),
-        };
-        Failure::Run(format!("{}: {error}\n  fix: {remedy}", self.source.data.display()))
-    }
-
     fn without_years(&self, error: &ForecastError) -> Failure {
         match error {
             ForecastError::Misfit(misfit) => misfit.clone().into(),
-            ForecastError::GivenUp(..) => {
-                Failure::Run(format!("{}: {error}\n  fix: {}", self.source.data.display(), ForecastError::REMEDY))
-            }
+            ForecastError::GivenUp(..) => Failure::run_of(&self.source.data, error, ForecastError::REMEDY),
         }
     }
 }
@@ -165,8 +138,7 @@ fn words(quantity: Quantity, share: f64) -> String {
 
 /// The table for people.
 fn report(title: &str, found: &Found) -> String {
-    let mut rows =
-        vec![Row::labelled("in a year", ["expected", "from", "to", "year from", "year to"].map(String::from))];
+    let mut rows = vec![Row::labelled("in a year", ["expected", "from", "to", "year from", "year to"])];
     let cells = |value: f64, ranges: &[[f64; 2]]| -> Vec<String> {
         let digits = Digits::of(value, (ranges[0][1] - ranges[0][0]) / 4.0);
         std::iter::once(value).chain(ranges.iter().flatten().copied()).map(|x| digits.show(x)).collect()
@@ -175,11 +147,11 @@ fn report(title: &str, found: &Found) -> String {
         let ranges = [found_level.expected_interval, found_level.year_interval];
         let label = words(found_level.quantity, found.question.share);
         let unit = found_level.quantity.unit().replace('1', "");
-        rows.push(Row { note: unit, ..Row::labelled(label, cells(found_level.expected, &ranges)) });
+        rows.push(Row::labelled(label, cells(found_level.expected, &ranges)).noted(unit));
     }
     for level in &found.return_levels {
         let label = format!("|z| exceeded in one of {} years", level.years);
-        rows.push(Row { note: "m".into(), ..Row::labelled(label, cells(level.expected, &[level.interval])) });
+        rows.push(Row::labelled(label, cells(level.expected, &[level.interval])).noted("m"));
     }
     let mut text = format!("{title}\n\n{}", aligned(&rows, "  "));
     let years: usize = found.years.iter().map(Vec::len).sum();
@@ -243,6 +215,5 @@ fn json(found: &Found) -> String {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = parse_share(text).filter(|share| (0.0..1.0).contains(share));
-    share.ok_or_else(|| "write a share of f_s from 0 to below 1".to_string())
+    parse_share_in(text, &(0.0..1.0), "write a share of f_s from 0 to below 1")
 }

@@ -72,15 +72,9 @@ impl Init {
         // The data files that the scenario names are written beside it.
         let beside = start.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
         let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str())).chain(beside).collect();
-        for (path, _) in &files {
-            writable(path, self.force, [""; 0])?;
-        }
-        for (path, text) in &files {
-            store::write_whole(path, text.as_bytes(), self.force)?;
-        }
-        for (path, _) in &files[1..] {
-            note(&format!("wrote {}", path.display()));
-        }
+        files.iter().try_for_each(|(path, _)| writable(path, self.force, [""; 0]))?;
+        files.iter().try_for_each(|(path, text)| store::write_whole(path, text.as_bytes(), self.force))?;
+        files[1..].iter().for_each(|(path, _)| note(&format!("wrote {}", path.display())));
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())
     }

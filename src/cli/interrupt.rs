@@ -49,13 +49,9 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
             note("\nstopping; press Ctrl-C again to stop at once");
         }
     });
-    match listening {
-        Ok(_) => Ok(stop),
-        Err(error) => {
-            let remedy = "allow more processes (`ulimit -u`) or more memory (`ulimit -v`)";
-            Err(Failure::Run(format!("the system does not start a thread: {error}\n  fix: {remedy}")))
-        }
-    }
+    let remedy = "allow more processes (`ulimit -u`) or more memory (`ulimit -v`)";
+    let refused = |error| Failure::run(format!("the system does not start a thread: {error}"), remedy);
+    listening.map(|_| stop).map_err(refused)
 }
 
 /// The signals that this process ignores: signal n is bit n - 1. Zero where the system does not

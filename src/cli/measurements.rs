@@ -1,6 +1,6 @@
 //! Reads the measured columns of a bearing that a scenario names.
 
-use super::failure::{Failure, note};
+use super::{Failure, note, results};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::Record;
 use stick_slip::data::{DataError, Origin, Pair, Repairs, TimeColumn, Wanted};
@@ -36,9 +36,11 @@ pub struct Source {
 }
 
 impl Source {
-    /// The files that the measurements are read from.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        std::iter::once(self.data.as_path()).chain(self.temperature.as_deref())
+    /// All files that a study of these measurements is made from: they, a scenario, and the
+    /// temperatures that it names.
+    pub fn inputs(&self, scenario: &Path, scene: &BridgeScene) -> Vec<PathBuf> {
+        let named = results::with_series(scenario, scene.file.as_deref());
+        std::iter::once(&self.data).chain(&self.temperature).cloned().chain(named).collect()
     }
 
     /// Reads temperatures and displacements. Repairs are noted on standard error.

@@ -1,10 +1,7 @@
 //! `mc merge`: joins the parts of a run to the whole run.
 
-use super::cost;
-use super::failure::{Failure, writable};
-use super::files;
-use super::interrupt::stop_on_signals;
 use super::sitting::{Leaves, RunOptions, Sitting};
+use super::{Failure, cost, files, stop_on_signals, writable};
 use std::path::PathBuf;
 use stick_slip::store::{PartError, Parts};
 
@@ -40,18 +37,9 @@ impl Merge {
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
         cost::check_memory(scenario, asked.paths, self.options.threads())?;
         let stop = stop_on_signals()?;
-        let name = scenario.title.clone();
         let mut file = parts.sink(&self.output, self.force);
-        Sitting {
-            options: &self.options,
-            name,
-            scenario,
-            output: &self.output,
-            accuracy_goal: None,
-            stop: &stop,
-            leaves: Leaves::Nothing,
-        }
-        .simulate(asked, Some(parts.so_far.clone()), &mut file)
+        let sitting = Sitting::of(&self.options, scenario, &self.output, &stop);
+        Sitting { leaves: Leaves::Nothing, ..sitting }.simulate(asked, Some(parts.so_far.clone()), &mut file)
     }
 }
 

@@ -46,7 +46,11 @@ mod verify;
 
 pub use ranks::Ranks;
 
-use failure::Failure;
+// What most verbs use.
+use failure::{Failure, note, print, print_data, warn, writable};
+use interrupt::stop_on_signals;
+use table::{Row, aligned};
+use threads::Threads;
 
 use clap::Parser as _;
 use clap::error::{ContextKind, ContextValue};
@@ -183,7 +187,7 @@ impl Arguments {
 
 /// Warns of what could not be removed after the work.
 fn say_what_stays() {
-    store::take_remains().iter().for_each(|line| failure::note(&format!("warning: {line}")));
+    store::take_remains().iter().for_each(|line| note(&format!("warning: {line}")));
 }
 
 /// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
@@ -197,7 +201,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
         // Help and the version are what was asked for. A terminal gets them with colours.
         let printed = match io::stdout().is_terminal() {
             true => answer.print().map_err(Failure::Output),
-            false => failure::print(&plain),
+            false => print(&plain),
         };
         return printed.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS);
     }
@@ -206,7 +210,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
     if safe::text(&plain) == plain {
         let _ = answer.print();
     } else {
-        failure::note(plain.trim_end());
+        note(plain.trim_end());
     }
     ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
 }

@@ -1,6 +1,7 @@
 //! Formats numbers and sentences for people, and reads durations and shares.
 
 use super::terminal::columns;
+use std::ops::RangeBounds;
 use std::time::Duration;
 pub use stick_slip::numbers::{bytes, grouped, significant};
 
@@ -45,12 +46,17 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
 }
 
 /// Reads a share, as a number or as a percentage: 0.05 or 5%.
-pub fn parse_share(text: &str) -> Option<f64> {
+fn parse_share(text: &str) -> Option<f64> {
     let text = text.trim();
     match text.strip_suffix('%') {
         Some(percent) => Some(percent.trim_end().parse::<f64>().ok()? / 100.0),
         None => text.parse().ok(),
     }
+}
+
+/// Reads a share that lies in a range; if it does not, `wrong` says what to write.
+pub fn parse_share_in(text: &str, range: &impl RangeBounds<f64>, wrong: &str) -> Result<f64, String> {
+    parse_share(text).filter(|share| range.contains(share)).ok_or_else(|| wrong.to_string())
 }
 
 /// The longest line of prose, in characters.
@@ -129,6 +135,16 @@ impl Digits {
         };
         if self.exponent == 0 { text } else { format!("{text}e{}", self.exponent) }
     }
+
+    /// Several numbers in this format.
+    pub fn show_all<const N: usize>(self, numbers: [f64; N]) -> [String; N] {
+        numbers.map(|x| self.show(x))
+    }
+}
+
+/// An estimate and its standard error, to two digits of the error.
+pub fn with_error(estimate: f64, standard_error: f64) -> [String; 2] {
+    Digits::of(estimate, standard_error).show_all([estimate, standard_error])
 }
 
 /// floor(log10 x); 0 for zero.

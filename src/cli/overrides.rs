@@ -80,7 +80,7 @@ impl Overrides {
     }
 
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {
-        let mut list = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let mut list = settings(&self.set)?;
         let named = [
             ("--paths", "ensemble.paths", &self.paths),
             ("--seed", "ensemble.seed", &self.seed),
@@ -95,6 +95,11 @@ impl Overrides {
         list.extend(ends.map(|value| Override::flag("--until", "time.end", value)));
         Ok(list)
     }
+}
+
+/// The changes of every `--set`, in order.
+pub fn settings(set: &[String]) -> Result<Vec<Override>, ScenarioError> {
+    set.iter().map(|text| Override::set(text)).collect()
 }
 
 /// The names of the schemes for which `of` is true, joined by commas and `word`: "a, b or c".
@@ -114,9 +119,7 @@ fn is_goal(until: &str) -> bool {
 
 fn wrong_goal(text: &str, error: &GoalError) -> Failure {
     let remedy = match error {
-        GoalError::UnknownStatistic(_) => {
-            format!("one of {}", super::statistic_names())
-        }
+        GoalError::UnknownStatistic(_) => format!("one of {}", super::statistic_names()),
         GoalError::NoComparison | GoalError::NoBound(_) => "such as --until \"stick_duration_mean < 0.5%\"".to_string(),
     };
     Failure::usage(format!("--until \"{text}\": {error}"), remedy)

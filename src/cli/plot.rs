@@ -3,6 +3,7 @@
 use super::failure::{Failure, note, writable};
 use super::files;
 use super::numbers::counted;
+use super::overrides::settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
@@ -93,8 +94,7 @@ impl Plot {
     fn scene(&self, output: &Path) -> Result<Scene, Failure> {
         match files::read(&self.subject, store::kind)? {
             None => {
-                let set = self.set.iter().map(|text| Override::set(text));
-                let mut overrides = set.collect::<Result<Vec<_>, _>>()?;
+                let mut overrides = settings(&self.set)?;
                 overrides.extend(self.until());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
                 writable(output, self.force, results::inputs(&self.subject, &scenario))?;
@@ -139,11 +139,7 @@ impl Plot {
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Scene, Failure> {
-        if self.path >= stored.header.paths {
-            let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
-            let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
-            return Err(Failure::usage(problem, remedy));
-        }
+        results::check_path(stored, self.path)?;
         let name = self.subject.display().to_string();
         // Events do not depend on the end of the simulation, so a shorter path is the beginning of
         // the longer one.

@@ -6,9 +6,11 @@ use super::numbers::{Digits, duration, grouped, percent, significant};
 use super::terminal::Letters;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal as _};
+use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 use stick_slip::ensemble::check_threads;
 use stick_slip::stats::{Estimate, Statistic};
+use stick_slip::study::trade::Limits;
 
 /// Shows the progress of a run. The engine calls it after every finished block of paths.
 pub struct Progress {
@@ -165,31 +167,20 @@ fn style(template: &str) -> ProgressStyle {
     ProgressStyle::with_template(template).unwrap_or(ProgressStyle::default_bar())
 }
 
-/// Shows on a terminal what is being measured and for how long; shows nothing elsewhere.
-pub struct Measuring(ProgressBar);
-
-impl Measuring {
-    /// For a measurement that takes about this time, on standard error.
-    pub fn new(budget: Duration, quiet: bool) -> Self {
-        let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-        let line = ProgressBar::with_draw_target(None, target);
-        line.set_style(style(&format!("{{elapsed}} of about {} s: {{msg}}", budget.as_secs())));
-        // The crate panics where the system starts no thread for it. The line then stands still.
-        if check_threads(2).is_ok() {
-            line.enable_steady_tick(TICK);
-        }
-        Measuring(line)
+/// Measures something, which takes about this time, and shows meanwhile on a terminal what is being
+/// measured and for how long; shows nothing elsewhere.
+pub fn measuring<T>(budget: Duration, quiet: bool, stop: &AtomicBool, measure: impl FnOnce(Limits<'_>) -> T) -> T {
+    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
+    let line = ProgressBar::with_draw_target(None, target);
+    line.set_style(style(&format!("{{elapsed}} of about {} s: {{msg}}", budget.as_secs())));
+    // The crate panics where the system starts no thread for it. The line then stands still.
+    if check_threads(2).is_ok() {
+        line.enable_steady_tick(TICK);
     }
-
-    /// Shows `what` as the thing that is measured now.
-    pub fn begin(&self, what: &str) {
-        self.0.set_message(what.to_string());
-    }
-
-    /// The measurement is over: removes the line.
-    pub fn finish(&self) {
-        self.0.finish_and_clear();
-    }
+    let begins = |what: &str| line.set_message(what.to_string());
+    let measured = measure(Limits { time: None, stop: Some(stop), begins: Some(&begins) });
+    line.finish_and_clear();
+    measured
 }
 
 /// The time between two updates of the elapsed time.

@@ -1,10 +1,7 @@
 //! `mc replay`: simulates one path of a stored ensemble again, with its events and the finest
 //! trajectory that its scheme has.
 
-use super::failure::{Failure, note, print, writable};
-use super::files;
-use super::numbers::counted;
-use super::results;
+use super::{Failure, files, note, print, results, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{self, ReplayRows, Status, other_program};
 use stick_slip::ensemble::Plan;
@@ -40,13 +37,7 @@ pub struct Replay {
 impl Replay {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = files::read(&self.file, store::read)?;
-        // Any number names a path that can be simulated, but one outside the ensemble is most
-        // likely a typing error.
-        if self.path >= stored.header.paths {
-            let problem = format!("--path {}: the ensemble has {}", self.path, counted(stored.header.paths, "path"));
-            let remedy = format!("give a number from 0 to {}", stored.header.paths.saturating_sub(1));
-            return Err(Failure::usage(problem, remedy));
-        }
+        results::check_path(&stored, self.path)?;
         let scenario = results::scenario(&self.file.display().to_string(), &stored, &[])?;
         if let Some(other) = other_program(&stored.header.program_version, &stored.header.git_hash) {
             note(&format!("warning: {} was {other}", self.file.display()));
@@ -57,9 +48,7 @@ impl Replay {
         writable(&output, self.force, [self.file.as_path()])?;
         replay(&scenario, self.path, &output, self.force)
     }
-}
 
-impl Replay {
     /// Checks that the path is the one that the file holds.
     fn check_path(&self, scenario: &Scenario) -> Result<(), Failure> {
         if self.file.is_dir() || !self.file.exists() {
@@ -72,11 +61,11 @@ impl Replay {
         if held.is_same(&made) {
             return Ok(());
         }
-        let (file, path) = (self.file.display(), self.path);
-        Err(Failure::Run(format!(
-            "{file}: path {path} of its scenario is another one than the file holds\n  fix: take the file as it was written (its \
-             scenario, seed or rows were changed), or the program that wrote it"
-        )))
+        Err(Failure::run_of(
+            &self.file,
+            format!("path {} of its scenario is another one than the file holds", self.path),
+            "take the file as it was written (its scenario, seed or rows were changed), or the program that wrote it",
+        ))
     }
 }
 
@@ -95,9 +84,8 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;
     for i in 0..events.time.len() {
         let what = ["stick", "slip", "turn"][events.kind[i] as usize & 3];
-        let line =
-            format!("{what:>6} {:14.6} {:14.6} {:14.6}\n", events.time[i], events.displacement[i], events.force[i]);
-        print(&line)?;
+        let (time, displacement, force) = (events.time[i], events.displacement[i], events.force[i]);
+        print(&format!("{what:>6} {time:14.6} {displacement:14.6} {force:14.6}\n"))?;
     }
     let columns = replay.block.path_columns.unwrap_or_default();
     print(&format!("x(t_end) {}, {} sticks; in {}\n", columns.displacement_end[0], columns.sticks[0], output.display()))

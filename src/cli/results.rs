@@ -1,9 +1,9 @@
 //! Where results are written, and what the command says about them before and after a run.
 
 use super::document::JsonWarning;
-use super::failure::{Failure, note};
-use super::numbers::wrapped;
-use super::report;
+use super::failure;
+use super::numbers::counted;
+use super::{Failure, report};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
@@ -40,12 +40,21 @@ pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<S
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
 }
 
+/// Checks that the ensemble of a file has a path of this number. Any number names a path that can be
+/// simulated, but one outside the ensemble is most likely a typing error.
+pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
+    let paths = stored.header.paths;
+    if path < paths {
+        return Ok(());
+    }
+    let problem = format!("--path {path}: the ensemble has {}", counted(paths, "path"));
+    Err(Failure::usage(problem, format!("give a number from 0 to {}", paths.saturating_sub(1))))
+}
+
 /// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of
 /// the step are left out where the run measures that bias.
 pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    for warning in scenario.warnings_of_run(measures_bias) {
-        note(wrapped(&format!("warning: {warning}"), "  ").trim_end());
-    }
+    scenario.warnings_of_run(measures_bias).iter().for_each(failure::warn);
 }
 
 /// All warnings about results: those of the scenario and those that follow from the statistics.
@@ -63,9 +72,7 @@ pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarni
 
 /// Prints a warning if the bias of the step is larger than the statistical interval suggests.
 pub fn warn_of_bias(summary: &Summary) {
-    if let Some(line) = report::dominating_bias(summary) {
-        note(wrapped(&format!("warning: {line}"), "  ").trim_end());
-    }
+    report::dominating_bias(summary).iter().for_each(failure::warn);
 }
 
 impl From<RunError> for Failure {

@@ -1,12 +1,9 @@
 //! `mc resume`: continues a run or a sweep that was interrupted or killed.
 
-use super::cost;
-use super::failure::{Failure, note};
-use super::interrupt::stop_on_signals;
 use super::numbers::grouped;
 use super::sitting::{Leaves, RunOptions, Sitting};
 use super::sweep_sitting::SweepSitting;
-use super::{files, ranks, sweep};
+use super::{Failure, cost, files, note, ranks, stop_on_signals, sweep};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, StoreError, Unfinished};
@@ -56,24 +53,19 @@ impl Resume {
             let (done, all) = (grouped(sink.saved_paths()), grouped(asked.own_paths()));
             note(&format!("continuing: {done} of {all} paths are done"));
         }
-        let name = scenario.title.clone();
         let accuracy_goal = question.note.parse().ok();
-        let leaves = if self.end { Leaves::File } else { Leaves::Run };
-        let mut sink = if self.end { sink.ending() } else { sink };
-        Sitting { options: &self.options, name, scenario, output: &output, accuracy_goal, stop: &stop, leaves }
-            .simulate(asked.clone(), Some(so_far), &mut sink)
+        let (leaves, mut sink) = if self.end { (Leaves::File, sink.ending()) } else { (Leaves::Run, sink) };
+        let sitting = Sitting::of(&self.options, scenario, &output, &stop);
+        Sitting { accuracy_goal, leaves, ..sitting }.simulate(asked.clone(), Some(so_far), &mut sink)
     }
 
     /// Continues a sweep, of which the file of its points says what was asked.
     fn sweep(&self, output: &Path) -> Result<(), Failure> {
         let partial = store::partial_path(output);
         if self.end || self.options.watch.is_some() || ranks::crew().is_some() {
-            let problem =
-                format!("{} is a sweep, which is not resumed with --end, --watch or mpirun", partial.display());
-            return Err(Failure::usage(
-                problem,
-                format!("leave them out; the points that are done are in {0}", partial.display()),
-            ));
+            let partial = partial.display();
+            let problem = format!("{partial} is a sweep, which is not resumed with --end, --watch or mpirun");
+            return Err(Failure::usage(problem, format!("leave them out; the points that are done are in {partial}")));
         }
         if output.symlink_metadata().is_ok() && !self.force {
             return Err(StoreError::Appeared { partial, target: output.to_owned() }.into());

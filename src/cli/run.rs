@@ -1,13 +1,11 @@
 //! `mc run`: simulates an ensemble, writes its statistics and prints them.
 
 use super::accuracy::{self, Chooser};
-use super::cost;
-use super::failure::{Failure, note, writable};
-use super::interrupt::stop_on_signals;
 use super::overrides::Overrides;
-use super::results;
-use super::sitting::{Leaves, RunOptions, Sitting};
+use super::sitting::{RunOptions, Sitting};
+use super::{Failure, cost, note, results, stop_on_signals, writable};
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use stick_slip::engine::{self, MOST_PATHS, Part};
 use stick_slip::ensemble::BLOCK_SIZE;
@@ -15,7 +13,7 @@ use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::{Goal, Statistic};
 use stick_slip::store::FileSink;
-use stick_slip::study::accuracy::Accuracy;
+use stick_slip::study::accuracy::{Accuracy, Decision};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -86,22 +84,8 @@ impl Run {
             cost::announce(&scenario, scenario.ensemble.paths, threads);
         }
         let stop = stop_on_signals()?;
-        let mut decision = None;
-        if let Some(target) = self.accuracy {
-            if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
-                let problem =
-                    format!("--accuracy chooses scheme, step or tolerance, and paths; {decided} does so as well");
-                return Err(Failure::usage(problem, "leave out one of them"));
-            }
-            if !goals.is_empty() {
-                let problem = "--accuracy and a goal of --until both decide the number of paths";
-                return Err(Failure::usage(problem, "leave out one of them"));
-            }
-            let accuracy = Accuracy { target, named: &self.statistic, max_time: self.max_time, threads };
-            let chosen = Chooser { accuracy, is_quiet: self.options.quiet }.choose(&scenario, &stop)?;
-            scenario = chosen.scenario.clone();
-            decision = Some(chosen);
-        }
+        let decision = self.accuracy.map(|target| self.decide(target, &scenario, &goals, &stop)).transpose()?;
+        scenario = decision.as_ref().map_or(scenario, |chosen| chosen.scenario.clone());
         self.check_part(&scenario, &goals)?;
         let paths = paths_of(&scenario);
         if self.verbose {
@@ -116,20 +100,26 @@ impl Run {
         let run = engine::Run::of(&scenario).paths(paths).part(self.part).until(goals).within(self.max_time);
         let run = if self.no_bias { run.without_bias() } else { run };
         let name = self.scenario.display().to_string();
-        Sitting {
-            options: &self.options,
-            name,
-            scenario: &scenario,
-            output: &output,
-            accuracy_goal,
-            stop: &stop,
-            leaves: Leaves::Run,
-        }
-        .simulate(run.question(), None, &mut file)
+        let sitting = Sitting::of(&self.options, &scenario, &output, &stop);
+        Sitting { name, accuracy_goal, ..sitting }.simulate(run.question(), None, &mut file)
     }
-}
 
-impl Run {
+    /// Chooses how to run a scenario for this relative error.
+    fn decide(&self, target: f64, scenario: &Scenario, goals: &[Goal], stop: &AtomicBool) -> Result<Decision, Failure> {
+        let conflict = |problem: String| Err(Failure::usage(problem, "leave out one of them"));
+        if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
+            return conflict(format!(
+                "--accuracy chooses scheme, step or tolerance, and paths; {decided} does so as well"
+            ));
+        }
+        if !goals.is_empty() {
+            return conflict("--accuracy and a goal of --until both decide the number of paths".to_string());
+        }
+        let (threads, max_time) = (self.options.threads(), self.max_time);
+        let accuracy = Accuracy { target, named: &self.statistic, max_time, threads };
+        Chooser { accuracy, is_quiet: self.options.quiet }.choose(scenario, stop)
+    }
+
     /// Refuses options that only a whole run can have, such as a goal, and more parts than there
     /// are blocks.
     fn check_part(&self, scenario: &Scenario, goals: &[Goal]) -> Result<(), Failure> {

@@ -1,15 +1,10 @@
 //! One sitting of a run, which is the time from a start or a continuation to the next end:
 //! simulates, then prints the results and how precise they are.
 
-use super::accuracy;
-use super::cost;
-use super::ending;
-use super::failure::{Failure, note, print, print_data};
 use super::numbers::time;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
-use super::threads::Threads;
-use super::{ranks, results};
+use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
@@ -72,7 +67,13 @@ pub enum Leaves {
     Nothing,
 }
 
-impl Sitting<'_> {
+impl<'a> Sitting<'a> {
+    /// A sitting under the title of the scenario, without `--accuracy`, which leaves a run.
+    pub fn of(options: &'a RunOptions, scenario: &'a Scenario, output: &'a Path, stop: &'a AtomicBool) -> Self {
+        let name = scenario.title.clone();
+        Sitting { options, name, scenario, output, accuracy_goal: None, stop, leaves: Leaves::Run }
+    }
+
     /// Simulates a run from its beginning, or continues it from where an earlier sitting has left
     /// it.
     pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
@@ -125,11 +126,12 @@ impl Sitting<'_> {
             let takes = cost::cpu_seconds_of(self.scenario, first);
             let takes =
                 takes.map_or_else(String::new, |seconds| format!(", which take about {} on a thread", time(seconds)));
-            return Err(Failure::Run(format!(
+            let problem = format!(
                 "the time was up before the first {first} paths were done{takes}; nothing is written, because results are those of \
-                 whole blocks of {BLOCK_SIZE} paths\n  fix: a longer --max-time, or a larger step or tolerance; mc check says how long it \
-                 takes"
-            )));
+                 whole blocks of {BLOCK_SIZE} paths"
+            );
+            let remedy = "a longer --max-time, or a larger step or tolerance; mc check says how long it takes";
+            return Err(Failure::run(problem, remedy));
         }
         let info = self.print(outcome)?;
         let failure = match &outcome.ended_by {
@@ -142,8 +144,7 @@ impl Sitting<'_> {
             return Err(Failure::Interrupted);
         }
         if self.is_unfinished(outcome) {
-            let continued = format!("interrupted; continue it with: mc resume {}", self.output.display());
-            note(&continued);
+            note(&format!("interrupted; continue it with: mc resume {}", self.output.display()));
             return Err(Failure::Interrupted);
         }
         match failure {
@@ -165,13 +166,9 @@ impl Sitting<'_> {
         } else if !quiet {
             print(&report::table(summary, &info))?;
         }
-        if let Some(line) = report::lost(summary, &info).filter(|_| json || quiet) {
-            note(&format!("warning: {line}"));
-        }
-        if let Some(line) = report::unsettled(summary).filter(|_| json || quiet) {
-            note(&format!("warning: {line}"));
-        }
-        if let Some(line) = report::too_few(summary).filter(|_| json || quiet) {
+        // The table has these lines as remarks.
+        let remarks = [report::lost(summary, &info), report::unsettled(summary), report::too_few(summary)];
+        for line in remarks.into_iter().flatten().filter(|_| json || quiet) {
             note(&format!("warning: {line}"));
         }
         results::warn_of_bias(summary);

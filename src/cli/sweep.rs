@@ -1,12 +1,10 @@
 //! `mc sweep`: computes statistics as functions of keys of the scenario, or how strongly a key
 //! affects them.
 
-use super::failure::{Failure, print, writable};
-use super::numbers::{bytes, duration, grouped, parse_share};
+use super::numbers::{bytes, duration, grouped, parse_share_in};
 use super::overrides::Overrides;
-use super::results;
 use super::sweep_sitting::SweepSitting;
-use super::threads::Threads;
+use super::{Failure, Threads, print, results, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, symbol_and_meaning};
 use stick_slip::scenario::Scenario;
@@ -88,16 +86,9 @@ impl Sweep {
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
         writable(&output, true, results::inputs(&self.scenario, &question.scenario))?;
-        let (quiet, json) = (self.quiet, self.json);
-        SweepSitting {
-            output: &output,
-            force: self.force,
-            threads: &self.threads,
-            statistics: &self.statistic,
-            quiet,
-            json,
-        }
-        .simulate(question)
+        let Sweep { force, threads, statistic: statistics, quiet, json, .. } = self;
+        SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
+            .simulate(question)
     }
 
     /// The sweep that is asked for, with the scenario of every point checked.
@@ -111,12 +102,11 @@ impl Sweep {
 
     fn grid(&self) -> Result<(Design, QuotedWords), Failure> {
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
-        let axis =
-            |text: &String| Axis::parse(text, symbol).map_err(|error| Failure::Refused(format!("--vary: {error}")));
-        let axes = self.vary.iter().map(axis).collect::<Result<Vec<_>, _>>()?;
-        let shown = QuotedWords(
-            axes.iter().zip(&self.vary).map(|(a, text)| (a.key.clone(), format!("--vary {text}, at"))).collect(),
-        );
+        let wrong = |error| Failure::Refused(format!("--vary: {error}"));
+        let axes = self.vary.iter().map(|text| Axis::parse(text, symbol).map_err(wrong));
+        let axes = axes.collect::<Result<Vec<_>, _>>()?;
+        let shown = axes.iter().zip(&self.vary).map(|(axis, text)| (axis.key.clone(), format!("--vary {text}, at")));
+        let shown = QuotedWords(shown.collect());
         Ok((Design::of(axes, self.zip)?, shown))
     }
 
@@ -200,8 +190,7 @@ fn outlook(question: &Question, threads: usize) -> String {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    let share = parse_share(text).filter(|share| RELATIVE_STEPS.contains(share));
-    share.ok_or_else(|| "write a share from 1e-6 to 50%, such as 5% or 0.05".to_string())
+    parse_share_in(text, &RELATIVE_STEPS, "write a share from 1e-6 to 50%, such as 5% or 0.05")
 }
 
 #[cfg(test)]

@@ -1,11 +1,8 @@
 //! One sitting of a sweep: from the start or a continuation to its table, or to the next interruption.
 
-use super::failure::{Failure, note, print, print_data};
-use super::interrupt::stop_on_signals;
 use super::numbers::wrapped;
 use super::progress::Progress;
-use super::sweep_report;
-use super::threads::Threads;
+use super::{Failure, Threads, note, print, print_data, stop_on_signals, sweep_report, warn};
 use std::collections::BTreeMap;
 use std::path::Path;
 use stick_slip::engine::Provenance;
@@ -30,7 +27,7 @@ impl SweepSitting<'_> {
     pub fn simulate(&self, question: Question) -> Result<(), Failure> {
         let header = Provenance::of(&question.scenario);
         let (mut file, known) = SweepFile::open(self.output, &header, &question, self.force)?;
-        warn(&question);
+        warn_once(&question);
         let mut sweep = Sweep { question, points: known };
         if file.has_name() {
             note(&format!("{} holds this sweep already", self.output.display()));
@@ -75,21 +72,17 @@ impl SweepSitting<'_> {
         } else if !self.quiet {
             print(&sweep_report::table(sweep, self.statistics, self.output))?;
         }
-        for line in sweep_report::remarks(sweep) {
-            note(wrapped(&format!("warning: {line}"), "  ").trim_end());
-        }
+        sweep_report::remarks(sweep).into_iter().for_each(warn);
         let lost = sweep.points.iter().flatten().filter(|point| point.completed_paths == point.diverged_paths).count();
         if lost == sweep.points.len() {
-            return Err(Failure::Run(
-                "every path of every point diverged or was given up\n  fix: a smaller step".into(),
-            ));
+            return Err(Failure::run("every path of every point diverged or was given up", "a smaller step"));
         }
         Ok(())
     }
 }
 
 /// Prints each warning once, with the number of points that it concerns.
-fn warn(question: &Question) {
+fn warn_once(question: &Question) {
     let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
     for scenario in &question.points {
         let measures_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();

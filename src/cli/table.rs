@@ -13,8 +13,14 @@ pub struct Row {
 
 impl Row {
     /// A row with a label in the first column and these cells to its right.
-    pub fn labelled(label: impl Into<String>, cells: impl IntoIterator<Item = String>) -> Self {
+    pub fn labelled<C: Into<String>>(label: impl Into<String>, cells: impl IntoIterator<Item = C>) -> Self {
+        let cells = cells.into_iter().map(C::into);
         Row { cells: std::iter::once(label.into()).chain(cells).collect(), note: String::new() }
+    }
+
+    /// The row with this text behind its last cell.
+    pub fn noted(self, note: impl Into<String>) -> Self {
+        Row { note: note.into(), ..self }
     }
 }
 
@@ -48,9 +54,9 @@ mod tests {
     #[test]
     fn cells_stand_under_each_other_and_lines_end_without_spaces() {
         let rows = [
-            Row { note: "unit".into(), ..Row::labelled("name", ["value", "sd"].map(String::from)) },
-            Row { note: "µm".into(), ..Row::labelled("x", ["1.25", "±0.5"].map(String::from)) },
-            Row::labelled("longer", ["7".to_string()]),
+            Row::labelled("name", ["value", "sd"]).noted("unit"),
+            Row::labelled("x", ["1.25", "±0.5"]).noted("µm"),
+            Row::labelled("longer", ["7"]),
         ];
         let expected = "name    value    sd  unit\n\
                         x        1.25  ±0.5  µm\n\

@@ -1,14 +1,12 @@
 //! `mc trade`: measures what accuracy costs with each scheme, and which is the cheapest for a
 //! target.
 
-use super::failure::{Failure, note, print, print_data, writable};
-use super::interrupt::stop_on_signals;
-use super::numbers::{parse_duration, wrapped};
+use super::numbers::parse_duration;
+use super::overrides::settings;
 use super::plot::{self, Format};
-use super::progress::Measuring;
-use super::results;
-use super::threads::Threads;
+use super::progress::measuring;
 use super::trade_report::{self, Asked};
+use super::{Failure, Threads, note, print, print_data, results, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
@@ -65,7 +63,7 @@ pub struct Trade {
 
 impl Trade {
     pub fn call(&self) -> Result<(), Failure> {
-        let mut overrides = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let mut overrides = settings(&self.set)?;
         overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
         let scenario = Scenario::read(&self.scenario, &overrides)?;
         if let Some(output) = &self.output {
@@ -75,12 +73,8 @@ impl Trade {
         let threads = self.threads.ready("a measurement of this scenario", used)?;
         note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
         let stop = stop_on_signals()?;
-        let line = Measuring::new(self.budget, false);
-        let begins = |what: &str| line.begin(what);
-        let limits = Limits { time: None, stop: Some(&stop), begins: Some(&begins) };
-        let trade = trade::measure_within(&scenario, self.budget, threads, limits);
-        line.finish();
-        let trade = trade?;
+        let measure = |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
+        let trade = measuring(self.budget, false, &stop, measure)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
         let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
         match self.json {
@@ -115,7 +109,7 @@ impl Trade {
         let draw = |prices: &Prices| figure::named("trade")?.draw(&Subject::Trade(prices), &Style::default()).ok();
         let Some(scene) = prices.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());
-            note(wrapped(&format!("warning: no picture: {why}"), "  ").trim_end());
+            warn(format!("no picture: {why}"));
             return Ok(());
         };
         let [svg, png] = pictures(output);
@@ -145,7 +139,7 @@ impl From<TradeError> for Failure {
             TradeError::Misfit(misfit) => Failure::from(misfit),
             TradeError::NothingHappens => Failure::Refused(error.to_string()),
             TradeError::BudgetTooSmall { .. } => {
-                Failure::Run(format!("{error}\n  fix: measure longer with --budget, or shorten `time.end`"))
+                Failure::run(error, "measure longer with --budget, or shorten `time.end`")
             }
         }
     }

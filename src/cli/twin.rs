@@ -1,10 +1,8 @@
 //! `mc twin`: makes synthetic measurements of a bearing with known parameters.
 
-use super::failure::{Failure, note, print, writable};
-use super::measurements;
-use super::numbers::{grouped, parse_duration, parse_share, significant};
-use super::results;
-use super::table::{Row, aligned};
+use super::numbers::{grouped, parse_duration, parse_share_in, significant};
+use super::overrides::settings;
+use super::{Failure, Row, aligned, measurements, note, print, results, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
@@ -34,7 +32,7 @@ pub struct Twin {
     /// Noise of the displacement sensor: the standard deviations of white and of red noise in
     /// metres, and the correlation time of the red noise
     #[arg(long, value_name = "WHITE[,RED[,TIME]]", default_value = "30e-6,150e-6,1d", value_parser = sensor_noise)]
-    sensor_noise: SensorNoise,
+    sensor_noise: Flaws,
     /// Relative standard deviation of f_s from slip to slip; f_d does not vary
     #[arg(long, value_name = "SHARE", default_value_t = 0.0, value_parser = share)]
     scatter: f64,
@@ -68,19 +66,9 @@ pub struct Twin {
     force: bool,
 }
 
-#[derive(Clone, Copy, Debug)]
-struct SensorNoise {
-    white: f64,
-    red: f64,
-    memory: f64,
-}
-
-/// The temperature of the air, sample by sample.
-struct Air {
-    start: Option<Start>,
-    times: Vec<f64>,
-    temperatures: Vec<f64>,
-}
+/// The temperature of the air: the time of the first sample if it is known, and the times and
+/// temperatures of all samples.
+type Air = (Option<Start>, Vec<f64>, Vec<f64>);
 
 /// The time of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";
@@ -90,27 +78,24 @@ const MOST: f64 = 1e7;
 
 impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
-        let set = self.set.iter().map(|text| Override::set(text)).collect::<Result<Vec<_>, _>>()?;
+        let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
-        let air = match &scene.file {
+        let (start, times, temperatures) = match &scene.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,
         };
-        let response = Bearing::of(&scene, air.temperatures[0]).response();
-        let SensorNoise { white, red, memory } = self.sensor_noise;
+        let response = Bearing::of(&scene, temperatures[0]).response();
         let flaws = Flaws {
-            white,
-            red,
-            memory,
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),
             resolution: self.resolution,
             spikes: self.spikes,
             gaps: self.gaps,
+            ..self.sensor_noise
         };
-        let made = twin(&response, &air.times, &air.temperatures, &flaws, self.seed);
-        store::write_whole(&self.output, csv(&made, &air, &scene)?.as_bytes(), self.force)?;
+        let made = twin(&response, &times, &temperatures, &flaws, self.seed);
+        store::write_whole(&self.output, csv(&made, start, &scene)?.as_bytes(), self.force)?;
         let truth = values(&response, scene.shear_stiffness);
         let row = |quantity: &Quantity| {
             let value = truth[*quantity as usize];
@@ -132,7 +117,7 @@ impl Twin {
             return Err(Failure::usage(problem, "choose other --duration and --every"));
         }
         let [times, temperatures] = drawn(&scenario.model.temperature, count as usize, self.every, self.seed);
-        Ok(Air { start: None, times, temperatures })
+        Ok((None, times, temperatures))
     }
 }
 
@@ -143,14 +128,14 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Fai
     let mut table = data::read(&path, measurements::time(scene), &wanted)?;
     measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
-    Ok(Air { start: table.start, times: column.times, temperatures: column.values })
+    Ok((table.start, column.times, column.values))
 }
 
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in
 /// millimetres.
-fn csv(made: &Made, air: &Air, scene: &BridgeScene) -> Result<String, Failure> {
+fn csv(made: &Made, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
     let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
-    let start = air.start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
+    let start = start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
     let temperature = scene.value.as_deref().unwrap_or("temperature_degC");
     let mut text = format!("{},{temperature},displacement_mm\n", scene.time);
     for i in 0..made.times.len() {
@@ -160,13 +145,14 @@ fn csv(made: &Made, air: &Air, scene: &BridgeScene) -> Result<String, Failure> {
     Ok(text)
 }
 
-fn sensor_noise(text: &str) -> Result<SensorNoise, String> {
+/// Reads the noise of the sensor, the only flaw that it returns.
+fn sensor_noise(text: &str) -> Result<Flaws, String> {
     let mut parts = text.split(',');
     let mut number = |default: f64| parts.next().map_or(Ok(default), not_negative);
     let (white, red) = (number(0.0)?, number(0.0)?);
     let memory = parts.next().map_or(Ok(86_400.0), parse_seconds)?;
     match parts.next() {
-        None => Ok(SensorNoise { white, red, memory }),
+        None => Ok(Flaws { white, red, memory, ..Flaws::NONE }),
         Some(_) => Err("write at most three, e.g. 30e-6,150e-6,1d".to_string()),
     }
 }
@@ -177,9 +163,7 @@ fn not_negative(text: &str) -> Result<f64, String> {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    parse_share(text)
-        .filter(|share| (0.0..0.5).contains(share))
-        .ok_or_else(|| "write a number from 0 to below 0.5".to_string())
+    parse_share_in(text, &(0.0..0.5), "write a number from 0 to below 0.5")
 }
 
 fn parse_seconds(text: &str) -> Result<f64, String> {

@@ -1,12 +1,8 @@
 //! A calibrated bearing over time: the displacement as measured and as modelled, and the
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Label, Scene, Stroke};
-use super::panel::{Mark, Panel};
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{Style, THIN};
+use super::theme::THIN;
+use super::{Absent, Axis, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
 use crate::bearing::calibration::Calibration;
 use std::ops::Range;
 
@@ -17,7 +13,7 @@ pub const FIGURE: Figure =
 pub(super) const DAY: f64 = 86_400.0;
 
 /// The most points of a curve. More of them would be closer together than the dots of a printer.
-pub(super) const POINTS: usize = 8_000;
+const POINTS: usize = 8_000;
 
 /// The beginnings of the shorter stretches, as shares of the whole record, and their length in
 /// days.
@@ -39,7 +35,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         Entry::line(Stroke::solid(palette.second, 1.0), "model"),
         Entry::mark(Mark::Triangle, palette.third, "slip that was seen"),
     ];
-    Ok(sheet(style, &format!("Calibration: {title}"), &legend, &panels, ""))
+    Ok(sheet(style, &format!("Calibration: {title}"), &legend, &panels))
 }
 
 /// Two panels, displacement above temperature, between two days.
@@ -47,14 +43,12 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     let palette = style.palette();
     let record = &calibration.record;
     let shown = within(&record.times, days);
-    let step = shown.len().div_ceil(POINTS).max(1);
     let curve = |values: &[f64], scale: f64| -> Vec<[f64; 2]> {
-        shown.clone().step_by(step).map(|i| [record.times[i] / DAY, scale * values[i]]).collect()
+        thinned(shown.clone()).map(|i| [record.times[i] / DAY, scale * values[i]]).collect()
     };
     let time = || Axis::linear(days, Label::new("time *t*"), "d");
     let (measured, modelled) = (curve(&record.readings, 1e3), curve(&calibration.modelled, 1e3));
-    let heights = measured.iter().chain(&modelled).map(|point| point[1]);
-    let [low, high] = range_of(heights.filter(|z| z.is_finite()));
+    let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
     let room = 0.12 * (high - low);
     let mut above = Panel::new(time(), Axis::linear([low - room, high + room], Label::new("*z*"), "mm"), height);
     above.line(measured, Stroke::solid(palette.first, THIN));
@@ -68,10 +62,16 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
         }
     }
     let warmth = curve(&record.temperatures, 1.0);
-    let values: Vec<f64> = warmth.iter().map(|point| point[1]).collect();
-    let mut below = Panel::new(time(), Axis::around(values, Label::new("*T*"), "°C"), 0.55 * height);
+    let degrees = Axis::around(warmth.iter().map(|point| point[1]), Label::new("*T*"), "°C");
+    let mut below = Panel::new(time(), degrees, 0.55 * height);
     below.line(warmth, Stroke::solid(palette.fourth, THIN));
     vec![above.above_another(), below]
+}
+
+/// The indices of the samples that a curve goes through: not more than `POINTS` of them.
+pub(super) fn thinned(samples: Range<usize>) -> impl Iterator<Item = usize> {
+    let step = samples.len().div_ceil(POINTS).max(1);
+    samples.step_by(step)
 }
 
 /// The indices of the samples between two days.

@@ -1,12 +1,9 @@
 //! Whether the motion has settled: mean and variance of x at whole forcing periods, with the slopes
 //! that the statistics report.
 
-use super::axis::{Axis, plain};
-use super::kit::{Label, Scene, Stroke};
-use super::panel::{Mark, Panel};
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{DASHES, LINE, Style};
+use super::axis::plain;
+use super::theme::{DASHES, LINE};
+use super::{Absent, Axis, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, sheet};
 use crate::stats::{Dimension, Statistic, Summary};
 use crate::sums::Ends;
 
@@ -26,9 +23,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let after = summary.transient.map_or(0.0, |transient| transient.end);
     let dashes = Stroke::dashed(palette.second, LINE, &DASHES);
 
-    let panel = |values: &[f64], ends: &Ends, slope: f64, title: &str, dimension: Dimension, height: f64| {
+    let panel = |values: &[f64], ends: &Ends, slope: f64, axis: (&str, Dimension)| {
         let seen = values.iter().chain(&ends.low).chain(&ends.high).copied().chain([0.0]);
-        let mut panel = Panel::new(time(), Axis::around(seen, Label::new(title), &unit(dimension)), height);
+        let (title, dimension) = axis;
+        let mut panel = Panel::new(time(), Axis::around(seen, Label::new(title), &unit(dimension)), 80.0);
         if after > 0.0 {
             panel.before(after, palette.grid);
         }
@@ -37,36 +35,24 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
             panel.line(vec![from, to], dashes.clone());
         }
         for (i, (&t, &value)) in periods.time.iter().zip(values).enumerate() {
-            let end = |ends: &[f64]| ends.get(i).copied().unwrap_or(f64::NAN);
-            panel.interval(t, [end(&ends.low), end(&ends.high)], palette.first);
+            panel.interval(t, ends.at(i), palette.first);
             panel.mark([t, value], Mark::Disc, palette.first);
         }
         panel
     };
-    let slope = |statistic: Statistic| summary.estimate(statistic).estimate;
-    let mean = panel(
-        &periods.mean,
-        &periods.mean_ends,
-        slope(Statistic::DriftVelocity),
-        "mean of *x*(*nP*) − *x*(0)",
-        Dimension::LENGTH,
-        80.0,
-    );
-    let variance = panel(
-        &periods.variance,
-        &periods.variance_ends,
-        2.0 * slope(Statistic::DiffusionCoefficient),
-        "variance of *x*(*nP*)",
-        Dimension::AREA,
-        80.0,
-    );
+    let drift = summary.estimate(Statistic::DriftVelocity).estimate;
+    let diffusion = summary.estimate(Statistic::DiffusionCoefficient).estimate;
+    let of_mean = ("mean of *x*(*nP*) − *x*(0)", Dimension::LENGTH);
+    let mean = panel(&periods.mean, &periods.mean_ends, drift, of_mean);
+    let of_variance = ("variance of *x*(*nP*)", Dimension::AREA);
+    let variance = panel(&periods.variance, &periods.variance_ends, 2.0 * diffusion, of_variance);
     let mut legend =
         vec![Entry::mark(Mark::Disc, palette.first, "with 95 % interval"), Entry::line(dashes, "measured slope")];
     if after > 0.0 {
         legend.push(Entry::area(palette.grid, "left out"));
     }
     legend.extend(reported(summary).into_iter().map(Entry::words));
-    Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance], ""))
+    Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance]))
 }
 
 /// The line with this slope through the mean of the points that are counted, from the first of them

@@ -1,12 +1,8 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Label, Scene, Stroke};
-use super::panel::Panel;
-use super::sheet::{Entry, sheet, solid};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{DASHES, LINE, Style};
-use crate::stats::{Dimension, QUANTILE_LEVELS};
+use super::theme::{DASHES, LINE, Palette};
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Stroke, Style, Subject, range_of, sheet, solid};
+use crate::stats::{Bands, Dimension, QUANTILE_LEVELS};
 use crate::sums::Ends;
 
 /// The figure.
@@ -24,14 +20,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
     let time_axis = || Axis::linear([time[0], time[time.len() - 1]], Label::new("time *t*"), &time_unit);
 
-    let row = |level: usize| x.quantiles.row(level).to_vec();
-    let [lowest, low, median, high, highest] = [0, 1, 2, 3, 4].map(row);
-    debug_assert_eq!(QUANTILE_LEVELS, [0.05, 0.25, 0.5, 0.75, 0.95]);
-    let seen = [&lowest, &highest, &x.mean].into_iter().flatten().copied();
+    let seen = widest(bands).into_iter().chain(x.mean.iter().copied());
     let mut fan = Panel::new(time_axis(), Axis::around(seen, Label::new("displacement *x*(*t*)"), &length_unit), 112.0);
-    fan.band(between(time, &lowest, &highest), palette.wide);
-    fan.band(between(time, &low, &high), palette.narrow);
-    fan.line(along(time, &median), solid(palette.first));
+    quantiles(bands, palette, &mut fan);
     let mean = Stroke::dashed(palette.second, LINE, &DASHES);
     fan.line(along(time, &x.mean), mean.clone());
 
@@ -48,21 +39,30 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         Entry::area(palette.narrow, "25–75 %; 95 % interval of *P*"),
         Entry::area(palette.wide, "5–95 %"),
     ];
-    Ok(sheet(
-        style,
-        &format!("Displacement of the paths: {}", scenario.title),
-        &legend,
-        &[fan.above_another(), share],
-        "",
-    ))
+    Ok(sheet(style, &format!("Displacement of the paths: {}", scenario.title), &legend, &[fan.above_another(), share]))
+}
+
+/// The lowest and the highest quantile of x at each time.
+pub(super) fn widest(bands: &Bands) -> Vec<f64> {
+    let rows = &bands.displacement.quantiles;
+    rows.row(0).iter().chain(rows.row(QUANTILE_LEVELS.len() - 1)).copied().collect()
+}
+
+/// Draws the quantiles of x: two bands and the median.
+pub(super) fn quantiles(bands: &Bands, palette: &Palette, panel: &mut Panel) {
+    debug_assert_eq!(QUANTILE_LEVELS, [0.05, 0.25, 0.5, 0.75, 0.95]);
+    let row = |level: usize| bands.displacement.quantiles.row(level).to_vec();
+    panel.band(between(&bands.time, &row(0), &row(4)), palette.wide);
+    panel.band(between(&bands.time, &row(1), &row(3)), palette.narrow);
+    panel.line(along(&bands.time, &row(2)), solid(palette.first));
 }
 
 /// The points of a curve.
-pub(super) fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
+fn along(x: &[f64], y: &[f64]) -> Vec<[f64; 2]> {
     x.iter().zip(y).map(|(x, y)| [*x, *y]).collect()
 }
 
 /// The area between two curves, as points (x, low, high).
-pub(super) fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
+fn between(x: &[f64], low: &[f64], high: &[f64]) -> Vec<[f64; 3]> {
     x.iter().zip(low.iter().zip(high)).map(|(x, (low, high))| [*x, *low, *high]).collect()
 }

@@ -1,13 +1,9 @@
 //! Displacement against temperature, as measured and as modelled. A bearing that sticks draws
 //! loops.
 
-use super::axis::{Axis, range_of};
-use super::calibration::POINTS;
-use super::kit::{Label, Scene, Stroke};
-use super::panel::Panel;
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{Style, THIN};
+use super::calibration::thinned;
+use super::theme::THIN;
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
 
 /// The figure.
 pub const FIGURE: Figure =
@@ -17,12 +13,11 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let record = &calibration.record;
-    let step = record.times.len().div_ceil(POINTS).max(1);
     let curve = |readings: &[f64]| -> Vec<[f64; 2]> {
-        (0..record.times.len()).step_by(step).map(|i| [record.temperatures[i], 1e3 * readings[i]]).collect()
+        thinned(0..record.times.len()).map(|i| [record.temperatures[i], 1e3 * readings[i]]).collect()
     };
     let (measured, modelled) = (curve(&record.readings), curve(&calibration.modelled));
-    let range = |k: usize| range_of(measured.iter().chain(&modelled).map(|point| point[k]).filter(|x| x.is_finite()));
+    let range = |k: usize| range_of(measured.iter().chain(&modelled).map(|point| point[k]));
     let wider = |[low, high]: [f64; 2]| [low - 0.04 * (high - low), high + 0.04 * (high - low)];
     let (warmth, height) = (wider(range(0)), wider(range(1)));
     let panel = |letter: char, points: Vec<[f64; 2]>, stroke: Stroke| {
@@ -38,5 +33,5 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         Entry::line(Stroke::solid(palette.first, THIN), "measured"),
         Entry::line(Stroke::solid(palette.second, THIN), "model"),
     ];
-    Ok(sheet(style, &format!("Loops: {title}"), &legend, &[above, below], ""))
+    Ok(sheet(style, &format!("Loops: {title}"), &legend, &[above, below]))
 }

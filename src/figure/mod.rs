@@ -39,6 +39,12 @@ pub use page::page;
 pub use subject::{Absent, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
 
+// What every figure is made of.
+use axis::{Axis, range_of};
+use kit::{Colour, Label, Stroke};
+use panel::{Mark, Panel};
+use sheet::{Entry, sheet, solid};
+
 /// Every figure, in the order in which a page shows them.
 pub const FIGURES: &[Figure] = &[
     path::FIGURE,

@@ -1,14 +1,8 @@
 //! A run at a glance: one of its paths with the sticks shaded, the quantiles of all paths, and the
 //! durations of sticks.
 
-use super::axis::Axis;
-use super::fan::{along, between};
-use super::kit::{Label, Scene};
-use super::panel::Panel;
-use super::sheet::{Entry, sheet, solid};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::Style;
-use super::{path, sticks};
+use super::path::PathTrace;
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, fan, sheet, solid, sticks};
 use crate::engine::Replay;
 use crate::stats::Dimension;
 
@@ -20,50 +14,38 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let (scenario, summary) = subject.run()?;
     let (_, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
-    let path = path::phases(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
-    let bands = &summary.bands;
-    let (time, x) = (&bands.time, &bands.displacement);
+    let path = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let curve = path.curve();
     let range = sticks::range(&summary.stick_durations)
         .ok_or(Absent::Nothing("no stick, the first of each path left out, has ended"))?;
     let palette = style.palette();
     let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
     let time_axis = || Axis::linear([0.0, scenario.time.end], Label::new("time *t*"), &time_unit);
 
-    let row = |level: usize| x.quantiles.row(level).to_vec();
-    let [lowest, low, median, high, highest] = [0, 1, 2, 3, 4].map(row);
-    let seen = || lowest.iter().chain(&highest).copied().chain(path.curve.iter().map(|point| point[1]));
-    let displacement = |title: &str| Axis::around(seen(), Label::new(title), &length_unit);
+    let mut seen = fan::widest(&summary.bands);
+    seen.extend(curve.iter().map(|point| point[1]));
+    let displacement = |title: &str| Axis::around(seen.iter().copied(), Label::new(title), &length_unit);
 
     let mut one = Panel::new(time_axis(), displacement("one path *x*(*t*)"), 84.0);
-    let size = seen().fold(0.0, |size, x| f64::max(size, x.abs()));
-    for [begin, end] in &path.sticks {
+    let size = seen.iter().fold(0.0, |size, x| f64::max(size, x.abs()));
+    for [begin, end] in path.sticks() {
         // The bar is higher than the panel, which clips it at its frame.
-        one.bar([*begin, -10.0 * size], [*end, 10.0 * size], palette.wide);
+        one.bar([begin, -10.0 * size], [end, 10.0 * size], palette.wide);
     }
-    one.line(path.curve.clone(), solid(palette.first));
+    one.line(curve, solid(palette.first));
 
-    let mut fan = Panel::new(time_axis(), displacement("all paths *x*(*t*)"), 84.0);
-    fan.band(between(time, &lowest, &highest), palette.wide);
-    fan.band(between(time, &low, &high), palette.narrow);
-    fan.line(along(time, &median), solid(palette.first));
+    let mut all = Panel::new(time_axis(), displacement("all paths *x*(*t*)"), 84.0);
+    fan::quantiles(&summary.bands, palette, &mut all);
 
-    let unit = Dimension::TIME.label(&scenario.units);
-    let durations = Axis::log(range, Label::new("stick duration *D*"), &unit);
+    let durations = Axis::log(range, Label::new("stick duration *D*"), &time_unit);
     let mut outlasting = Panel::new(durations, Axis::linear([0.0, 1.0], Label::new("share longer than *D*"), ""), 84.0);
-    let survival = sticks::survival(&summary.stick_durations);
-    outlasting.band(survival.iter().map(|(d, _, [low, high])| [*d, *low, *high]).collect(), palette.narrow);
-    outlasting.line(survival.iter().map(|(d, share, _)| [*d, *share]).collect(), solid(palette.first));
+    sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
 
     let legend = [
         Entry::area(palette.wide, "**A**: stick; **B**: 5–95 %"),
         Entry::area(palette.narrow, "**B**: 25–75 %; **C**: 95 % interval"),
         Entry::line(solid(palette.first), "**A**: path; **B**: median; **C**: share"),
     ];
-    Ok(sheet(
-        style,
-        &format!("Overview: {}", scenario.title),
-        &legend,
-        &[one.lettered('A').above_another(), fan.lettered('B'), outlasting.lettered('C')],
-        "",
-    ))
+    let panels = [one.lettered('A').above_another(), all.lettered('B'), outlasting.lettered('C')];
+    Ok(sheet(style, &format!("Overview: {}", scenario.title), &legend, &panels))
 }

@@ -1,6 +1,6 @@
 //! A panel: two axes with curves, bands, bars and marks between them, and notes that never overlap.
 
-use super::axis::Axis;
+use super::axis::{Axis, Tick};
 use super::kit::{Align, Colour, Item, Label, Path, Rect, Stroke};
 use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
 
@@ -25,8 +25,7 @@ enum Layer {
     Line { points: Vec<[f64; 2]>, stroke: Stroke },
     Band { points: Vec<[f64; 3]>, fill: Colour },
     Bar { from: [f64; 2], to: [f64; 2], fill: Colour },
-    Interval { at: f64, ends: [f64; 2], colour: Colour },
-    Across { at: f64, ends: [f64; 2], colour: Colour },
+    Interval { at: f64, ends: [f64; 2], is_across: bool, colour: Colour },
     Mark { at: [f64; 2], mark: Mark, colour: Colour },
     Level { at: f64, stroke: Stroke },
     Before { at: f64, fill: Colour },
@@ -97,6 +96,8 @@ const GAP: f64 = 2.0;
 /// The space along an axis for one number.
 const X_ROOM: f64 = 26.0;
 const Y_ROOM: f64 = 17.0;
+/// Half the length of the bars at the ends of an interval.
+const CAP: f64 = 1.8;
 /// Points of a curve that are closer than this to the line between their neighbours are left out.
 const TOLERANCE: f64 = 0.03;
 
@@ -133,12 +134,12 @@ impl Panel {
 
     /// Adds a vertical interval.
     pub fn interval(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
-        self.layers.push(Layer::Interval { at, ends, colour });
+        self.layers.push(Layer::Interval { at, ends, is_across: false, colour });
     }
 
     /// Adds a horizontal interval.
     pub fn interval_across(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
-        self.layers.push(Layer::Across { at, ends, colour });
+        self.layers.push(Layer::Interval { at, ends, is_across: true, colour });
     }
 
     /// Adds a mark. It is never clipped at the frame.
@@ -203,8 +204,7 @@ impl Panel {
         items.push(Item::stroked(Path::line(&corners), pen()));
         for tick in self.x.ticks(frame.width, X_ROOM) {
             let x = frame.x + tick.at * frame.width;
-            let length = if tick.label.is_some() { TICK } else { TICK * 0.6 };
-            items.push(Item::stroked(Path::line(&[[x, frame.bottom()], [x, frame.bottom() + length]]), pen()));
+            items.push(Item::stroked(Path::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]), pen()));
             if let Some(label) = tick.label.filter(|_| self.is_labelled) {
                 let at = [x, frame.bottom() + TICK + GAP + 0.75 * SMALL];
                 items.push(Item::words(label, at, Align::Middle, SMALL, palette.ink));
@@ -212,7 +212,7 @@ impl Panel {
         }
         for tick in self.y.ticks(frame.height, Y_ROOM) {
             let y = frame.bottom() - tick.at * frame.height;
-            let length = if tick.label.is_some() { TICK } else { TICK * 0.6 };
+            let length = tick.length();
             items.push(Item::stroked(Path::line(&[[frame.x - length, y], [frame.x, y]]), pen()));
             if let Some(label) = tick.label {
                 let at = [frame.x - TICK - GAP, y + 0.36 * SMALL];
@@ -283,6 +283,12 @@ impl Panel {
     }
 }
 
+impl Tick {
+    fn length(&self) -> f64 {
+        if self.label.is_some() { TICK } else { TICK * 0.6 }
+    }
+}
+
 /// How far words may extend beyond the right side of the frame.
 const ASIDE: f64 = 8.0;
 
@@ -344,10 +350,10 @@ impl Layer {
                 .collect(),
             Layer::Band { points, fill } => {
                 let known = |p: &&[f64; 3]| !p[0].is_nan() && !p[1].is_nan() && !p[2].is_nan();
-                let low: Vec<[f64; 2]> = points.iter().filter(known).map(|p| place([p[0], p[1]])).collect();
-                let high: Vec<[f64; 2]> = points.iter().filter(known).map(|p| place([p[0], p[2]])).collect();
-                let around: Vec<[f64; 2]> =
-                    simplified(&low).into_iter().chain(simplified(&high).into_iter().rev()).collect();
+                let edge = |k: usize| -> Vec<[f64; 2]> {
+                    simplified(&points.iter().filter(known).map(|p| place([p[0], p[k]])).collect::<Vec<_>>())
+                };
+                let around: Vec<[f64; 2]> = edge(1).into_iter().chain(edge(2).into_iter().rev()).collect();
                 if around.len() < 3 { Vec::new() } else { vec![Item::filled(Path::polygon(&around), *fill)] }
             }
             Layer::Bar { from, to, fill } => {
@@ -355,23 +361,16 @@ impl Layer {
                 let corners = [[ax, ay], [bx, ay], [bx, by], [ax, by]];
                 vec![Item::filled(Path::polygon(&corners), *fill)]
             }
-            Layer::Interval { at, ends: [low, high], colour } => {
-                if low.is_nan() || high.is_nan() {
-                    return Vec::new();
-                }
-                let ([x, a], [_, b]) = (place([*at, *low]), place([*at, *high]));
-                let bar =
-                    |from: [f64; 2], to: [f64; 2]| Item::stroked(Path::line(&[from, to]), Stroke::solid(*colour, 0.9));
-                vec![bar([x, a], [x, b]), bar([x - 1.8, a], [x + 1.8, a]), bar([x - 1.8, b], [x + 1.8, b])]
-            }
-            Layer::Across { at, ends: [low, high], colour } => {
-                if low.is_nan() || high.is_nan() {
-                    return Vec::new();
-                }
-                let ([a, y], [b, _]) = (place([*low, *at]), place([*high, *at]));
-                let bar =
-                    |from: [f64; 2], to: [f64; 2]| Item::stroked(Path::line(&[from, to]), Stroke::solid(*colour, 0.9));
-                vec![bar([a, y], [b, y]), bar([a, y - 1.8], [a, y + 1.8]), bar([b, y - 1.8], [b, y + 1.8])]
+            Layer::Interval { ends: [low, high], .. } if low.is_nan() || high.is_nan() => Vec::new(),
+            Layer::Interval { at, ends, is_across, colour } => {
+                let bar = |ends: [[f64; 2]; 2]| Item::stroked(Path::line(&ends), Stroke::solid(*colour, 0.9));
+                let end = |end: f64| place(if *is_across { [end, *at] } else { [*at, end] });
+                let across = |[x, y]: [f64; 2]| match is_across {
+                    true => bar([[x, y - CAP], [x, y + CAP]]),
+                    false => bar([[x - CAP, y], [x + CAP, y]]),
+                };
+                let [low, high] = ends.map(end);
+                vec![bar([low, high]), across(low), across(high)]
             }
             Layer::Mark { .. } => Vec::new(),
             Layer::Level { at, stroke } => {

@@ -4,13 +4,12 @@
 //! Source: Bensoussan, Brouste, Cartiaux, Mathey and Mertz, the figure of trajectories and the
 //! figure after it.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Colour, Label, Scene, Stroke};
-use super::panel::{Beside, Mark, Note, Panel};
-use super::sheet::{Entry, sheet, solid};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, Style, THIN};
+use super::panel::{Beside, Note};
+use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
 use super::words::grouped;
+use super::{
+    Absent, Axis, Colour, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet, solid,
+};
 use crate::engine::Replay;
 use crate::stats::Dimension;
 use std::ops::Range;
@@ -58,15 +57,39 @@ struct Moment {
 
 /// A path, cut into pieces at its events.
 #[derive(Clone, Debug, PartialEq)]
-struct PathTrace {
+pub(super) struct PathTrace {
     pieces: Vec<Piece>,
     moments: Vec<Moment>,
+}
+
+/// How many sticks a path had so far, and how many sub-phases its slip.
+#[derive(Default)]
+struct Count {
+    sticks: usize,
+    sub_phases: usize,
+}
+
+impl Count {
+    /// Counts an event of this kind, and gives it its name.
+    fn name(&mut self, kind: i8) -> String {
+        match kind {
+            0 => self.sticks += 1,
+            1 => self.sub_phases = 1,
+            _ => self.sub_phases += 1,
+        }
+        match (kind, self.sticks) {
+            (0, j) => format!("*τ*_{{{j}}}"),
+            (1, 0) => "*τ*_{½}".to_string(),
+            (1, j) => format!("*τ*_{{{j}+½}}"),
+            (_, j) => format!("*τ*_{{{j}}}^{{{}}}", self.sub_phases - 1),
+        }
+    }
 }
 
 impl PathTrace {
     /// The pieces of a path that was simulated again: the rows of its trajectory, with its events
     /// inserted between them. None if events or trajectory were not kept.
-    fn of(replay: &Replay) -> Option<PathTrace> {
+    pub(super) fn of(replay: &Replay) -> Option<PathTrace> {
         let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
         let model = &replay.scenario.model;
         let time = replay.scenario.timeline().output_times();
@@ -79,7 +102,7 @@ impl PathTrace {
         let mut next_row = 0;
         let mut piece = Piece { slip: None, samples: Vec::new() };
         let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
-        let (mut j, mut k) = (0_usize, 0_usize);
+        let mut count = Count::default();
         for i in 0..events.time.len() {
             // The velocity is zero at an event, so the force b is that of the spring alone.
             let [time, displacement, spring] = [events.time[i], events.displacement[i], events.force[i]];
@@ -89,22 +112,9 @@ impl PathTrace {
                 next_row += 1;
             }
             piece.samples.push(at);
-            let sign = f64::from(events.sign[i]);
-            let (slip, name) = match events.kind[i] {
-                0 => {
-                    j += 1;
-                    (None, format!("*τ*_{{{j}}}"))
-                }
-                1 => {
-                    k = 1;
-                    (Some((1, sign)), format!("*τ*_{{{}½}}", if j == 0 { String::new() } else { format!("{j}+") }))
-                }
-                _ => {
-                    k += 1;
-                    (Some((k, sign)), format!("*τ*_{{{j}}}^{{{}}}", k - 1))
-                }
-            };
+            let name = count.name(events.kind[i]);
             trace.moments.push(Moment { at, name, is_turn: events.kind[i] == 2 });
+            let slip = (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i])));
             let before = std::mem::replace(&mut piece, Piece { slip, samples: vec![at] });
             trace.pieces.push(before);
         }
@@ -117,6 +127,30 @@ impl PathTrace {
             trace.moments.insert(0, Moment { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
         }
         Some(trace)
+    }
+
+    /// Draws the pieces as curves through a point for each sample, in the order of time.
+    fn draw(&self, point: impl Fn(&Sample) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
+        for piece in &self.pieces {
+            panel.line(piece.samples.iter().map(&point).collect(), stroke(piece, palette));
+        }
+    }
+
+    /// Marks the events at the height `level`, unless there are too many of them.
+    fn mark(&self, level: f64, palette: &Palette, panel: &mut Panel) {
+        for moment in self.moments.iter().filter(|_| self.moments.len() <= MOST_MARKED) {
+            panel.mark([moment.at.time, level], moment.mark(), palette.ink);
+        }
+    }
+
+    /// The curve of x over time.
+    pub(super) fn curve(&self) -> Vec<[f64; 2]> {
+        self.samples().map(|s| [s.time, s.displacement]).collect()
+    }
+
+    /// The times at which each stick begins and ends.
+    pub(super) fn sticks(&self) -> impl Iterator<Item = [f64; 2]> {
+        self.pieces.iter().filter(|piece| piece.slip.is_none()).map(|piece| [piece.begin(), piece.end()])
     }
 
     /// The time from an event to the nearest other event.
@@ -176,14 +210,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
     let spring = Stroke::solid(palette.faint, THIN);
     let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
-    let springs = || trace.samples().map(|s| [s.time, s.spring]).collect::<Vec<_>>();
     let dry = friction_force(&trace, scenario.model.friction.dynamic_force);
+    let forces = |panel: &mut Panel| {
+        panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
+        panel.line(dry.clone(), force.clone());
+    };
     let mut middle = Vec::new();
     if is_shared {
         let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*), force"), ""), 104.0);
-        panel.line(springs(), spring.clone());
-        panel.line(dry, force.clone());
+        forces(&mut panel);
         velocities(&trace, palette, &mut panel);
         middle.push(panel.lettered('B'));
     } else {
@@ -193,8 +229,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         middle.push(panel.lettered('B').above_another());
         let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("force"), &force_unit), 76.0);
-        panel.line(springs(), spring.clone());
-        panel.line(dry, force.clone());
+        forces(&mut panel);
         middle.push(panel);
     }
     let plane = phase_plane(&trace, palette, friction, &velocity_unit, &force_unit);
@@ -214,21 +249,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     }
     let panels: Vec<Panel> =
         [vec![displacement.lettered('A').above_another()], middle, vec![plane.lettered('C')]].concat();
-    Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels, "labels have no room"))
-}
-
-/// A path as the curve of x over time, with the times at which each stick begins and ends.
-pub(super) struct Phases {
-    pub curve: Vec<[f64; 2]>,
-    pub sticks: Vec<[f64; 2]>,
-}
-
-/// The phases of a path; none if its events or its trajectory were not kept.
-pub(super) fn phases(replay: &Replay) -> Option<Phases> {
-    let trace = PathTrace::of(replay)?;
-    let sticks = trace.pieces.iter().filter(|piece| piece.slip.is_none());
-    let sticks = sticks.map(|piece| [piece.begin(), piece.end()]).collect();
-    Some(Phases { curve: trace.samples().map(|s| [s.time, s.displacement]).collect(), sticks })
+    Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels))
 }
 
 /// The colour of sub-phase k of a slip.
@@ -263,14 +284,10 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
             panel.line(vec![[t, base], [t, moment.at.displacement]], Stroke::dashed(palette.faint, THIN, &DOTS));
         }
     }
-    for piece in &trace.pieces {
-        panel.line(piece.samples.iter().map(|s| [s.time, s.displacement]).collect(), stroke(piece, palette));
-    }
+    trace.draw(|s| [s.time, s.displacement], palette, &mut panel);
+    trace.mark(base, palette, &mut panel);
     if trace.moments.len() > MOST_MARKED {
         return panel;
-    }
-    for moment in &trace.moments {
-        panel.mark([moment.at.time, base], moment.mark(), palette.ink);
     }
     // The events with most space around them are named first, so that as many as possible have a
     // name.
@@ -300,12 +317,8 @@ impl Moment {
 /// Panel B: the velocity, with a mark at each event.
 fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
-    for piece in &trace.pieces {
-        panel.line(piece.samples.iter().map(|s| [s.time, s.velocity]).collect(), stroke(piece, palette));
-    }
-    for moment in trace.moments.iter().filter(|_| trace.moments.len() <= MOST_MARKED) {
-        panel.mark([moment.at.time, 0.0], moment.mark(), palette.ink);
-    }
+    trace.draw(|s| [s.time, s.velocity], palette, panel);
+    trace.mark(0.0, palette, panel);
 }
 
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
@@ -343,11 +356,8 @@ fn phase_plane(trace: &PathTrace, palette: &Palette, friction: f64, velocity_uni
     }
     for (level, name) in [(friction, "*f*_{s}"), (-friction, "−*f*_{s}")] {
         if friction > 0.0 {
-            panel.note(Note {
-                at: [right, level],
-                label: Label::new(name),
-                places: &[Beside::AboveLeft, Beside::BelowLeft],
-            });
+            let places = &[Beside::AboveLeft, Beside::BelowLeft];
+            panel.note(Note { at: [right, level], label: Label::new(name), places });
         }
     }
     for moment in moments() {

@@ -1,13 +1,9 @@
 //! The residuals of a calibrated model: over time, their correlation, and the results of the
 //! starting points of the least squares.
 
-use super::axis::Axis;
-use super::calibration::{DAY, POINTS};
-use super::kit::{Label, Scene, Stroke};
-use super::panel::{Mark, Panel};
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{Style, THIN};
+use super::calibration::{DAY, thinned};
+use super::theme::THIN;
+use super::{Absent, Axis, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, sheet};
 use crate::bearing::calibration::Quantity;
 
 /// The figure.
@@ -19,15 +15,11 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let palette = style.palette();
     let record = &calibration.record;
     let days = record.times.last().copied().unwrap_or(0.0) / DAY;
-    let step = record.times.len().div_ceil(POINTS).max(1);
-    let left: Vec<[f64; 2]> = (0..record.times.len())
-        .step_by(step)
-        .map(|i| [record.times[i] / DAY, 1e3 * (record.readings[i] - calibration.modelled[i])])
-        .collect();
-    let seen: Vec<f64> = left.iter().map(|point| point[1]).filter(|x| x.is_finite()).collect();
+    let residual = |i: usize| [record.times[i] / DAY, 1e3 * (record.readings[i] - calibration.modelled[i])];
+    let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
     let time = Axis::linear([0.0, days], Label::new("time *t*"), "d");
-    let mut against_time =
-        Panel::new(time, Axis::around(seen, Label::new("measured − model"), "mm"), 70.0).lettered('a');
+    let millimetres = Axis::around(left.iter().map(|point| point[1]), Label::new("measured − model"), "mm");
+    let mut against_time = Panel::new(time, millimetres, 70.0).lettered('a');
     against_time.line(left, Stroke::solid(palette.first, 0.4));
     against_time.level(0.0, Stroke::solid(palette.faint, 0.4));
 
@@ -49,8 +41,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         let above: Vec<f64> = calibration.starts.iter().map(|start| 100.0 * (start.err / best - 1.0)).collect();
         let chosen = calibration.estimate(Quantity::StaticWay);
         let ends = [1e3 * chosen.low, 1e3 * chosen.high];
-        let around = ways.iter().copied().chain(ends).filter(|x| x.is_finite());
-        let x = Axis::around(around, Label::new("*f*_{s}/*K*"), "mm");
+        let x = Axis::around(ways.iter().copied().chain(ends), Label::new("*f*_{s}/*K*"), "mm");
         let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), Label::new("err above best"), "%");
         let mut starts = Panel::new(x, y, 50.0).lettered('c');
         ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
@@ -59,5 +50,5 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         legend.push(Entry::mark(Mark::Circle, palette.second, "a start of the least squares"));
         legend.push(Entry::line(Stroke::solid(palette.first, 1.0), "interval of the estimate"));
     }
-    Ok(sheet(style, &format!("Residuals: {title}"), &legend, &panels, ""))
+    Ok(sheet(style, &format!("Residuals: {title}"), &legend, &panels))
 }

@@ -43,13 +43,8 @@ impl Entry {
             (None, None, None) => 0.0,
             (None, None, Some(_)) => 9.0,
             (None, Some(_), _) => 15.0,
-            (Some(stroke), ..) => {
-                if stroke.dash.is_empty() {
-                    16.0
-                } else {
-                    22.0
-                }
-            }
+            (Some(stroke), ..) if stroke.dash.is_empty() => 16.0,
+            (Some(_), ..) => 22.0,
         }
     }
 
@@ -68,9 +63,8 @@ const ROW: f64 = 11.5;
 const CLOSE: f64 = 9.0;
 const APART: f64 = 13.0;
 
-/// The sheet. If notes of the panels found no space, a line below the panels gives their number and
-/// the words `left_out`.
-pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel], left_out: &str) -> Scene {
+/// The sheet. If notes of the panels found no space, a line below the panels gives their number.
+pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel]) -> Scene {
     let palette = style.palette();
     let width = style.points();
     let mut items = Vec::new();
@@ -90,7 +84,7 @@ pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel], lef
     y -= APART;
     if missing > 0 {
         y += SMALL + 4.0;
-        let words = Label::verbatim(&format!("{missing} {left_out}"));
+        let words = Label::verbatim(&format!("{missing} labels have no room"));
         items.push(Item::words(words, [width - right, y], Align::End, SMALL, palette.faint));
     }
     Scene { width, height: y + EDGE, background: palette.background, title: title.to_string(), items }

@@ -1,13 +1,9 @@
 //! How long sticks last: the density of their durations on a logarithmic axis, and the share of
 //! sticks that last longer than a duration.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Label, Scene};
-use super::panel::Panel;
-use super::sheet::{Entry, sheet, solid};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::Style;
+use super::theme::Palette;
 use super::words::grouped;
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, StickDurations};
 
 /// The figure.
@@ -43,12 +39,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
 
     let vertical = |values: Vec<f64>, title: &str| {
         let [least, most] = range_of(values.iter().copied().filter(|value| *value > 0.0));
-        let axis = if style.log {
-            Axis::log([least / 1.2, most * 1.2], Label::new(title), "")
-        } else {
-            Axis::linear([0.0, 1.05 * most], Label::new(title), "")
-        };
-        (axis, least / 1.2)
+        match style.log {
+            true => (Axis::log([least / 1.2, most * 1.2], Label::new(title), ""), least / 1.2),
+            false => (Axis::linear([0.0, 1.05 * most], Label::new(title), ""), 0.0),
+        }
     };
     // The intervals of bins with few sticks are wide, so an axis that showed them whole would
     // flatten the rest.
@@ -57,7 +51,6 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let mut density = Panel::new(durations(), axis, 84.0);
     for bin in bins {
         let [low, high] = bin.ends;
-        let floor = if style.log { floor } else { 0.0 };
         density.bar([bin.edges[0], floor], [bin.edges[1], bin.density], palette.wide);
         density.bar([bin.edges[0], low.max(floor)], [bin.edges[1], high], palette.narrow);
     }
@@ -65,15 +58,13 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         density.line(vec![[bin.edges[0], bin.density], [bin.edges[1], bin.density]], solid(palette.first));
     }
 
-    let curve = survival(sticks);
-    let (axis, floor) = vertical(curve.iter().map(|(_, share, _)| *share).collect(), "share longer than *D*");
+    let mut curve = survival(sticks);
+    let (axis, floor) = vertical(curve.shares.iter().map(|point| point[1]).collect(), "share longer than *D*");
     let mut outlasting = Panel::new(durations(), axis, 84.0);
-    let bounded = |[low, high]: [f64; 2]| [if style.log { low.max(floor / 10.0) } else { low }, high];
-    outlasting.band(
-        curve.iter().map(|(d, _, ends)| (*d, bounded(*ends))).map(|(d, [low, high])| [d, low, high]).collect(),
-        palette.narrow,
-    );
-    outlasting.line(curve.iter().map(|(d, share, _)| [*d, *share]).collect(), solid(palette.first));
+    if style.log {
+        curve.ends.iter_mut().for_each(|[_, low, _]| *low = low.max(floor / 10.0));
+    }
+    curve.draw(palette, &mut outlasting);
 
     let mut counts = format!("{} ended, {} censored", grouped(sticks.completed), grouped(sticks.censored));
     if shorter > 0 {
@@ -84,13 +75,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         Entry::line(solid(palette.first), "density; Kaplan–Meier"),
         Entry::area(palette.narrow, "95 % interval"),
     ];
-    Ok(sheet(
-        style,
-        &format!("Stick durations: {}", scenario.title),
-        &legend,
-        &[density.above_another(), outlasting],
-        "",
-    ))
+    Ok(sheet(style, &format!("Stick durations: {}", scenario.title), &legend, &[density.above_another(), outlasting]))
 }
 
 /// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to
@@ -115,8 +100,7 @@ fn bins(sticks: &StickDurations) -> Vec<Bin> {
             continue;
         }
         let per_decade = |n: f64| n / sticks.completed.max(1) as f64 / (edges[1] / edges[0]).log10();
-        let end = |ends: &[f64]| per_decade(ends.get(i).copied().unwrap_or(f64::NAN));
-        let ends = [end(&sticks.count_ends.low), end(&sticks.count_ends.high)];
+        let ends = sticks.count_ends.at(i).map(per_decade);
         out.push(Bin { edges, count, density: per_decade(count as f64), ends });
     }
     out
@@ -139,15 +123,32 @@ pub(super) fn range(sticks: &StickDurations) -> Option<[f64; 2]> {
     Some([bins.first()?.edges[0], bins.last()?.edges[1]])
 }
 
-/// The survival curve of the file at the edges of the bins: durations, shares and their intervals.
-pub(super) fn survival(sticks: &StickDurations) -> Vec<(f64, f64, [f64; 2])> {
+/// A survival curve at the edges of the bins: shares, and their intervals, against durations.
+pub(super) struct Survival {
+    shares: Vec<[f64; 2]>,
+    ends: Vec<[f64; 3]>,
+}
+
+/// The survival curve of the file.
+pub(super) fn survival(sticks: &StickDurations) -> Survival {
     let edges = &sticks.histogram.edges;
-    let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
-    let point = |(i, share): (usize, &f64)| {
-        (edges[i + 1], *share, [end(&sticks.survival_ends.low, i), end(&sticks.survival_ends.high, i)])
+    let mut curve = Survival { shares: Vec::new(), ends: Vec::new() };
+    let mut put = |edge: f64, share: f64, [low, high]: [f64; 2]| {
+        curve.shares.push([edge, share]);
+        curve.ends.push([edge, low, high]);
     };
-    let start = edges.first().map(|edge| (*edge, 1.0, [1.0; 2]));
-    start.into_iter().chain(sticks.survival.iter().enumerate().map(point)).collect()
+    edges.first().into_iter().for_each(|edge| put(*edge, 1.0, [1.0; 2]));
+    for (i, share) in sticks.survival.iter().enumerate() {
+        put(edges[i + 1], *share, sticks.survival_ends.at(i));
+    }
+    curve
+}
+
+impl Survival {
+    pub(super) fn draw(self, palette: &Palette, panel: &mut Panel) {
+        panel.band(self.ends, palette.narrow);
+        panel.line(self.shares, solid(palette.first));
+    }
 }
 
 #[cfg(test)]

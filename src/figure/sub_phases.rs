@@ -1,12 +1,7 @@
 //! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Label, Scene};
-use super::panel::Panel;
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::Style;
 use super::words::grouped;
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, range_of, sheet};
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-phases slips consist", draws: draw };
@@ -22,19 +17,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     };
     let palette = style.palette();
     let shares = &counts.shares[..=last];
-    let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
-    let ends: Vec<[f64; 2]> =
-        (0..=last).map(|i| [end(&counts.share_ends.low, i), end(&counts.share_ends.high, i)]).collect();
+    let ends: Vec<[f64; 2]> = (0..=last).map(|i| counts.share_ends.at(i)).collect();
 
     let k = Axis::linear([0.4, (last as f64).max(3.0) + 1.6], Label::new("sub-phases *k* of a slip"), "").whole();
     let [_, most] = range_of(shares.iter().copied().chain(ends.iter().map(|ends| ends[1])));
     let [least, _] = range_of(shares.iter().copied().filter(|share| *share > 0.0));
     let title = Label::new("share of the slips");
     let floor = if style.log { 10f64.powf((least / 1.5).log10().floor()) } else { 0.0 };
-    let vertical = if style.log {
-        Axis::log([floor, (1.3 * most).min(1.0)], title, "")
-    } else {
-        Axis::linear([0.0, (1.05 * most).min(1.0)], title, "")
+    let vertical = match style.log {
+        true => Axis::log([floor, (1.3 * most).min(1.0)], title, ""),
+        false => Axis::linear([0.0, (1.05 * most).min(1.0)], title, ""),
     };
     let mut panel = Panel::new(k, vertical, 100.0);
     for (i, (&share, &[low, high])) in shares.iter().zip(&ends).enumerate() {
@@ -47,5 +39,5 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let slips: u64 = counts.counts.iter().sum();
     let words = format!("{} slips ended, {} censored", grouped(slips), grouped(counts.censored));
     let legend = [Entry::words(Label::verbatim(&words)), Entry::area(palette.narrow, "share, with its 95 % interval")];
-    Ok(sheet(style, &format!("Sub-phases of slips: {}", scenario.title), &legend, &[panel], ""))
+    Ok(sheet(style, &format!("Sub-phases of slips: {}", scenario.title), &legend, &[panel]))
 }

@@ -53,42 +53,34 @@ impl<'a> Subject<'a> {
     pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
         match self {
             Subject::Scenario { scenario, path } | Subject::Run { scenario, path, .. } => Ok((scenario, *path)),
-            Subject::Trade(_) | Subject::Sweep { .. } | Subject::Calibration { .. } => {
-                Err(Absent::Elsewhere("a scenario or a file of `mc run`"))
-            }
+            _ => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
         }
     }
 
     /// The scenario and the results of a run.
     pub(super) fn run(&self) -> Result<(&'a Scenario, &'a Summary), Absent> {
-        match self {
-            Subject::Run { scenario, summary, .. } => Ok((scenario, summary)),
-            _ => Err(Absent::Elsewhere("a file of `mc run`")),
-        }
+        let Subject::Run { scenario, summary, .. } = self else { return Err(Absent::Elsewhere("a file of `mc run`")) };
+        Ok((scenario, summary))
     }
 
     /// The sweeps and the statistics to draw.
     pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
-        match self {
-            Subject::Sweep { sweeps, statistics } => Ok((sweeps, statistics)),
-            _ => Err(Absent::Elsewhere("a file of `mc sweep`")),
-        }
+        let Subject::Sweep { sweeps, statistics } = self else { return Err(Absent::Elsewhere("a file of `mc sweep`")) };
+        Ok((sweeps, statistics))
     }
 
     /// The title and the result of a calibration.
     pub(super) fn calibration(&self) -> Result<(&'a str, &'a Calibration), Absent> {
-        match self {
-            Subject::Calibration { title, calibration } => Ok((title, calibration)),
-            _ => Err(Absent::Elsewhere("a file of `mc calibrate`")),
-        }
+        let Subject::Calibration { title, calibration } = self else {
+            return Err(Absent::Elsewhere("a file of `mc calibrate`"));
+        };
+        Ok((title, calibration))
     }
 
     /// The costs that a trade has found.
     pub(super) fn trade(&self) -> Result<&'a Prices, Absent> {
-        match self {
-            Subject::Trade(prices) => Ok(prices),
-            _ => Err(Absent::Elsewhere("a file of `mc trade`")),
-        }
+        let Subject::Trade(prices) = self else { return Err(Absent::Elsewhere("a file of `mc trade`")) };
+        Ok(prices)
     }
 }
 

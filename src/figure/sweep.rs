@@ -1,14 +1,11 @@
 //! Statistics as functions of a key, in one panel for each statistic. There is one curve for each
 //! sweep, or for each value of a second key.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Colour, Label, Scene, Stroke};
-use super::panel::{Mark, Panel};
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{LINE, Palette, Style};
-use super::trade::look;
-use super::words::symbol;
+use super::axis::minus;
+use super::theme::{DASHES, DOTS, LINE, Palette};
+use super::trade::{MARKS, look};
+use super::words::{letter, symbol};
+use super::{Absent, Axis, Colour, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
 use crate::stats::{Estimate, Statistic};
 use crate::study::sweep::{self, Design, Sweep};
 
@@ -102,7 +99,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
             ..Entry::line(curve.stroke.clone(), "")
         })
         .collect();
-    Ok(sheet(style, &format!("Sweep: {}", first.question.scenario.title), &legend, &panels, ""))
+    Ok(sheet(style, &format!("Sweep: {}", first.question.scenario.title), &legend, &panels))
 }
 
 /// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.
@@ -120,9 +117,8 @@ fn horizontal(axis: &sweep::Axis) -> Axis {
 fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve<'a>> {
     let own = |i: usize| -> (Stroke, Mark) {
         let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
-        let dashes: [&[f64]; 3] = [&[], &[3.2, 1.6], &[0.8, 1.8]];
-        let marks = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Diamond];
-        (Stroke::dashed(colours[i % 4], LINE, dashes[i % 3]), marks[i % 4])
+        let dashes: [&[f64]; 3] = [&[], &DASHES, &DOTS];
+        (Stroke::dashed(colours[i % 4], LINE, dashes[i % 3]), MARKS[i % 4])
     };
     let kinds: Vec<_> = sweeps.iter().map(|(_, sweep)| sweep.question.scenario.scheme.kind()).collect();
     let are_distinct = (0..kinds.len()).all(|i| !kinds[..i].contains(&kinds[i]));
@@ -149,8 +145,8 @@ fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve
             for (n, (axis, setting)) in axes.enumerate() {
                 let comma = if n > 0 || sweeps.len() > 1 { ", " } else { "" };
                 let value = crate::numbers::significant(setting.value, 4);
-                label = label.and(Label::verbatim(comma)).and(super::words::letter(&axis.name));
-                label = label.and(Label::verbatim(&format!(" = {}", super::axis::minus(&value))));
+                label = label.and(Label::verbatim(comma)).and(letter(&axis.name));
+                label = label.and(Label::verbatim(&format!(" = {}", minus(&value))));
             }
             curves.push(Curve { sweep, label, stroke, mark, points });
         }

@@ -1,14 +1,10 @@
 //! The effect of each key on a statistic: elasticities as bars with their intervals, the largest at
 //! the top.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Label, Scene, Stroke};
-use super::panel::Panel;
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
 use super::sweep::USUAL;
-use super::theme::{Style, THIN};
+use super::theme::THIN;
 use super::words::letter_of_key;
+use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Stroke, Style, Subject, sheet};
 use crate::study::sweep::Design;
 
 /// The figure.
@@ -42,17 +38,17 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
         let across = Axis::around(ends.chain([0.0]), Label::new(statistic.words()), "");
         let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, letter_of_key(&keys[*key].0)));
-        let upwards = Axis::named([-0.6, bars.len() as f64 - 0.4], places.collect());
+        let [bottom, top] = [-0.6, bars.len() as f64 - 0.4];
+        let upwards = Axis::named([bottom, top], places.collect());
         let mut panel = Panel::new(across, upwards, BAR * bars.len() as f64);
         for (i, (_, m)) in bars.iter().enumerate() {
             let at = i as f64;
             panel.bar([0.0, at - HALF], [m.estimate, at + HALF], palette.narrow);
             panel.interval_across(at, [m.low, m.high], palette.ink);
         }
-        let [bottom, top] = range_of([-0.6, bars.len() as f64 - 0.4]);
         panel.line(vec![[0.0, bottom], [0.0, top]], Stroke::solid(palette.faint, THIN));
         panels.push(panel);
     }
     let legend = [Entry::area(palette.narrow, "elasticity, with its 95 % interval")];
-    Ok(sheet(style, &format!("Elasticities: {}", sweep.question.scenario.title), &legend, &panels, ""))
+    Ok(sheet(style, &format!("Elasticities: {}", sweep.question.scenario.title), &legend, &panels))
 }

@@ -1,12 +1,8 @@
 //! What accuracy costs: the CPU time of the cheapest run that reaches a target, for every scheme,
 //! on logarithmic axes.
 
-use super::axis::{Axis, range_of};
-use super::kit::{Colour, Label, Scene, Stroke};
-use super::panel::{Mark, Panel};
-use super::sheet::{Entry, sheet};
-use super::subject::{Absent, Figure, Subject};
-use super::theme::{LINE, Style};
+use super::theme::LINE;
+use super::{Absent, Axis, Colour, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
 use crate::scheme::Kind;
 
 /// The figure.
@@ -41,8 +37,11 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     for decade in (-8..8).map(|n| 10f64.powi(n)) {
         panel.level(decade, Stroke::solid(palette.grid, 0.4));
     }
-    Ok(sheet(style, &format!("What accuracy costs: {}", prices.title), &legend, &[panel], ""))
+    Ok(sheet(style, &format!("What accuracy costs: {}", prices.title), &legend, &[panel]))
 }
+
+/// The marks of curves that are shown together.
+pub(super) const MARKS: [Mark; 4] = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Diamond];
 
 /// The look of a scheme. Its colour, its dashes and its marks each distinguish it from the other
 /// schemes.
@@ -52,8 +51,7 @@ pub(super) fn look(kind: Kind) -> (Stroke, Mark) {
     let dash: Vec<f64> =
         look.dash.split_whitespace().filter_map(|length| length.parse::<f64>().ok()).map(|l| 0.6 * l).collect();
     let place = Kind::ALL.iter().position(|other| *other == kind).unwrap_or(0);
-    let mark = [Mark::Disc, Mark::Square, Mark::Triangle, Mark::Diamond][place % 4];
-    (Stroke::dashed(Colour::hex(rgb), LINE, &dash), mark)
+    (Stroke::dashed(Colour::hex(rgb), LINE, &dash), MARKS[place % 4])
 }
 
 #[cfg(test)]

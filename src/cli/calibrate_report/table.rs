@@ -2,80 +2,67 @@
 
 use crate::cli::numbers::{Digits, grouped, percent, significant, time, wrapped};
 use crate::cli::table::{Row, aligned};
-use std::fmt::Write as _;
 use stick_slip::bearing::calibration::{Calibration, Estimate, Lag, Method, Quantity, Start};
 
 const GAP: &str = "  ";
 
 /// The table, with the remarks below it.
 pub fn table(title: &str, calibration: &Calibration) -> String {
-    let mut text = format!("{title}\n\n");
     let level = percent(calibration.question.level);
-    let head = ["", "estimate", &format!("{level} from"), "to"].map(String::from);
-    let mut rows = vec![Row::labelled("", head)];
+    let mut rows = vec![Row::labelled("", ["", "estimate", &format!("{level} from"), "to"])];
     rows.extend(Quantity::ALL.iter().map(|quantity| row(*quantity, calibration.estimate(*quantity))));
-    text += &aligned(&rows, GAP);
-    text.push('\n');
-    text += &sources(calibration);
+    let mut parts = vec![format!("{title}\n"), aligned(&rows, GAP), sources(calibration)];
     if !calibration.starts.is_empty() {
-        text.push('\n');
-        text += &starts(calibration);
+        parts.push(starts(calibration));
     }
-    text
+    parts.join("\n")
 }
 
 fn row(quantity: Quantity, Estimate { estimate, low, high }: Estimate) -> Row {
-    let digits = Digits::of(estimate, (high - low) / 4.0);
-    let cells = [estimate, low, high].map(|x| digits.show(x));
-    let cells = std::iter::once(quantity.symbol().to_string()).chain(cells);
-    Row { note: quantity.unit().to_string(), ..Row::labelled(quantity.key(), cells) }
+    let numbers = Digits::of(estimate, (high - low) / 4.0).show_all([estimate, low, high]);
+    let cells = std::iter::once(quantity.symbol().to_string()).chain(numbers);
+    Row::labelled(quantity.key(), cells).noted(quantity.unit())
 }
 
 fn sources(calibration: &Calibration) -> String {
-    let mut text = String::new();
     let record = &calibration.record;
-    let seen = record.readings.iter().filter(|reading| reading.is_finite()).count();
-    let length = record.times.last().copied().unwrap_or(0.0);
-    let _ = writeln!(text, "data    {} samples in {}", grouped(seen as u64), time(length));
+    let samples = record.readings.iter().filter(|reading| reading.is_finite()).count();
+    let samples = grouped(samples as u64);
+    let length = time(record.times.last().copied().unwrap_or(0.0));
+    let slips = calibration.slips.len();
     let usual = calibration.slips.iter().filter(|slip| slip.is_usual).count();
     let method = match calibration.question.method {
         Method::Err => "least squares",
         _ if calibration.slips.is_empty() => "least squares",
         _ => "slips",
     };
-    let _ = writeln!(text, "slips   {} seen, {usual} of them alone and of the usual size", calibration.slips.len());
-    let _ = writeln!(text, "method  {method}; intervals: blocks of three days weighted at random");
     let minutes = |seconds: f64| significant(seconds / 60.0, 3);
-    let lag = &calibration.lag;
-    let _ = match (calibration.question.lag, &calibration.lag_profile) {
-        (Lag::Known(known), _) => writeln!(text, "lag     {} min, as given", minutes(known)),
-        (Lag::Auto, Some(_)) if lag.estimate > 0.0 => writeln!(
-            text,
-            "lag     {} min ({} to {}), estimated",
-            minutes(lag.estimate),
-            minutes(lag.low),
-            minutes(lag.high)
-        ),
-        (Lag::Auto, Some(profile)) => writeln!(
-            text,
-            "lag     none: the most likely one, {} min, raises twice the log-likelihood by {}, and 15 is required",
+    let Estimate { estimate, low, high } = calibration.lag;
+    let lag = match (calibration.question.lag, &calibration.lag_profile) {
+        (Lag::Known(known), _) => format!("{} min, as given", minutes(known)),
+        (Lag::Auto, Some(_)) if estimate > 0.0 => {
+            format!("{} min ({} to {}), estimated", minutes(estimate), minutes(low), minutes(high))
+        }
+        (Lag::Auto, Some(profile)) => format!(
+            "none: the most likely one, {} min, raises twice the log-likelihood by {}, and 15 is required",
             minutes(profile.likeliest),
             significant(profile.gain, 2)
         ),
-        (Lag::Auto, None) => writeln!(text, "lag     none: without slips it cannot be estimated"),
+        (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
     };
     let correlation = |hours: f64| {
         let found = calibration.residuals.autocorrelation.iter().find(|(delay, _)| *delay == hours);
         found.map_or_else(|| "none".to_string(), |(_, correlation)| significant(*correlation, 2))
     };
-    let _ = writeln!(
-        text,
-        "rest    {} m (root mean square of measurement less model); correlation {} after an hour, {} after a day",
-        significant(calibration.residuals.rms, 3),
-        correlation(1.0),
-        correlation(24.0)
-    );
-    text
+    let rest = significant(calibration.residuals.rms, 3);
+    let (hour, day) = (correlation(1.0), correlation(24.0));
+    format!(
+        "data    {samples} samples in {length}\n\
+         slips   {slips} seen, {usual} of them alone and of the usual size\n\
+         method  {method}; intervals: blocks of three days weighted at random\n\
+         lag     {lag}\n\
+         rest    {rest} m (root mean square of measurement less model); correlation {hour} after an hour, {day} after a day\n"
+    )
 }
 
 /// The table of the paper: the result from each starting point of the least squares, and the
@@ -109,9 +96,7 @@ fn starts(calibration: &Calibration) -> String {
     for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
         rows.push(Row::labelled(name, all.iter().map(|moments| cell(moments[k]))));
     }
-    let mut text = "Starts of the least squares (err in m2):\n".to_string();
-    text += &aligned(&rows, GAP);
     let legend = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
                   how far the minimum is from the truth.";
-    text + &wrapped(legend, "")
+    format!("Starts of the least squares (err in m2):\n{}{}", aligned(&rows, GAP), wrapped(legend, ""))
 }

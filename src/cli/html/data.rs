@@ -3,7 +3,7 @@
 use super::RunInfo;
 use crate::cli::report;
 use serde_json::{Map, Value, json};
-use stick_slip::stats::{Dimension, Summary};
+use stick_slip::stats::{Dimension, Estimate, Histogram, Summary};
 use stick_slip::store::Stored;
 use stick_slip::sums::Ends;
 
@@ -23,118 +23,100 @@ pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
         "duration": name("stick duration D", Dimension::TIME),
         "period": name("mean of x(nP) \u{2212} x(0)", Dimension::LENGTH),
     });
-    let mut data = Map::new();
-    data.insert("labels".into(), labels);
-    data.insert("sticks".into(), remark("sticks").into());
-    data.insert("drift".into(), remark("drift").into());
-    data.insert("statistics".into(), statistics(summary, info));
-    charts(summary, &mut data);
+    let about = [
+        ("labels", labels),
+        ("sticks", remark("sticks").into()),
+        ("drift", remark("drift").into()),
+        ("statistics", statistics(summary, info)),
+    ];
+    let about = about.map(|(name, value)| (name.to_string(), value));
+    let data: Map<String, Value> = about.into_iter().chain(charts(summary)).collect();
     // `<` is escaped, so that no text of the file can end the element that holds this JSON or begin
     // a comment in it.
     Value::from(data).to_string().replace('<', "\\u003c").replace('\u{2028}', "\\u2028").replace('\u{2029}', "\\u2029")
 }
 
 fn statistics(summary: &Summary, info: &RunInfo) -> Value {
-    let column = |of: &dyn Fn(&stick_slip::stats::Estimate) -> f64| {
-        numbers(&summary.estimates.iter().map(of).collect::<Vec<_>>())
-    };
-    let names: Vec<&str> = summary.estimates.iter().map(|e| e.statistic.name()).collect();
-    let units: Vec<String> =
-        summary.estimates.iter().map(|e| e.statistic.dimension().label(&info.provenance.units)).collect();
-    columns([
-        ("statistic", names.into()),
-        ("unit", units.into()),
-        ("estimate", column(&|e| e.estimate)),
-        ("standard_error", column(&|e| e.standard_error)),
-        ("low", column(&|e| e.low)),
-        ("high", column(&|e| e.high)),
-        ("bias", column(&|e| e.bias.map_or(f64::NAN, |bias| bias.estimate))),
-        ("bias_uncertainty", column(&|e| e.bias.map_or(f64::NAN, |bias| bias.uncertainty))),
+    let all = &summary.estimates;
+    let unit = |e: &Estimate| e.statistic.dimension().label(&info.provenance.units);
+    let column = |of: fn(&Estimate) -> f64| json!(all.iter().map(of).collect::<Vec<_>>());
+    // Columns are arrays of pairs, because an array keeps its order and the members of an object do
+    // not.
+    json!([
+        ["statistic", all.iter().map(|e| e.statistic.name()).collect::<Vec<_>>()],
+        ["unit", all.iter().map(unit).collect::<Vec<_>>()],
+        ["estimate", column(|e| e.estimate)],
+        ["standard_error", column(|e| e.standard_error)],
+        ["low", column(|e| e.low)],
+        ["high", column(|e| e.high)],
+        ["bias", column(|e| e.bias.map_or(f64::NAN, |bias| bias.estimate))],
+        ["bias_uncertainty", column(|e| e.bias.map_or(f64::NAN, |bias| bias.uncertainty))],
     ])
 }
 
-fn charts(summary: &Summary, data: &mut Map<String, Value>) {
-    let mut put = |name: &str, value: Value| drop(data.insert(name.into(), value));
-    let bands = &summary.bands;
+/// The charts that the run has numbers for, as columns.
+fn charts(summary: &Summary) -> Map<String, Value> {
+    let Summary { bands, stick_durations: sticks, sub_phases, periods, .. } = summary;
+    let mut charts = Map::new();
+    let mut put = |name: &str, columns: Value| drop(charts.insert(name.into(), columns));
     if bands.time.len() > 1 {
-        let quantile = |level: usize| numbers(&bands.displacement.quantiles.row(level).to_vec());
-        let fan = columns([
-            ("time", numbers(&bands.time)),
-            ("displacement_mean", numbers(&bands.displacement.mean)),
-            ("displacement_q05", quantile(0)),
-            ("displacement_q25", quantile(1)),
-            ("displacement_q50", quantile(2)),
-            ("displacement_q75", quantile(3)),
-            ("displacement_q95", quantile(4)),
+        let quantile = |level: usize| bands.displacement.quantiles.row(level).to_vec();
+        let fan = json!([
+            ["time", bands.time],
+            ["displacement_mean", bands.displacement.mean],
+            ["displacement_q05", quantile(0)],
+            ["displacement_q25", quantile(1)],
+            ["displacement_q50", quantile(2)],
+            ["displacement_q75", quantile(3)],
+            ["displacement_q95", quantile(4)],
+        ]);
+        let Ends { low, high } = &bands.static_probability_ends;
+        let share = json!([
+            ["time", bands.time],
+            ["static_probability", bands.static_probability],
+            ["static_probability_low", low],
+            ["static_probability_high", high],
         ]);
         put("fan", fan);
-        let [low, high] = ends(&bands.static_probability_ends);
-        let share = numbers(&bands.static_probability);
-        put(
-            "static",
-            columns([
-                ("time", numbers(&bands.time)),
-                ("static_probability", share),
-                ("static_probability_low", low),
-                ("static_probability_high", high),
-            ]),
-        );
+        put("static", share);
     }
-    let sticks = &summary.stick_durations;
     if sticks.completed > 0 && sticks.histogram.edges.len() > 1 {
-        let edges = &sticks.histogram.edges;
+        let Histogram { edges, counts, .. } = &sticks.histogram;
         // The bins below the shortest stick are empty, so the curve begins at the first bin that is
         // not.
-        let first = sticks.histogram.counts.iter().position(|count| *count > 0).unwrap_or(0);
-        let survival = columns([
-            ("duration", numbers(&edges[first + 1..])),
-            ("lower", numbers(&edges[first..edges.len() - 1])),
-            ("count", sticks.histogram.counts[first..].to_vec().into()),
-            ("survival", numbers(&sticks.survival[first..])),
-            ("survival_low", numbers(&sticks.survival_ends.low[first..])),
-            ("survival_high", numbers(&sticks.survival_ends.high[first..])),
+        let first = counts.iter().position(|count| *count > 0).unwrap_or(0);
+        let survival = json!([
+            ["duration", &edges[first + 1..]],
+            ["lower", &edges[first..edges.len() - 1]],
+            ["count", &counts[first..]],
+            ["survival", &sticks.survival[first..]],
+            ["survival_low", &sticks.survival_ends.low[first..]],
+            ["survival_high", &sticks.survival_ends.high[first..]],
         ]);
         put("survival", survival);
-        put("step", sticks.step.map_or(Value::Null, Value::from));
+        put("step", json!(sticks.step));
     }
-    let counts = &summary.sub_phases;
-    if let Some(last) = counts.counts.iter().rposition(|count| *count > 0) {
-        let [low, high] = ends(&counts.share_ends);
-        let cut = |values: Value| Value::from(values.as_array().map_or(Vec::new(), |all| all[..=last].to_vec()));
-        let k: Vec<usize> = (1..=last + 1).collect();
-        let shares = columns([
-            ("k", k.into()),
-            ("count", counts.counts[..=last].to_vec().into()),
-            ("share", numbers(&counts.shares[..=last])),
-            ("share_low", cut(low)),
-            ("share_high", cut(high)),
+    if let Some(last) = sub_phases.counts.iter().rposition(|count| *count > 0) {
+        let ends: Vec<[f64; 2]> = (0..=last).map(|i| sub_phases.share_ends.at(i)).collect();
+        let shares = json!([
+            ["k", (1..=last + 1).collect::<Vec<_>>()],
+            ["count", &sub_phases.counts[..=last]],
+            ["share", &sub_phases.shares[..=last]],
+            ["share_low", ends.iter().map(|ends| ends[0]).collect::<Vec<_>>()],
+            ["share_high", ends.iter().map(|ends| ends[1]).collect::<Vec<_>>()],
         ]);
         put("sub_phases", shares);
     }
-    let periods = &summary.periods;
     if !periods.time.is_empty() {
-        let [low, high] = ends(&periods.mean_ends);
-        let mean = columns([
-            ("time", numbers(&periods.time)),
-            ("mean", numbers(&periods.mean)),
-            ("mean_low", low),
-            ("mean_high", high),
-            ("variance", numbers(&periods.variance)),
+        let Ends { low, high } = &periods.mean_ends;
+        let mean = json!([
+            ["time", periods.time],
+            ["mean", periods.mean],
+            ["mean_low", low],
+            ["mean_high", high],
+            ["variance", periods.variance],
         ]);
         put("periods", mean);
     }
-}
-
-fn columns<const N: usize>(columns: [(&str, Value); N]) -> Value {
-    // The columns are an array of pairs, because an array keeps its order and the members of an
-    // object do not.
-    columns.into_iter().map(|(name, values)| json!([name, values])).collect()
-}
-
-fn ends(ends: &Ends) -> [Value; 2] {
-    [numbers(&ends.low), numbers(&ends.high)]
-}
-
-fn numbers(values: &[f64]) -> Value {
-    values.iter().map(|value| if value.is_finite() { json!(value) } else { Value::Null }).collect()
+    charts
 }

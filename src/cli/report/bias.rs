@@ -1,16 +1,15 @@
 //! The bias of the step in a report.
 
-use crate::cli::numbers::{Digits, significant};
+use crate::cli::numbers::{Digits, significant, with_error};
 use stick_slip::stats::{Bias, Estimate, Summary};
 
 /// A bias and its uncertainty, to two digits of the uncertainty; `none` where the bias is not
 /// known.
-pub(super) fn bias_cells(bias: Option<Bias>) -> [String; 2] {
-    let Some(Bias { estimate, uncertainty, .. }) = bias else {
-        return ["none".into(), String::new()];
-    };
-    let digits = Digits::of(estimate, uncertainty);
-    [digits.show(estimate), digits.show(uncertainty)]
+pub fn bias_cells(bias: Option<Bias>) -> [String; 2] {
+    match bias {
+        Some(Bias { estimate, uncertainty, .. }) => with_error(estimate, uncertainty),
+        None => ["none".into(), String::new()],
+    }
 }
 
 /// The corrected estimate to two digits of its own error. Empty where the correction does not

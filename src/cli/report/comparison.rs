@@ -1,7 +1,7 @@
 //! Several files as one table: the statistics of each, and their differences from the first file.
 
 use super::RunInfo;
-use crate::cli::numbers::{Digits, counted, wrapped};
+use crate::cli::numbers::{counted, with_error, wrapped};
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
 use stick_slip::engine::Provenance;
@@ -23,29 +23,20 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     }
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {
-        headings.extend([
-            letter.clone(),
-            "std. error".into(),
-            format!("{letter} - {}", letters[0]),
-            "std. error".into(),
-        ]);
-        headings.push(String::new());
+        let difference = format!("{letter} - {}", letters[0]);
+        headings.extend([letter, "std. error", &difference, "std. error", ""].map(String::from));
     }
     let mut rows = vec![Row::labelled("statistic", headings)];
     for statistic in Statistic::ALL {
         let first = summaries[0].estimate(statistic);
-        let digits = Digits::of(first.estimate, first.standard_error);
-        let mut cells = vec![digits.show(first.estimate), digits.show(first.standard_error)];
+        let mut cells = with_error(first.estimate, first.standard_error).to_vec();
         for summary in &summaries[1..] {
             let other = summary.estimate(statistic);
-            let digits = Digits::of(other.estimate, other.standard_error);
-            let (difference, error) =
-                (other.estimate - first.estimate, first.standard_error.hypot(other.standard_error));
-            let of_difference = Digits::of(difference, error);
-            let is_clear = difference.abs() > INTERVAL * error;
-            cells.extend([digits.show(other.estimate), digits.show(other.standard_error)]);
-            cells.extend([of_difference.show(difference), of_difference.show(error)]);
-            cells.push(if is_clear { "*".into() } else { String::new() });
+            let difference = other.estimate - first.estimate;
+            let error = first.standard_error.hypot(other.standard_error);
+            cells.extend(with_error(other.estimate, other.standard_error));
+            cells.extend(with_error(difference, error));
+            cells.push(if difference.abs() > INTERVAL * error { "*".into() } else { String::new() });
         }
         rows.push(Row::labelled(statistic.name(), cells));
     }
@@ -65,13 +56,9 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
     let mut legend = "errors of differences are those of independent runs; * marks a difference beyond 1.96 \
                       of them, which chance alone produces once in twenty"
         .to_string();
-    let same: Vec<&str> = letters
-        .iter()
-        .zip(infos)
-        .skip(1)
-        .filter(|(_, info)| info.provenance.seed == infos[0].provenance.seed)
-        .map(|l| l.0.as_str())
-        .collect();
+    let first = &infos[0].provenance;
+    let same = letters.iter().zip(infos).skip(1).filter(|(_, info)| info.provenance.seed == first.seed);
+    let same: Vec<&str> = same.map(|(letter, _)| letter.as_str()).collect();
     if !same.is_empty() {
         let _ = write!(
             legend,
@@ -82,9 +69,8 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
             same.join(", ")
         );
     }
-    if infos.iter().any(|info| {
-        info.provenance.scheme != infos[0].provenance.scheme || info.provenance.step != infos[0].provenance.step
-    }) {
+    let differs = |other: &Provenance| other.scheme != first.scheme || other.step != first.step;
+    if infos.iter().any(|info| differs(&info.provenance)) {
         legend.push_str(". Differences contain the biases of the steps");
     }
     legend

@@ -24,13 +24,13 @@ pub struct Csv {
     /// The keys of the scenario in which points of sweeps differ, in the order in which they first
     /// appeared.
     keys: Vec<String>,
-    lines: Vec<Line>,
+    lines: Vec<CsvLine>,
 }
 
-struct Line {
+struct CsvLine {
     file: String,
-    /// The keys that are set for this line, by their index in the list of keys, and their values.
-    at: Vec<(usize, f64)>,
+    /// The keys that are set for this line, and their values.
+    at: Vec<(String, f64)>,
     statistic: &'static str,
     unit: String,
     numbers: [f64; NUMBERS.len()],
@@ -40,17 +40,14 @@ impl Csv {
     /// Adds the statistics of one file, or of one point of a sweep, where `at` holds the keys that
     /// are set at that point.
     pub fn add(&mut self, file: &str, at: &[(String, f64)], estimates: &[Estimate], units: &Units) {
-        let mut places = Vec::new();
-        for (key, value) in at {
-            let place = self.keys.iter().position(|other| other == key).unwrap_or_else(|| {
+        for (key, _) in at {
+            if !self.keys.contains(key) {
                 self.keys.push(key.clone());
-                self.keys.len() - 1
-            });
-            places.push((place, *value));
+            }
         }
-        self.lines.extend(estimates.iter().map(|e| Line {
+        self.lines.extend(estimates.iter().map(|e| CsvLine {
             file: file.to_string(),
-            at: places.clone(),
+            at: at.to_vec(),
             statistic: e.statistic.name(),
             unit: e.statistic.dimension().label(units),
             numbers: numbers(e),
@@ -73,9 +70,9 @@ impl Csv {
         let keys = self.keys.iter().map(String::as_str);
         let headings = ["file"].into_iter().chain(keys).chain(["statistic", "unit"]).chain(NUMBERS);
         let mut text = line(headings.map(String::from));
-        for Line { file, at, statistic, unit, numbers } in &self.lines {
-            let of_key = |k: usize| at.iter().find(|(place, _)| *place == k).map_or(f64::NAN, |(_, value)| *value);
-            let keys = (0..self.keys.len()).map(|k| number(of_key(k)));
+        for CsvLine { file, at, statistic, unit, numbers } in &self.lines {
+            let of_key = |key: &String| at.iter().find(|(set, _)| set == key).map_or(f64::NAN, |(_, value)| *value);
+            let keys = self.keys.iter().map(|key| number(of_key(key)));
             let words = [statistic.to_string(), unit.clone()];
             let cells = [file.clone()].into_iter().chain(keys).chain(words).chain(numbers.map(number));
             text.push_str(&line(cells));

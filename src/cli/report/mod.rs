@@ -24,7 +24,7 @@ mod remarks;
 mod sample;
 mod statistics;
 
-pub use bias::dominating_bias;
+pub use bias::{bias_cells, dominating_bias};
 pub use citation::citation;
 pub use comparison::comparison;
 pub use csv::Csv;

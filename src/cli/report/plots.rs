@@ -56,7 +56,6 @@ fn octaves(sticks: &StickDurations) -> Vec<Octave> {
     let (Some(last), true) = (sticks.histogram.counts.iter().rposition(|count| *count > 0), total > 0) else {
         return Vec::new();
     };
-    let end = |ends: &[f64], i: usize| ends.get(i).copied().unwrap_or(f64::NAN);
     let mut octaves: Vec<Octave> = Vec::new();
     let (mut count, mut next) = (0, f64::NEG_INFINITY);
     for i in 0..=last {
@@ -68,8 +67,8 @@ fn octaves(sticks: &StickDurations) -> Vec<Octave> {
         // The edges are rounded, so a little less than an octave counts as an octave.
         if upper >= 0.999 * next || i == last {
             let share = count as f64 / total as f64;
-            let survival = [sticks.survival[i], end(&sticks.survival_ends.low, i), end(&sticks.survival_ends.high, i)];
-            octaves.push(Octave { upper, share, survival });
+            let [low, high] = sticks.survival_ends.at(i);
+            octaves.push(Octave { upper, share, survival: [sticks.survival[i], low, high] });
             (count, next) = (0, 2.0 * upper);
         }
     }
@@ -84,10 +83,10 @@ fn octaves(sticks: &StickDurations) -> Vec<Octave> {
 
 fn sub_phases(counts: &SubPhaseCounts, letters: Letters) -> String {
     let Some(last) = counts.counts.iter().rposition(|count| *count > 0) else { return "no slip has ended\n".into() };
-    let end = |ends: &[f64], i: usize| ends.get(i).copied().filter(|x| x.is_finite()).map_or("none".into(), percent);
+    let end = |x: f64| if x.is_finite() { percent(x) } else { "none".into() };
     let mut rows = vec![["sub-phases", "share", "", "", "95 %", "interval", ""].map(String::from)];
     for (i, share) in counts.shares.iter().enumerate().take((last + 1).min(ROWS)) {
-        let (low, high) = (end(&counts.share_ends.low, i), end(&counts.share_ends.high, i));
+        let [low, high] = counts.share_ends.at(i).map(end);
         let name =
             if i + 1 == ROWS && last + 1 > ROWS { format!("{} (of {})", i + 1, last + 1) } else { (i + 1).to_string() };
         rows.push([name, percent(*share), letters.bar(*share, CELLS), String::new(), low, high, String::new()]);

@@ -108,7 +108,7 @@ fn table(summary: &Summary, units: &Units) -> Vec<Line> {
     let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.estimates.iter().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note)| Line { row: Row { note, ..row(e, has_bias) }, reason: summary.absence(e) };
+    let of = |(e, note)| Line { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
     let lines = summary.estimates.iter().zip(labels).map(of);
     std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
 }
@@ -119,16 +119,15 @@ fn headings(has_bias: bool, has_unit: bool) -> Row {
         true => &["estimate", "std. error", "95 % interval", "", "bias", "+-", "corrected"],
         false => &["estimate", "std. error", "95 % interval", ""],
     };
-    let note = if has_unit { "unit".to_string() } else { String::new() };
-    Row { note, ..Row::labelled("statistic", headings.iter().map(|heading| heading.to_string())) }
+    Row::labelled("statistic", headings.iter().copied()).noted(if has_unit { "unit" } else { "" })
 }
 
 /// The row of one statistic, with as many digits as its standard error justifies.
 fn row(e: &Estimate, has_bias: bool) -> Row {
     let digits = Digits::of(e.estimate, e.standard_error);
     let has_interval = e.low.is_finite() && e.high.is_finite();
-    let mut cells = vec![digits.show(e.estimate), digits.show(e.standard_error)];
-    cells.extend(if has_interval { [e.low, e.high].map(|x| digits.show(x)) } else { ["none".into(), String::new()] });
+    let mut cells = digits.show_all([e.estimate, e.standard_error]).to_vec();
+    cells.extend(if has_interval { digits.show_all([e.low, e.high]) } else { ["none".into(), String::new()] });
     if has_bias {
         cells.extend(bias_cells(e.bias));
         cells.push(corrected_cell(e));

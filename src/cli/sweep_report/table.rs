@@ -1,7 +1,8 @@
 //! The report of a sweep for people: a table for each statistic, the gain from common seeds, and
 //! elasticities sorted by size.
 
-use crate::cli::numbers::{Digits, counted, duration, grouped, significant, wrapped};
+use crate::cli::numbers::{Digits, counted, duration, grouped, significant, with_error, wrapped};
+use crate::cli::report::bias_cells;
 use crate::cli::table::{Row, aligned};
 use std::fmt::Write as _;
 use std::path::Path;
@@ -63,7 +64,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> String {
     if is_line {
         headings.extend(["to the next", "std. error", "gain"].map(String::from));
     }
-    let mut rows = vec![Row { cells: headings, note: String::new() }];
+    let mut rows = vec![Row { cells: headings, ..Row::default() }];
     for (p, point) in sweep.points.iter().enumerate().take(MOST_ROWS) {
         let mut cells: Vec<String> = design.settings(p).iter().map(|setting| significant(setting.value, 12)).collect();
         match point {
@@ -73,7 +74,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> String {
         if let Some(paired) = sweep.difference(p, 0, statistic).filter(|_| is_line) {
             cells.extend(paired_cells(&paired));
         }
-        rows.push(Row { cells, note: String::new() });
+        rows.push(Row { cells, ..Row::default() });
     }
     let mut text = format!("\n{}\n{}", statistic.name(), aligned(&rows, GAP));
     if sweep.points.len() > MOST_ROWS {
@@ -83,24 +84,18 @@ fn points(sweep: &Sweep, statistic: Statistic) -> String {
 }
 
 fn estimate_cells(e: &Estimate, has_bias: bool) -> Vec<String> {
-    let digits = Digits::of(e.estimate, e.standard_error);
-    let mut cells = [e.estimate, e.standard_error, e.low, e.high].map(|x| digits.show(x)).to_vec();
+    let numbers = [e.estimate, e.standard_error, e.low, e.high];
+    let mut cells = Digits::of(e.estimate, e.standard_error).show_all(numbers).to_vec();
     if has_bias {
-        cells.extend(match e.bias {
-            Some(bias) => {
-                let digits = Digits::of(bias.estimate, bias.uncertainty);
-                [digits.show(bias.estimate), digits.show(bias.uncertainty)]
-            }
-            None => ["none".to_string(), String::new()],
-        });
+        cells.extend(bias_cells(e.bias));
     }
     cells
 }
 
 /// A number, its standard error, and the gain from common seeds.
 fn paired_cells(Paired { measurement, gain }: &Paired) -> [String; 3] {
-    let digits = Digits::of(measurement.estimate, measurement.standard_error);
-    [digits.show(measurement.estimate), digits.show(measurement.standard_error), gain_cell(*gain)]
+    let [estimate, error] = with_error(measurement.estimate, measurement.standard_error);
+    [estimate, error, gain_cell(*gain)]
 }
 
 fn gain_cell(gain: f64) -> String {
@@ -127,7 +122,7 @@ fn gains(sweep: &Sweep) -> String {
 
 /// The elasticities of one statistic, sorted from the largest to the smallest.
 fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> String {
-    let headings = ["value", "elasticity", "std. error", "95 % interval", "", "gain"].map(String::from);
+    let headings = ["value", "elasticity", "std. error", "95 % interval", "", "gain"];
     let mut rows = vec![Row::labelled(statistic.name(), headings)];
     let paired = |key: usize| sweep.elasticity(key, statistic).unwrap_or(Paired::NOTHING);
     let mut order: Vec<(usize, Paired)> = (0..keys.len()).map(|key| (key, paired(key))).collect();
@@ -137,12 +132,12 @@ fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> 
     for (key, paired) in order {
         let (name, value) = &keys[key];
         let m = paired.measurement;
-        let digits = Digits::of(m.estimate, m.standard_error);
+        let numbers = [m.estimate, m.standard_error, m.low, m.high];
         let mut cells = vec![significant(*value, 6)];
-        cells.extend([m.estimate, m.standard_error, m.low, m.high].map(|x| digits.show(x)));
+        cells.extend(Digits::of(m.estimate, m.standard_error).show_all(numbers));
         cells.push(gain_cell(paired.gain));
         let note = if m.estimate.is_nan() { "(the statistic does not exist, or may be zero)" } else { "" };
-        rows.push(Row { note: note.to_string(), ..Row::labelled(name.clone(), cells) });
+        rows.push(Row::labelled(name, cells).noted(note));
     }
     format!("\n{}", aligned(&rows, GAP))
 }

@@ -12,6 +12,7 @@ use std::path::Path;
 use std::time::Duration;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
+use stick_slip::study::trade::{Standing, Trade};
 
 /// What was asked for.
 pub struct Asked<'a> {
@@ -25,6 +26,16 @@ pub struct Asked<'a> {
     pub budget: Duration,
     /// The number of threads that measured.
     pub threads: usize,
+}
+
+/// The names of the statistics that no accuracy can be asked for, with the reason that they share.
+pub fn without_answer(trade: &Trade) -> Vec<(String, Standing)> {
+    let reasons = [Standing::Zero, Standing::NoLimit, Standing::Absent].into_iter();
+    let named = reasons.map(|reason| {
+        let here = Statistic::ALL.into_iter().filter(|statistic| trade.standing(*statistic) == reason);
+        (here.map(Statistic::name).collect::<Vec<_>>().join(", "), reason)
+    });
+    named.filter(|(names, _)| !names.is_empty()).collect()
 }
 
 /// Half the width of a 95 % interval, in standard errors.

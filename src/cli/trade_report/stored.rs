@@ -9,8 +9,7 @@ use stick_slip::store::{Cheapest, CheapestRun, StoredTrade};
 
 /// The table for people: the cheapest run for each statistic and target.
 pub fn stored_table(trade: &StoredTrade) -> String {
-    let headings = ["error", "scheme", "step or tolerance", "paths", "CPU time"];
-    let mut rows = vec![Row::labelled("statistic", headings.map(String::from))];
+    let mut rows = vec![Row::labelled("statistic", ["error", "scheme", "step or tolerance", "paths", "CPU time"])];
     let mut last = None;
     for Cheapest { statistic, target, run } in &trade.cheapest {
         let cells = match run {

@@ -1,7 +1,7 @@
 //! The report of a trade for people: tables of costs, biases, orders of convergence, and the
 //! cheapest runs.
 
-use super::{Asked, INTERVAL};
+use super::{Asked, INTERVAL, without_answer};
 use crate::cli::accuracy::pairs;
 use crate::cli::numbers::{percent, significant, time, wrapped};
 use crate::cli::table::{Row, aligned};
@@ -15,7 +15,6 @@ const GAP: &str = " ";
 
 /// The report as text, at most 120 columns wide.
 pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
-    let mut text = format!("{}\n", asked.scenario.title);
     let reference = trade.reference();
     let opening = format!(
         "Costs: CPU on one thread. Biases: percent, with half the 95 % interval, against {} ({} paths); in percent of the \
@@ -23,36 +22,19 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
          shown to three digits.",
         reference.scheme, reference.paths
     );
-    text.push_str(&wrapped(&opening, ""));
-    for scheme in trade.schemes() {
-        text.push('\n');
-        text.push_str(&scheme_table(trade, scheme));
-    }
-    text.push('\n');
-    text.push_str(&deviations(trade));
-    for target in TARGETS {
-        text.push('\n');
-        text.push_str(&winners(trade, target));
-    }
-    text.push('\n');
     let legend = "Cheapest run of each scheme: step or tolerance, x paths, CPU time; * the cheapest of all. A step in brackets was not \
                   run: its bias is that of the fitted law. Paths marked p are antithetic pairs (`--set \
                   ensemble.antithetic=true`). `bias b`: no setting has a smaller bias than b. `bias? b`: the bias is \
                   known only to b, and a larger budget says more. A bias counts with its upper bound (one-sided 95 %).";
-    text.push_str(&wrapped(legend, ""));
-    text.push_str(&commands(trade, asked));
-    text.push('\n');
-    for standing in [Standing::Zero, Standing::NoLimit, Standing::Absent] {
-        let here = Statistic::ALL.into_iter().filter(|statistic| trade.standing(*statistic) == standing);
-        let names: Vec<&str> = here.map(Statistic::name).collect();
-        if !names.is_empty() {
-            text.push_str(&wrapped(&format!("{}: {standing}", names.join(", ")), "  "));
-        }
-    }
-    for LeftOut { what, why } in &trade.left_out {
-        text.push_str(&wrapped(&format!("not run: {what}: {why}"), "  "));
-    }
-    text
+    let without = without_answer(trade).into_iter().map(|(names, reason)| format!("{names}: {reason}"));
+    let left_out = trade.left_out.iter().map(|LeftOut { what, why }| format!("not run: {what}: {why}"));
+    let mut parts = vec![format!("{}\n{}", asked.scenario.title, wrapped(&opening, ""))];
+    parts.extend(trade.schemes().into_iter().map(|scheme| scheme_table(trade, scheme)));
+    parts.push(deviations(trade));
+    parts.extend(TARGETS.map(|target| winners(trade, target)));
+    parts.push(wrapped(legend, "") + &commands(trade, asked));
+    parts.push(without.chain(left_out).map(|line| wrapped(&line, "  ")).collect());
+    parts.join("\n")
 }
 
 /// The commands of the cheapest runs for the statistic that is shown, ready to paste. They have

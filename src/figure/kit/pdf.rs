@@ -1,6 +1,7 @@
 //! A scene as PDF: letters as text in an embedded font, shapes as vector paths.
 
 use super::face::Face;
+use super::label::Run;
 use super::scene::{Colour, Item, Path, Scene, Step, Stroke};
 use krilla::color::rgb;
 use krilla::geom::{PathBuilder, Point, Transform};
@@ -44,18 +45,7 @@ fn draw(surface: &mut Surface, item: &Item, fonts: &[Font]) {
             }
             surface.set_fill(Some(filled(*colour)));
             surface.set_stroke(None);
-            for run in &label.runs {
-                let glyph = |(at, c): (usize, char)| {
-                    let glyph = run.face.glyph(c);
-                    let advance = run.face.advance(glyph) as f32;
-                    KrillaGlyph::new(GlyphId::new(glyph), advance, 0.0, 0.0, 0.0, at..at + c.len_utf8(), None)
-                };
-                let glyphs: Vec<KrillaGlyph> = run.text.char_indices().map(glyph).collect();
-                let start = Point::from_xy((run.at[0] * size) as f32, (-run.at[1] * size) as f32);
-                if let Some(font) = fonts.get(run.face as usize) {
-                    surface.draw_glyphs(start, &glyphs, font.clone(), &run.text, (run.size * size) as f32, false);
-                }
-            }
+            label.runs.iter().for_each(|run| draw_run(surface, run, *size, fonts));
             if *upwards {
                 surface.pop();
             }
@@ -75,35 +65,41 @@ fn draw(surface: &mut Surface, item: &Item, fonts: &[Font]) {
     }
 }
 
+/// Draws letters of one typeface and size, in a label of this size.
+fn draw_run(surface: &mut Surface, run: &Run, size: f64, fonts: &[Font]) {
+    let glyph = |(at, c): (usize, char)| {
+        let glyph = run.face.glyph(c);
+        let advance = run.face.advance(glyph) as f32;
+        KrillaGlyph::new(GlyphId::new(glyph), advance, 0.0, 0.0, 0.0, at..at + c.len_utf8(), None)
+    };
+    let glyphs: Vec<KrillaGlyph> = run.text.char_indices().map(glyph).collect();
+    let start = Point::from_xy((run.at[0] * size) as f32, (-run.at[1] * size) as f32);
+    if let Some(font) = fonts.get(run.face as usize) {
+        surface.draw_glyphs(start, &glyphs, font.clone(), &run.text, (run.size * size) as f32, false);
+    }
+}
+
 fn outline(path: &Path) -> Option<krilla::geom::Path> {
     let mut builder = PathBuilder::new();
+    let single = |point: [f64; 2]| point.map(|x| x as f32);
     for step in &path.0 {
-        match step.map(|x| x as f32) {
-            Step32::Move([x, y]) => builder.move_to(x, y),
-            Step32::Line([x, y]) => builder.line_to(x, y),
-            Step32::Curve([ax, ay], [bx, by], [x, y]) => builder.cubic_to(ax, ay, bx, by, x, y),
-            Step32::Close => builder.close(),
+        match *step {
+            Step::Move(to) => {
+                let [x, y] = single(to);
+                builder.move_to(x, y);
+            }
+            Step::Line(to) => {
+                let [x, y] = single(to);
+                builder.line_to(x, y);
+            }
+            Step::Curve(a, b, to) => {
+                let [[ax, ay], [bx, by], [x, y]] = [a, b, to].map(single);
+                builder.cubic_to(ax, ay, bx, by, x, y);
+            }
+            Step::Close => builder.close(),
         }
     }
     builder.finish()
-}
-
-enum Step32 {
-    Move([f32; 2]),
-    Line([f32; 2]),
-    Curve([f32; 2], [f32; 2], [f32; 2]),
-    Close,
-}
-
-impl Step {
-    fn map(&self, f: impl Fn(f64) -> f32) -> Step32 {
-        match self {
-            Step::Move(to) => Step32::Move(to.map(f)),
-            Step::Line(to) => Step32::Line(to.map(f)),
-            Step::Curve(a, b, to) => Step32::Curve(a.map(&f), b.map(&f), to.map(&f)),
-            Step::Close => Step32::Close,
-        }
-    }
 }
 
 fn filled(colour: Colour) -> Fill {

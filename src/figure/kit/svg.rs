@@ -3,7 +3,8 @@
 
 use super::escape::escaped;
 use super::face::Face;
-use super::scene::{Colour, Item, Path, Rect, Scene, Step};
+use super::label::{Label, Run};
+use super::scene::{Colour, Item, Path, Rect, Scene, Step, Stroke};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
@@ -49,75 +50,78 @@ struct Writer {
 impl Writer {
     fn items(&mut self, items: &[Item]) {
         for item in items {
-            self.item(item);
+            match item {
+                Item::Shape { path, fill, stroke } => {
+                    let look = filled(*fill) + &stroke.as_ref().map_or_else(String::new, stroked);
+                    let _ = writeln!(self.body, "<path d=\"{}\" {look}/>", data(path));
+                }
+                Item::Words { label, at, size, colour, upwards } => {
+                    let turn = if *upwards { " rotate(-90)" } else { "" };
+                    let (words, fill) = (one_line(&label.words()), hex(*colour));
+                    let look = format!("role=\"img\" aria-label=\"{words}\" fill=\"{fill}\"");
+                    self.group(&format!("{look} transform=\"{}{turn}\"", moved(*at)), |inside| {
+                        inside.words(label, *size)
+                    });
+                }
+                Item::Clipped { inside: clip, items } => {
+                    let clip_path = format!("clip-path=\"url(#c{})\"", self.clips.len());
+                    self.clips.push(*clip);
+                    self.group(&clip_path, |inside| inside.items(items));
+                }
+                Item::Moved { by, items } => {
+                    self.group(&format!("transform=\"{}\"", moved(*by)), |inside| inside.items(items));
+                }
+            }
         }
     }
 
-    fn item(&mut self, item: &Item) {
-        match item {
-            Item::Shape { path, fill, stroke } => {
-                let mut look = match fill {
-                    Some(colour) => format!("fill=\"{}\"", hex(*colour)) + &opacity("fill-opacity", *colour),
-                    None => "fill=\"none\"".to_string(),
-                };
-                if let Some(stroke) = stroke {
-                    let _ = write!(
-                        look,
-                        " stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"",
-                        hex(stroke.colour),
-                        number(stroke.width)
-                    );
-                    look += &opacity("stroke-opacity", stroke.colour);
-                    if !stroke.dash.is_empty() {
-                        let dash: Vec<String> = stroke.dash.iter().map(|length| number(*length)).collect();
-                        let _ = write!(look, " stroke-dasharray=\"{}\"", dash.join(" "));
-                    }
+    /// Writes what `inside` writes as a group with these attributes.
+    fn group(&mut self, attributes: &str, inside: impl FnOnce(&mut Self)) {
+        let _ = writeln!(self.body, "<g {attributes}>");
+        inside(self);
+        self.body.push_str("</g>\n");
+    }
+
+    fn words(&mut self, label: &Label, size: f64) {
+        for Run { face, size: share, at, text } in &label.runs {
+            let scale = format!("{:.5}", share * size / face.em());
+            let mut pen = at[0] * size;
+            for c in text.chars() {
+                let glyph = face.glyph(c);
+                if !c.is_whitespace() {
+                    self.glyphs.insert((*face, glyph));
+                    let (name, to) = (name(*face, glyph), moved([pen, -at[1] * size]));
+                    let _ =
+                        writeln!(self.body, "<use xlink:href=\"#{name}\" transform=\"{to} scale({scale} -{scale})\"/>");
                 }
-                let _ = writeln!(self.body, "<path d=\"{}\" {look}/>", data(path));
-            }
-            Item::Words { label, at: [x, y], size, colour, upwards } => {
-                let turn = if *upwards { " rotate(-90)" } else { "" };
-                let _ = writeln!(
-                    self.body,
-                    "<g role=\"img\" aria-label=\"{}\" fill=\"{}\" transform=\"translate({} {}){turn}\">",
-                    one_line(&label.words()),
-                    hex(*colour),
-                    number(*x),
-                    number(*y)
-                );
-                for run in &label.runs {
-                    let mut pen = run.at[0] * size;
-                    for c in run.text.chars() {
-                        let glyph = run.face.glyph(c);
-                        if !c.is_whitespace() {
-                            self.glyphs.insert((run.face, glyph));
-                            let scale = format!("{:.5}", run.size * size / run.face.em());
-                            let _ = writeln!(
-                                self.body,
-                                "<use xlink:href=\"#{}\" transform=\"translate({} {}) scale({scale} -{scale})\"/>",
-                                name(run.face, glyph),
-                                number(pen),
-                                number(-run.at[1] * size)
-                            );
-                        }
-                        pen += run.size * size * run.face.advance(glyph);
-                    }
-                }
-                self.body.push_str("</g>\n");
-            }
-            Item::Clipped { inside, items } => {
-                let _ = writeln!(self.body, "<g clip-path=\"url(#c{})\">", self.clips.len());
-                self.clips.push(*inside);
-                self.items(items);
-                self.body.push_str("</g>\n");
-            }
-            Item::Moved { by: [x, y], items } => {
-                let _ = writeln!(self.body, "<g transform=\"translate({} {})\">", number(*x), number(*y));
-                self.items(items);
-                self.body.push_str("</g>\n");
+                pen += share * size * face.advance(glyph);
             }
         }
     }
+}
+
+/// The attributes of an area.
+fn filled(fill: Option<Colour>) -> String {
+    match fill {
+        Some(colour) => format!("fill=\"{}\"", hex(colour)) + &opacity("fill-opacity", colour),
+        None => "fill=\"none\"".to_string(),
+    }
+}
+
+/// The attributes of an outline, behind those of an area.
+fn stroked(stroke: &Stroke) -> String {
+    let (colour, width) = (hex(stroke.colour), number(stroke.width));
+    let mut look = format!(" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
+    look += &opacity("stroke-opacity", stroke.colour);
+    if !stroke.dash.is_empty() {
+        let dash: Vec<String> = stroke.dash.iter().map(|length| number(*length)).collect();
+        let _ = write!(look, " stroke-dasharray=\"{}\"", dash.join(" "));
+    }
+    look
+}
+
+fn moved([x, y]: [f64; 2]) -> String {
+    format!("translate({} {})", number(x), number(y))
 }
 
 /// The identifier of a glyph within the file.
