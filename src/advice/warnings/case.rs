@@ -1,7 +1,7 @@
 //! A scenario with the numbers that its warnings depend on.
 
-use super::noise::NoisyStep;
-use super::quasi_static::Slip;
+use super::noisy_step::NoisyStep;
+use super::slip::Slip;
 use crate::advice::derived::Derived;
 use crate::scenario::Scenario;
 use crate::scheme::Discretisation;
@@ -37,4 +37,9 @@ impl<'a> Case<'a> {
     pub fn noisy_step(&self) -> Option<&NoisyStep> {
         self.checked.as_ref().or(self.corrected.as_ref())
     }
+}
+
+/// The sentence of a warning that concerns one thing, where it is due.
+pub(super) fn when(is_due: bool, sentence: impl FnOnce() -> String) -> Vec<String> {
+    if is_due { vec![sentence()] } else { Vec::new() }
 }

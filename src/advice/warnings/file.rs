@@ -1,7 +1,6 @@
 //! Warnings about the file of a run and about its memory.
 
-use super::case::Case;
-use super::when;
+use super::case::{Case, when};
 use crate::numbers::bytes;
 
 /// More rows of the output grid than this are worth a warning.

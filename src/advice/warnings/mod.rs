@@ -6,9 +6,11 @@
 mod case;
 mod file;
 mod noise;
+mod noisy_step;
 mod quasi_static;
 mod question;
 mod series;
+mod slip;
 mod step;
 
 use crate::scenario::Scenario;
@@ -79,11 +81,6 @@ const ALL: [Row; 26] = [
     row("many-rows", Class::Other, file::many_rows),
     row("large-output", Class::Other, file::large_output),
 ];
-
-/// The sentence of a warning that concerns one thing, where it is due.
-fn when(is_due: bool, sentence: impl FnOnce() -> String) -> Vec<String> {
-    if is_due { vec![sentence()] } else { Vec::new() }
-}
 
 impl Warning {
     /// The names of all warnings.

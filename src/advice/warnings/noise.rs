@@ -1,67 +1,10 @@
 //! Warnings about stick exits under noise, which a scheme checks only once a step, or corrects for
 //! this, or resolves only down to a limit.
 
-use super::case::Case;
-use super::when;
-use crate::advice::derived::Derived;
-use crate::model::{Friction, Model};
+use super::case::{Case, when};
+use super::noisy_step::NoisyStep;
 use crate::numbers::short;
-use crate::scheme::{Resolution, monitoring_shift};
-
-/// A step under noise, with the numbers that decide what it does to sticks.
-pub(super) struct NoisyStep {
-    h: f64,
-    friction: Friction,
-    /// Friction ratio f_d/f_s.
-    friction_ratio: f64,
-    /// 0.5826 K beta rho sigma sqrt(h): how far the force has passed f_s on average when a step
-    /// detects it.
-    shift: f64,
-    /// Time in which the noise crosses the corridor of a stick, (f_s / (K beta rho sigma))^2.
-    crossing_time: f64,
-    /// Time in which a slip may turn back, ((f_s - f_d) / (K beta rho sigma))^2.
-    return_time: f64,
-}
-
-impl NoisyStep {
-    /// None without noise, and none without friction, where there are no sticks.
-    pub(super) fn of(model: &Model, derived: &Derived, h: f64) -> Option<Self> {
-        let crossing_time = derived.corridor_time.filter(|time| *time > 0.0)?;
-        let friction_ratio = derived.friction_ratio?;
-        Some(NoisyStep {
-            h,
-            friction: model.friction,
-            friction_ratio,
-            shift: monitoring_shift(model, h),
-            crossing_time,
-            return_time: crossing_time * (1.0 - friction_ratio).powi(2),
-        })
-    }
-
-    /// The gap f_s - f_d between the two thresholds.
-    fn gap(&self) -> f64 {
-        self.friction.static_force - self.friction.dynamic_force
-    }
-
-    /// f_s = f_d under noise: the numbers and durations of sticks are properties of the step, not
-    /// of the model.
-    fn has_equal_friction(&self) -> bool {
-        self.friction_ratio == 1.0
-    }
-
-    /// The noise crosses a large part of the corridor of a stick within one step.
-    fn crosses_corridor(&self) -> bool {
-        self.shift > LARGE_OVERSHOOT * self.friction.static_force
-    }
-
-    /// The corrected scheme lowers f_s no further than to f_d, but its shift is larger than that.
-    fn exceeds_gap(&self) -> bool {
-        self.shift > self.gap()
-    }
-}
-
-/// A mean overshoot above this share of f_s makes a stick exit meaningless.
-const LARGE_OVERSHOOT: f64 = 1.0 / 3.0;
+use crate::scheme::Resolution;
 
 pub(super) fn against_corridor(case: &Case) -> Vec<String> {
     let Some(step) = &case.checked else { return Vec::new() };

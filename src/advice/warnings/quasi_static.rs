@@ -1,63 +1,8 @@
 //! Warnings about the quasi-static recursion, which takes the forcing as constant during a slip.
 
-use super::case::Case;
-use super::when;
-use crate::model::{Model, StepResponse};
+use super::case::{Case, when};
+use super::slip::Slip;
 use crate::numbers::short;
-
-/// A slip of the recursion, and what the forcing does during it.
-pub(super) struct Slip {
-    /// Duration of the slip: pi/w0 without damping.
-    duration: f64,
-    /// By how much, roughly, the force changes in that time.
-    change: f64,
-    /// The force that the slip releases: 2 (f_s - f_d) without damping.
-    released: f64,
-    /// The largest rate at which harmonics and series change the force.
-    rate: f64,
-    /// The rate from which on the slip does not end.
-    limit: f64,
-    /// Whether slips move the body, which they do not where f_s = f_d.
-    moves: bool,
-}
-
-impl Slip {
-    pub fn of(model: &Model) -> Self {
-        let Model { oscillator, friction, temperature, .. } = model;
-        let swing = StepResponse::new(oscillator);
-        let duration = swing.duration;
-        let series = temperature.series.as_ref();
-        let rates = temperature.harmonics.iter().map(|h| h.amplitude.abs() * h.angular_frequency);
-        let rates = rates.chain(series.map(|series| series.steepest()));
-        // A harmonic, however fast, changes by no more than twice its amplitude, and measured
-        // values by no more than their range.
-        let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
-        let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0));
-        let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
-        let noise = temperature.noises().map(|noise| {
-            let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();
-            noise.intensity * spread
-        });
-        let noise = noise.fold(0.0, f64::hypot);
-        let to_force = oscillator.force_per_temperature().abs();
-        let gap = friction.static_force - friction.dynamic_force;
-        // A slip ends because the body swings back faster than the forcing moves on, or because of
-        // the noise.
-        let swings_back = swing.return_speed * oscillator.natural_frequency() * gap;
-        Slip {
-            duration,
-            change: to_force * (harmonics + noise),
-            released: (1.0 + swing.overshoot) * gap,
-            rate: to_force * rates.sum::<f64>(),
-            limit: swings_back + to_force * noise / duration,
-            moves: gap != 0.0,
-        }
-    }
-
-    fn creeps(&self) -> bool {
-        self.moves && self.rate > self.limit && self.change <= self.released
-    }
-}
 
 pub(super) fn never_moves(case: &Case) -> Vec<String> {
     when(case.slip.as_ref().is_some_and(|slip| !slip.moves), || {

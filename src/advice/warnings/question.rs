@@ -1,7 +1,6 @@
 //! Warnings about the question itself, whatever scheme answers it.
 
-use super::case::Case;
-use super::when;
+use super::case::{Case, when};
 use crate::advice::amplitude::NEVER_SD;
 use crate::numbers::short;
 use crate::scenario::MAX_PERIODS;

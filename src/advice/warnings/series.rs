@@ -1,7 +1,6 @@
 //! Warnings about a measured temperature.
 
-use super::case::Case;
-use super::when;
+use super::case::{Case, when};
 
 /// The file of the series was not sound, and was repaired as it was read.
 pub(super) fn repaired_series(case: &Case) -> Vec<String> {

@@ -1,7 +1,6 @@
 //! Warnings about a step that is too long for the oscillator, the forcing or the noise.
 
-use super::case::Case;
-use super::when;
+use super::case::{Case, when};
 use crate::numbers::short;
 use crate::scheme::Stability;
 use std::f64::consts::PI;

@@ -60,7 +60,7 @@ fn long_slips(summary: &Summary) -> Option<String> {
     let completed: u64 = counts.iter().sum();
     let share = *censored as f64 / (completed + censored) as f64;
     (share > SMALL_SHARE).then(|| {
-        "sub_phases_* and jump_* count only slips that ended, and long ones are left out most often; compare with a later `time.end`".into()
+        "sub_phases_* and jump_* count only slips that ended, and long ones are missing most often; compare with a later `time.end`".into()
     })
 }
 
