@@ -3,13 +3,10 @@
 
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
-use crate::stats::{BlockObserver, Record, Statistic, Totals};
+use crate::stats::{BlockObserver, Record, Statistic, Totals, Values};
 use crate::sums::jackknife;
 
-/// The values of statistics, in the order of `Statistic::ALL`; NaN for one that is not wanted.
-pub(super) type Values = [f64; Statistic::ALL.len()];
-
-/// The statistics of paths in groups.
+/// The statistics of paths in groups; NaN for one that is not wanted.
 #[derive(Clone, Debug)]
 pub(super) struct Grouped {
     /// The statistics of all paths.

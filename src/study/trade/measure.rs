@@ -6,7 +6,7 @@ use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, pairing};
 use crate::ensemble::{Plan, in_order};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Misfit, Scheme, Simulate as _};
-use crate::stats::{Estimate, Record, Statistic, Totals};
+use crate::stats::{Estimate, Record, Statistic, Totals, Values};
 use crate::study::clock::{Stopwatch, thread_seconds};
 use crate::sums::jackknife;
 use std::convert::Infallible;
@@ -383,9 +383,6 @@ fn coupled(
 fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
     Plan { simulation: plan.simulation.fed_by_finer(refinement), ..plan }
 }
-
-/// The value of every statistic.
-type Values = [f64; Statistic::ALL.len()];
 
 /// The differences of two rungs on one realisation of the noise. Their standard errors follow from
 /// leaving out each group on both rungs.
