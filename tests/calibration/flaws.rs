@@ -5,7 +5,9 @@
 //! target. So one measurement with a fixed seed exceeds a limit by chance once in 300 to 400 sets
 //! of seeds.
 
-use crate::bridge::{BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of, warns};
+use crate::bridge::{
+    BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of, warns,
+};
 use stick_slip::bearing::calibration::{Flaws, Lag, Method, Quantity, Question, Record};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];

@@ -1,9 +1,7 @@
 //! Limits of a calibration: what cannot be known, and what is refused.
 
 use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, question, record, twin_of, warns};
-use stick_slip::bearing::calibration::{
-    Bearing, CalibrationError, Method, Quantity, Question, Record, calibrate,
-};
+use stick_slip::bearing::calibration::{Bearing, CalibrationError, Method, Quantity, Question, Record, calibrate};
 
 /// Without K_BP the data determine beta, f_s/K and f_d/K, but no force. This holds for a rigid
 /// bearing, and for a sheared one whose K_BP is not given.
