@@ -166,38 +166,27 @@ pub fn measure(
     let until = |share: f64| End { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
-    let runs: Vec<(usize, Scheme, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
-        .filter_map(|(i, (scheme, paths))| (*paths > 0).then_some((i, *scheme, *paths)))
+    let runs: Vec<Run> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
+        .map(|((scheme, paths), part)| Run { scheme: *scheme, paths: *paths, first: part * APART })
+        .filter(|run| run.paths > 0)
         .collect();
-    let tightest = runs.iter().rposition(|(_, scheme, _)| is_exact(*scheme)).ok_or(TradeError::NothingHappens)?;
-    let run = |(i, scheme, paths): (usize, Scheme, u64), ends| {
-        limits.begin(&scheme.to_string());
-        free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
-    };
+    let tightest = runs.iter().rposition(|run| is_exact(run.scheme)).ok_or(TradeError::NothingHappens)?;
     // The reference comes first, because everything else is compared with it and time may run out.
-    let reference = run(runs[tightest], until(reference_ends))?;
-    let is_random = scenario.model.temperature.is_random();
-    let paired_paths = runs[tightest].2 / pairing::SHARE;
-    let pairing = if scenario.ensemble.antithetic {
-        Pairing::Asked
-    } else if !is_random || limits.is_stopped() || paired_paths < pairing::FEWEST {
-        Pairing::Unknown
-    } else {
-        limits.begin("antithetic pairs");
-        let first = (ladder.free.len() as u64 + 2) * APART;
-        let paired = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
-        let (_, scheme, _) = runs[tightest];
-        Pairing::of(&reference, &free(&paired, scheme, paired_paths, first, threads, until(reference_ends))?)
-    };
+    limits.begin(&runs[tightest].scheme.to_string());
+    let reference = free(scenario, &runs[tightest], threads, until(reference_ends))?;
+    let beyond = (ladder.free.len() as u64 + 2) * APART;
+    let paired = Run { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
+    let pairing = pairing_of(scenario, &reference, &paired, threads, until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
         if limits.is_stopped() {
-            left_out.push(unfinished(other.1.to_string()));
-        } else {
-            let side = if i < tightest { &mut looser } else { &mut tighter };
-            side.push(run(*other, until(free_ends))?);
+            left_out.push(unfinished(other.scheme.to_string()));
+            continue;
         }
+        limits.begin(&other.scheme.to_string());
+        let side = if i < tightest { &mut looser } else { &mut tighter };
+        side.push(free(scenario, other, threads, until(free_ends))?);
     }
     let mut rungs = coupled(scenario, ladder, effort, threads, until(ALL_ENDS))?;
     if effort.steps > 0 && rungs.is_empty() {
@@ -217,6 +206,34 @@ pub fn measure(
         why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
     }));
     Ok(Trade { left_out, ..Trade::of_rungs(scenario, rungs, reference, pairing)? })
+}
+
+/// A run of a scheme without a step, whose paths are numbered from `first` on.
+#[derive(Clone, Copy)]
+struct Run {
+    scheme: Scheme,
+    paths: u64,
+    first: u64,
+}
+
+/// How antithetic pairs change the variance, from this run in pairs if they are not asked for.
+fn pairing_of(
+    scenario: &Scenario,
+    reference: &Rung,
+    paired: &Run,
+    threads: usize,
+    end: End<'_>,
+) -> Result<Pairing, TradeError> {
+    if scenario.ensemble.antithetic {
+        return Ok(Pairing::Asked);
+    }
+    let is_random = scenario.model.temperature.is_random();
+    if !is_random || end.limits.is_stopped() || paired.paths < pairing::FEWEST {
+        return Ok(Pairing::Unknown);
+    }
+    end.limits.begin("antithetic pairs");
+    let in_pairs = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
+    Ok(Pairing::of(reference, &free(&in_pairs, paired, threads, end)?))
 }
 
 /// The ensemble that a scheme simulates for the estimates, without an output grid and without rows
@@ -284,30 +301,23 @@ fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
 }
 
 /// Measure the rung of a scheme without a step.
-fn free(
-    scenario: &Scenario,
-    scheme: Scheme,
-    paths: u64,
-    first: u64,
-    threads: usize,
-    end: End<'_>,
-) -> Result<Rung, TradeError> {
-    let plan = bare_plan(scenario, scheme)?;
-    let paths = whole_pairs(&plan, paths);
+fn free(scenario: &Scenario, run: &Run, threads: usize, end: End<'_>) -> Result<Rung, TradeError> {
+    let plan = bare_plan(scenario, run.scheme)?;
+    let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline());
-    let make = |piece: u64| plan.piece(first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
+    let make = |piece: u64| plan.piece(run.first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
     let deliver = |piece: Totals| -> Result<_, Infallible> {
         totals.merge(&piece);
         Ok(end.flow())
     };
     let Ok(_) = in_order(paths.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
-    Ok(rung(scheme, &totals, Vec::new()))
+    Ok(rung(run.scheme, &totals))
 }
 
-fn rung(scheme: Scheme, totals: &Totals, changes: Vec<Number>) -> Rung {
+fn rung(scheme: Scheme, totals: &Totals) -> Rung {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
-    Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
+    Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes: Vec::new() }
 }
 
 /// Measure the rungs of all schemes with a step; the list is empty if they are cut short too early.
@@ -335,9 +345,41 @@ fn coupled(
         ladder.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
     ));
     let empty = Totals::empty(any.model(), any.timeline());
-    // groups[r][g] holds the paths of group g on rung r.
+    let groups = in_groups(&plans, &empty, whole_pairs(any, effort.coupled_paths / GROUPS), threads, end);
+    if groups[0].len() < FEWEST_GROUPS {
+        return Ok(Vec::new());
+    }
+    let of_rung = |((scheme, _), groups): (&(Scheme, Plan), &Vec<Totals>)| {
+        let mut totals = empty.clone();
+        groups.iter().for_each(|group| totals.merge(group));
+        rung(*scheme, &totals)
+    };
+    let mut rungs: Vec<Rung> = plans.iter().zip(&groups).map(of_rung).collect();
+    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], |totals| totals.values(|_| true)).1;
+    let mut coarse = without(0);
+    for r in 1..rungs.len() {
+        let fine = without(r);
+        let is_finest = r % steps.len() == 0;
+        if !is_finest {
+            let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
+            rungs[r - 1].changes = changes(here, finer, &coarse, &fine);
+        }
+        coarse = fine;
+    }
+    Ok(rungs)
+}
+
+/// Simulate groups of `of_group` paths each with all plans. Item r, g of the result holds the paths
+/// of group g on rung r. There are fewer groups if the measurement was cut short before all of them
+/// had paths.
+fn in_groups(
+    plans: &[(Scheme, Plan)],
+    empty: &Totals,
+    of_group: u64,
+    threads: usize,
+    end: End<'_>,
+) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
-    let of_group = whole_pairs(any, effort.coupled_paths / GROUPS);
     let make = |piece: u64| -> Vec<Totals> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
         let first = APART + group * of_group + slice;
@@ -353,31 +395,9 @@ fn coupled(
     };
     let pieces = GROUPS * of_group.div_ceil(PIECE);
     let Ok(delivered) = in_order(pieces, threads, &AtomicBool::new(false), make, deliver);
-
     // Pieces go to the groups in turn, so if few were delivered, only the first groups have paths.
-    let reached = delivered.min(GROUPS) as usize;
-    if reached < FEWEST_GROUPS {
-        return Ok(Vec::new());
-    }
-    groups.iter_mut().for_each(|groups| groups.truncate(reached));
-    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], |totals| totals.values(|_| true)).1;
-    let mut rungs: Vec<Rung> = Vec::new();
-    for (r, (scheme, _)) in plans.iter().enumerate() {
-        let mut totals = empty.clone();
-        groups[r].iter().for_each(|group| totals.merge(group));
-        rungs.push(rung(*scheme, &totals, Vec::new()));
-    }
-    let mut coarse = without(0);
-    for r in 1..rungs.len() {
-        let fine = without(r);
-        let is_finest = r % steps.len() == 0;
-        if !is_finest {
-            let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
-            rungs[r - 1].changes = changes(here, finer, &coarse, &fine);
-        }
-        coarse = fine;
-    }
-    Ok(rungs)
+    groups.iter_mut().for_each(|groups| groups.truncate(delivered.min(GROUPS) as usize));
+    groups
 }
 
 fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
