@@ -6,3 +6,13 @@
 pub(super) fn widening_factor(paths: u64) -> f64 {
     1.0 + 2.5 / (paths as f64).sqrt()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn few_paths_widen_the_uncertainty() {
+        assert_eq!((widening_factor(25), widening_factor(10_000)), (1.5, 1.025));
+    }
+}

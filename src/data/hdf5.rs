@@ -136,10 +136,7 @@ impl Container {
         };
         let found: Vec<&String> = self.names.iter().filter(|name| is(name)).collect();
         let [name] = found[..] else {
-            let what = match of {
-                Name::Exactly(exact) => format!("is called `{exact}`"),
-                Name::Beginning(start) => format!("has a name that begins with `{start}`"),
-            };
+            let what = of.description();
             let count = if found.is_empty() { "none" } else { "more than one" };
             let remedy = format!("name one of {}", self.names.join(", "));
             return Err(self.wrong(format!("{count} of its variables {what}"), &remedy));

@@ -58,28 +58,18 @@ impl Repairs {
             1 => Some(one.replace('#', "1")),
             _ => Some(more.replace('#', &count.to_string())),
         };
+        let unsorted = "sorted # row that stood behind a later one";
+        let unsorted = many(self.unsorted, unsorted, "sorted # rows that stood behind a later one");
+        let repeated = "left out # row that is there twice";
+        let repeated = many(self.repeated, repeated, "left out # rows that are there more than once");
+        let folds = "took # stamp of an hour that was twice in the order of its row";
+        let folds = many(self.folds, folds, "took # stamps of hours that were twice in the order of their rows");
         let missing = self.missing.iter().filter_map(|(name, count)| {
             let said = many(*count, "left out # cell without a value", "left out # cells without a value")?;
             Some(format!("{said} in `{name}`"))
         });
-        [
-            many(
-                self.unsorted,
-                "sorted # row that stood behind a later one",
-                "sorted # rows that stood behind a later one",
-            ),
-            many(self.repeated, "left out # row that is there twice", "left out # rows that are there more than once"),
-            many(
-                self.folds,
-                "took # stamp of an hour that was twice in the order of its row",
-                "took # stamps of hours that were twice in the order of their rows",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .chain(missing)
-        .chain(many(self.decimal_commas, "read # decimal comma", "read # decimal commas"))
-        .collect()
+        let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
+        [unsorted, repeated, folds].into_iter().flatten().chain(missing).chain(commas).collect()
     }
 }
 
@@ -253,16 +243,14 @@ fn find(file: &str, header: &[String], name: Name<'_>) -> Result<usize, DataErro
     let fields = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
         header.iter().enumerate().filter(|(_, column)| is(column)).map(|(field, _)| field).collect()
     };
-    let (found, what) = match name {
+    let what = name.description();
+    let found = match name {
         Name::Exactly(name) => {
             let found = fields(&|column| column == name);
             let alike = || fields(&|column| column.eq_ignore_ascii_case(name));
-            (if found.is_empty() { alike() } else { found }, format!("is called `{name}`"))
+            if found.is_empty() { alike() } else { found }
         }
-        Name::Beginning(start) => (
-            fields(&|column| column.to_lowercase().starts_with(start)),
-            format!("has a name that begins with `{start}`"),
-        ),
+        Name::Beginning(start) => fields(&|column| column.to_lowercase().starts_with(start)),
     };
     match found[..] {
         [field] => Ok(field),

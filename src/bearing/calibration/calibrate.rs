@@ -7,7 +7,7 @@ use super::quantity::Quantity;
 use super::question::{CalibrationError, Method, Question};
 use super::report::Calibration;
 use super::samples::Record;
-use super::starts::{Search, starts};
+use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
 use super::warnings::warnings;
 use std::sync::atomic::AtomicBool;
@@ -71,7 +71,7 @@ fn fit(
 fn search(by_slips: Option<&BySlips>, question: &Question) -> Search {
     let fitted = by_slips.and_then(|by_slips| Some((by_slips.response?, by_slips.deviations)));
     match fitted {
-        Some((fit, sd)) => Search::around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]]),
-        None => Search::guessed(&question.guess),
+        Some((fit, sd)) => around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]]),
+        None => around_guess(&question.guess),
     }
 }

@@ -3,6 +3,7 @@
 use super::question::{CalibrationError, LEAST};
 use super::samples::Record;
 use super::spikes::{self, Spikes};
+use crate::bearing::moments::mean;
 use crate::data::{absurd, is_constant};
 
 /// A record without spikes, and with the sign with which displacements grow with temperature.
@@ -48,7 +49,6 @@ pub fn check(record: &Record) -> Result<(), CalibrationError> {
 /// count in the other direction. The flag is true if the sign was changed.
 fn upright(record: Record) -> (Record, bool) {
     let seen = record.samples();
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
     let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
     let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();
     if together >= 0.0 {

@@ -107,7 +107,7 @@ pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {
     let Response { motion, sensor } = response;
     let beta = sensor.moving + sensor.still;
     let kappa = sensor.still / beta;
-    let kinetic = motion.reach - 0.5 * motion.jump;
+    let kinetic = motion.kinetic_reach();
     let shear = shear_stiffness.unwrap_or(f64::NAN);
     // K beta = kappa beta K_BP.
     let slope = sensor.still * shear;

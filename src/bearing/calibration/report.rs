@@ -14,6 +14,7 @@ use super::starts::Start;
 use super::steel::Steel;
 use super::uncertainty::Replicates;
 use super::warning::Warning;
+use crate::bearing::moments::mean;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
 /// An estimate with its interval. Values that are not known are NaN.
@@ -209,13 +210,11 @@ fn residuals(record: &Record, modelled: &[f64]) -> Residuals {
     let samples = record.samples();
     let left: Vec<f64> = record.readings.iter().zip(modelled).map(|(z, model)| z - model).collect();
     let seen: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();
-    let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+    let mean = mean(&seen);
     let variance = seen.iter().map(|left| (left - mean).powi(2)).sum::<f64>() / seen.len() as f64;
     let correlation = |hours: f64| {
-        let step = (hours * HOUR / samples.interval()).round() as usize;
-        let pairs = samples.stretches().flat_map(|stretch| stretch.start + step..stretch.end.max(stretch.start + step));
-        let [sum, count] =
-            pairs.fold([0.0; 2], |[sum, count], i| [sum + (seen[i] - mean) * (seen[i - step] - mean), count + 1.0]);
+        let products = samples.pairs(hours * HOUR).map(|[i, j]| (seen[j] - mean) * (seen[i] - mean));
+        let [sum, count] = products.fold([0.0; 2], |[sum, count], product| [sum + product, count + 1.0]);
         (hours, sum / count / variance)
     };
     let rms = (seen.iter().map(|left| left * left).sum::<f64>() / seen.len() as f64).sqrt();

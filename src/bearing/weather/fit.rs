@@ -160,7 +160,7 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
     if let Some(period) = periods.iter().find(|period| duration < 0.5 * **period) {
         return Err(WeatherError::ShorterThanPeriod(*period));
     }
-    let samples = Samples::new(times, temperatures, periods);
+    let samples = Regression::new(times, temperatures, periods);
     let interval = duration / (n as f64 - 1.0);
     // The search starts from a correlation time of half a day, or from three hours and four days.
     let starts: &[f64] = if processes == 1 { &[0.5] } else { &[0.125, 4.0] };
@@ -179,13 +179,13 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
 }
 
 /// The samples, with the columns of the regression.
-struct Samples<'a> {
+struct Regression<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
     periods: &'a [f64],
 }
 
-impl<'a> Samples<'a> {
+impl<'a> Regression<'a> {
     fn new(times: &'a [f64], temperatures: &[f64], periods: &'a [f64]) -> Self {
         let mut columns = vec![vec![1.0; times.len()]];
         for period in periods {
@@ -194,7 +194,7 @@ impl<'a> Samples<'a> {
             }
         }
         columns.push(temperatures.to_vec());
-        Samples { times, columns, periods }
+        Regression { times, columns, periods }
     }
 
     /// The likelihood of a point of the search. `x` holds log theta of each process and, for two

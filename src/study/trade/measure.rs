@@ -166,8 +166,8 @@ pub fn measure(
     let until = |share: f64| End { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
-    let runs: Vec<Run> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
-        .map(|((scheme, paths), part)| Run { scheme: *scheme, paths: *paths, first: part * APART })
+    let runs: Vec<FreeRun> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
+        .map(|((scheme, paths), part)| FreeRun { scheme: *scheme, paths: *paths, first: part * APART })
         .filter(|run| run.paths > 0)
         .collect();
     let tightest = runs.iter().rposition(|run| is_exact(run.scheme)).ok_or(TradeError::NothingHappens)?;
@@ -175,7 +175,7 @@ pub fn measure(
     limits.begin(&runs[tightest].scheme.to_string());
     let reference = free(scenario, &runs[tightest], threads, until(reference_ends))?;
     let beyond = (ladder.free.len() as u64 + 2) * APART;
-    let paired = Run { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
+    let paired = FreeRun { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
     let pairing = pairing_of(scenario, &reference, &paired, threads, until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
@@ -210,7 +210,7 @@ pub fn measure(
 
 /// A run of a scheme without a step, whose paths are numbered from `first` on.
 #[derive(Clone, Copy)]
-struct Run {
+struct FreeRun {
     scheme: Scheme,
     paths: u64,
     first: u64,
@@ -220,7 +220,7 @@ struct Run {
 fn pairing_of(
     scenario: &Scenario,
     reference: &Rung,
-    paired: &Run,
+    paired: &FreeRun,
     threads: usize,
     end: End<'_>,
 ) -> Result<Pairing, TradeError> {
@@ -301,7 +301,7 @@ fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
 }
 
 /// Measure the rung of a scheme without a step.
-fn free(scenario: &Scenario, run: &Run, threads: usize, end: End<'_>) -> Result<Rung, TradeError> {
+fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: End<'_>) -> Result<Rung, TradeError> {
     let plan = bare_plan(scenario, run.scheme)?;
     let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline());
