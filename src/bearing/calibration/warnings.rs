@@ -16,8 +16,11 @@ struct Case<'a> {
     evidence: Option<&'a Evidence>,
 }
 
+/// Says a warning in a sentence or two, if it is due.
+type Says = fn(&Case) -> Option<String>;
+
 /// All warnings, in the order in which they are given.
-const ALL: [(&str, fn(&Case) -> Option<String>); 12] = [
+const ALL: [(&str, Says); 12] = [
     ("no_shear_stiffness", no_shear_stiffness),
     ("no_slips", no_slips),
     ("gap_not_identified", gap_not_identified),

@@ -1,7 +1,8 @@
 //! How many steps of the ladder and how many paths of each scheme fit into a budget of time.
 
 use super::ladder::is_exact;
-use super::measure::{GROUPS, bare_plan, timed};
+use super::rung::GROUPS;
+use super::timing::{bare_plan, timed};
 use super::{Ladder, LeftOut, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;

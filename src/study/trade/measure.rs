@@ -2,21 +2,19 @@
 //! and CPU time per path.
 
 use super::ladder::is_exact;
-use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, pairing};
+use super::rung::{Cost, GROUPS, Rung};
+use super::timing::{bare_plan, cost};
+use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, TradeError, pairing};
 use crate::ensemble::{Plan, in_order};
 use crate::scenario::{Ensemble, Scenario};
-use crate::scheme::{Misfit, Scheme, Simulate as _};
-use crate::stats::{Estimate, Record, Statistic, Totals, Values};
-use crate::study::clock::{Stopwatch, thread_seconds};
+use crate::scheme::{Scheme, Simulate as _};
+use crate::stats::{Estimate, Totals, Values};
+use crate::study::clock::Stopwatch;
 use crate::sums::jackknife;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-
-/// Number of groups of paths. Each is left out in turn to find the error of a change (the
-/// jackknife).
-pub(super) const GROUPS: u64 = 20;
 
 /// If a measurement was cut short and fewer groups have paths, no error can be given.
 const FEWEST_GROUPS: usize = 8;
@@ -27,80 +25,6 @@ const PIECE: u64 = 256;
 /// Distance between the path numbers of different parts of the measurement, so that the parts are
 /// independent.
 const APART: u64 = 1 << 40;
-
-/// CPU seconds on one thread. All statistics are computed, but nothing is written to a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cost {
-    /// Cost of a run of one path.
-    pub first: f64,
-    /// Cost of each path of a large run.
-    pub each: f64,
-}
-
-impl Cost {
-    /// Cost of a run of this number of paths. Where paths are simulated side by side, one path
-    /// costs as much as a full vector register.
-    pub fn of(&self, paths: f64) -> f64 {
-        self.first.max(paths * self.each)
-    }
-}
-
-/// The measurement of one scheme with one step or tolerance.
-#[derive(Clone, Debug)]
-pub struct Rung {
-    /// The scheme with its step or tolerance; different for each rung.
-    pub scheme: Scheme,
-    /// Number of paths simulated for the estimates.
-    pub paths: u64,
-    /// Number of paths that diverged; they are in no estimate.
-    pub diverged: u64,
-    /// The cost of its paths.
-    pub cost: Cost,
-    /// One for each of `Statistic::ALL`, in that order.
-    pub estimates: [Estimate; Statistic::ALL.len()],
-    /// S(h) - S(h/2) on one realisation of the noise, for each of `Statistic::ALL`; empty if there
-    /// is no finer step to compare with.
-    pub changes: Vec<Number>,
-}
-
-impl Rung {
-    /// A statistic with its standard error.
-    pub fn estimate(&self, statistic: Statistic) -> Number {
-        let Estimate { estimate, standard_error, .. } = self.estimates[statistic.index()];
-        Number { value: estimate, error: standard_error }
-    }
-
-    /// The variance of a statistic per path. The variance of a run of N paths is this divided by N.
-    pub fn variance(&self, statistic: Statistic) -> f64 {
-        (self.paths - self.diverged) as f64 * self.estimate(statistic).error.powi(2)
-    }
-
-    /// S(h) - S(h/2), if it was measured.
-    pub fn change(&self, statistic: Statistic) -> Option<Number> {
-        self.changes.get(statistic.index()).copied()
-    }
-}
-
-/// Why nothing can be measured.
-#[derive(Debug, thiserror::Error)]
-pub enum TradeError {
-    /// A scheme does not go with the scenario.
-    #[error(transparent)]
-    Misfit(#[from] Misfit),
-    /// The duration of the scenario, `time.end`, is 0.
-    #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
-    NothingHappens,
-    /// Not even the reference fits into the budget.
-    #[error(
-        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the time for measuring"
-    )]
-    BudgetTooSmall {
-        /// CPU seconds of a path.
-        path_seconds: f64,
-        /// Number of paths needed.
-        least: u64,
-    },
-}
 
 /// Limits of a measurement, and a function that is informed about its progress.
 #[derive(Clone, Copy, Default)]
@@ -236,48 +160,8 @@ fn pairing_of(
     Ok(Pairing::of(reference, &free(&in_pairs, paired, threads, end)?))
 }
 
-/// The ensemble that a scheme simulates for the estimates, without an output grid and without rows
-/// of single paths.
-pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
-    let mut scenario = scenario.with_scheme(scheme)?;
-    scenario.time.output_step = scenario.time.end;
-    scenario.record = Record::NOTHING;
-    Ok(scenario.plan())
-}
-
-/// CPU seconds that `paths` paths take on this thread.
-pub(super) fn timed(plan: &Plan, paths: u64) -> f64 {
-    let start = thread_seconds();
-    std::hint::black_box(plan.piece(0, paths));
-    thread_seconds() - start
-}
-
-/// Number of repetitions of a timing. The shortest one counts, because disturbances only make a
-/// timing longer.
-const REPETITIONS: usize = 3;
-/// Numbers of paths per timing: the second if it fits into the time for timing, else the first.
-const TIMED_PATHS: [u64; 2] = [32, 256];
-
-fn cost(plan: &Plan, seconds: f64) -> Cost {
-    let least = |paths: u64| (0..REPETITIONS).map(|_| timed(plan, paths)).fold(f64::INFINITY, f64::min);
-    let [few, many] = TIMED_PATHS;
-    // The first run only warms up tables, caches and the clock of the processor.
-    let first = timed(plan, 1);
-    if first * REPETITIONS as f64 > seconds {
-        return Cost { first, each: first };
-    }
-    let first = least(1);
-    let warm = timed(plan, few);
-    let growth = (many / few) as f64 * REPETITIONS as f64;
-    let paths = if warm * growth <= seconds { many } else { few };
-    let each = if warm > seconds { warm / few as f64 } else { least(paths) / paths as f64 };
-    Cost { first, each }
-}
-
 /// Seconds for timing a rung after the caller has asked to stop.
 const BRIEF: f64 = 0.1;
-
-const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
 
 /// When no further paths are begun.
 #[derive(Clone, Copy)]
@@ -317,7 +201,7 @@ fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: End<'_>) -> Res
 fn rung(scheme: Scheme, totals: &Totals) -> Rung {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
-    Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes: Vec::new() }
+    Rung { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates: summary.estimates, changes: Vec::new() }
 }
 
 /// Measure the rungs of all schemes with a step; the list is empty if they are cut short too early.
@@ -412,27 +296,4 @@ fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[Values], fine: &[Val
         Number { value: here[i].estimate - finer[i].estimate, error: jackknife::standard_error(&without) }
     };
     (0..here.len()).map(change).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scheme::DiscreteVi;
-
-    /// 40 of 100 paths are left, and the standard error of their mean is 0.5. The standard
-    /// deviation of a path is then 0.5 sqrt(40), not 0.5 sqrt(100).
-    #[test]
-    fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
-        let estimates = Statistic::ALL.map(|statistic| Estimate {
-            statistic,
-            estimate: 3.0,
-            standard_error: 0.5,
-            low: 2.0,
-            high: 4.0,
-            bias: None,
-        });
-        let scheme = DiscreteVi { step: 0.1 }.into();
-        let rung = Rung { scheme, paths: 100, diverged: 60, cost: UNTIMED, estimates, changes: Vec::new() };
-        assert_eq!(rung.variance(Statistic::SticksPerPath), 10.0);
-    }
 }
