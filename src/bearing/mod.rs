@@ -7,9 +7,11 @@
 //! weather      harmonics and one or two noise processes fitted to a measured temperature
 //! forecast     displacements, forces and slips of coming years, from a calibration and a weather
 //! linear       small systems of linear equations
+//! moments      mean and variance of a sample
 //! ```
 
 pub mod calibration;
 pub mod forecast;
 mod linear;
+mod moments;
 pub mod weather;

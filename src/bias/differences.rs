@@ -12,7 +12,8 @@
 
 use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
 use super::groups::{GroupObserver, Grouped, Groups};
-use super::{NoBias, widening_factor};
+use super::no_bias::{MIN_STEPS, NoBias};
+use super::widening::widening_factor;
 use crate::ensemble::{drawn, in_order};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
@@ -40,10 +41,6 @@ const LEVELS: [usize; 3] = [1, 2, 4];
 
 /// An observed order with a larger standard error than this is not reported.
 const MAX_ORDER_ERROR: f64 = 0.5;
-
-/// The smallest number of steps of a path. The ends of the three simulations are rounded to a
-/// multiple of 4h.
-pub(super) const MIN_STEPS: f64 = 16.0;
 
 /// Largest number of paths of a group in a piece of work. With 16 groups a piece is then as wide as
 /// a block.

@@ -3,19 +3,16 @@
 
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
-use crate::stats::{BlockObserver, Record, Statistic, Totals};
+use crate::stats::{BlockObserver, GroupValues, Record, Statistic, Totals};
 use crate::sums::jackknife;
 
-/// The values of statistics, in the order of `Statistic::ALL`; NaN for one that is not wanted.
-pub(super) type Values = [f64; Statistic::ALL.len()];
-
-/// The statistics of paths in groups.
+/// The statistics of paths in groups; NaN for one that is not wanted.
 #[derive(Clone, Debug)]
 pub(super) struct Grouped {
     /// The statistics of all paths.
-    pub all: Values,
+    pub all: GroupValues,
     /// For each group, the statistics of all paths but those of the group.
-    pub without: Vec<Values>,
+    pub without: Vec<GroupValues>,
 }
 
 /// The totals of each group of paths.

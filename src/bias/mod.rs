@@ -13,84 +13,21 @@
 mod differences;
 mod extrapolation;
 mod groups;
+mod no_bias;
 mod reference_run;
+mod widening;
 
 #[doc(hidden)]
 pub use differences::Differences;
+pub use no_bias::NoBias;
 #[doc(hidden)]
 pub use reference_run::ReferenceRun;
 
 use crate::model::Model;
 use crate::scheme::{Discretisation, Scheme, Timeline};
 use crate::stats::{Bias, Statistic, Summary};
-use differences::MIN_STEPS;
 use reference_run::Referenced;
-use std::fmt;
 use std::sync::atomic::{AtomicBool, Ordering};
-
-/// Why there is no estimate of the bias.
-#[derive(Clone, Debug, PartialEq)]
-pub enum NoBias {
-    /// The event-driven scheme under noise: it has a tolerance instead of a step.
-    Tolerance(f64),
-    /// The event-driven scheme where nothing is random.
-    Exact,
-    /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
-    Approximation,
-    /// The corrected scheme, where nothing is random, or where a reference run costs too much or
-    /// does not resolve all slips. The error of this scheme cannot be extrapolated, because it may
-    /// be the same at the steps that would be compared.
-    Corrected,
-    /// f_s = f_d under noise: statistics of sticks have no limit as h falls.
-    EqualFriction,
-    /// The run has too few paths.
-    FewPaths {
-        /// The number of paths that are needed.
-        needed: u64,
-    },
-    /// A path has too few steps.
-    FewSteps,
-    /// Paths diverged at h, 2h or 4h.
-    Diverged {
-        /// Number of paths that diverged, at all three steps together.
-        paths: usize,
-    },
-    /// The simulation was stopped by the caller.
-    Stopped,
-}
-
-impl fmt::Display for NoBias {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            NoBias::Tolerance(tolerance) => write!(
-                f,
-                "this scheme has no step; its tolerance keeps the discretisation error of every statistic \
-                 that has a limit below {tolerance} of it"
-            ),
-            NoBias::Exact => f.write_str("this scheme has no step, and without noise every event is exact to rounding"),
-            NoBias::Approximation => f.write_str(
-                "this scheme takes the forcing as constant during a slip, and a smaller step \
-                             does not reduce that error",
-            ),
-            NoBias::Corrected => f.write_str(
-                "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and an event-driven \
-                 reference run would take too long beside this run; `mc trade` measures it",
-            ),
-            NoBias::EqualFriction => f.write_str(
-                "with f_s = f_d under noise, stick statistics have no \
-                limit as the step falls",
-            ),
-            NoBias::FewPaths { needed } => write!(f, "at least {needed} paths are needed"),
-            NoBias::FewSteps => write!(f, "at least {MIN_STEPS} steps are needed"),
-            NoBias::Diverged { paths } => write!(
-                f,
-                "{paths} of the paths that were simulated at h, 2h and \
-                4h to estimate it diverged"
-            ),
-            NoBias::Stopped => f.write_str("the run was stopped before"),
-        }
-    }
-}
 
 /// The reference run may cost one part in this many of the run, if differences are measured as
 /// well.
@@ -169,13 +106,6 @@ impl BesideRun {
         let bias_of = |statistic| chosen(of(&self.extrapolated, statistic), of(&referenced, statistic));
         Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, bias_of(statistic)?))).collect()
     }
-}
-
-/// The factor by which a 95 % uncertainty is widened that comes from this many paths. With a few
-/// dozen paths the intervals of skewed laws cover the truth in less than 95 % of cases, but the
-/// coverage is stated for every statistic of every scene (docs/bias.md).
-fn widening_factor(paths: u64) -> f64 {
-    1.0 + 2.5 / (paths as f64).sqrt()
 }
 
 /// The extrapolation is taken where its uncertainty is below this share of that of the reference
@@ -271,10 +201,5 @@ mod tests {
             assert!(off.abs() <= 1.05 || holds(right_reference), "{off}: {right_reference:?}");
             assert!(off.abs() <= 1.05 || right_reference.estimate == 0.0, "{off}: {right_reference:?}");
         }
-    }
-
-    #[test]
-    fn few_paths_widen_the_uncertainty() {
-        assert_eq!((widening_factor(25), widening_factor(10_000)), (1.5, 1.025));
     }
 }

@@ -5,7 +5,7 @@
 //! the two. Nothing is extrapolated, and any scheme with a step can be compared. The error is that
 //! of two finite ensembles, of which the reference run is the smaller one.
 
-use super::widening_factor;
+use super::widening::widening_factor;
 use crate::ensemble::{Plan, in_order};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};

@@ -31,17 +31,10 @@ impl Override {
         let shown = format!("--set {text}");
         match text.split_once('=') {
             Some((key, value)) => Ok(Override { shown, key: key.trim().to_string(), value: value.trim().to_string() }),
-            None => Err(Box::new(Fault {
-                origin: shown,
-                line: None,
-                column: None,
-                key: None,
-                value: None,
-                problem: "there is no `=`".into(),
-                remedy: "write --set key=value, e.g. --set friction.static=1.3".into(),
-                excerpt: None,
-            })
-            .into()),
+            None => {
+                let remedy = "write --set key=value, e.g. --set friction.static=1.3";
+                Err(Fault::new(shown, "there is no `=`".into(), remedy.into()).into())
+            }
         }
     }
 

@@ -126,17 +126,11 @@ impl Sources<'_> {
             Some(o) => o.shown.clone(),
             None => self.name.to_string(),
         };
-        let excerpt = place.and_then(|p| self.excerpt(p));
-        Box::new(Fault {
-            origin,
-            line: excerpt.as_ref().map(|e| e.line),
-            column: excerpt.as_ref().map(|e| e.column),
-            key: None,
-            value: None,
-            problem,
-            remedy,
-            excerpt: excerpt.map(|e| e.drawing),
-        })
+        let mut fault = Fault::new(origin, problem, remedy);
+        if let Some(Excerpt { line, column, drawing }) = place.and_then(|p| self.excerpt(p)) {
+            (fault.line, fault.column, fault.excerpt) = (Some(line), Some(column), Some(drawing));
+        }
+        fault
     }
 
     /// The text at a place, cut to one short line. For an override this is its whole value.

@@ -1,15 +1,14 @@
-//! Variables of an HDF5 or netCDF-4 file, read as if they were the columns of a CSV file.
-//!
-//! They are written to a CSV text in memory, which is then read like a file, so that both formats
-//! have the same checks, repairs and errors.
+//! Variables of an HDF5 or netCDF-4 file, read as if they were the columns of a CSV file, so that
+//! both formats have the same checks, repairs and errors.
 
 use super::clock::Start;
 use super::error::DataError;
 use super::query::{Name, TimeColumn, Wanted};
+use super::rows::Rows;
 use super::table::{self, Table};
+use super::unit;
 use ::hdf5::types::{FixedAscii, FixedUnicode, VarLenAscii, VarLenUnicode};
 use ::hdf5::{Dataset, File};
-use std::fmt::Write as _;
 use std::path::Path;
 
 /// The first bytes of an HDF5 file.
@@ -19,104 +18,159 @@ pub(super) const SIGNATURE: &[u8] = b"\x89HDF\r\n\x1a\n";
 /// is longer.
 const MOST: usize = 50_000_000;
 
+/// An open file, with the names of its variables.
+struct Container {
+    /// Its path, as messages show it.
+    path: String,
+    file: File,
+    names: Vec<String>,
+}
+
+/// A variable along one dimension. Values that are missing are NaN.
+struct Variable {
+    name: String,
+    values: Vec<f64>,
+    units: Option<String>,
+}
+
+/// The rows of a table whose columns are these. The times are the first of them.
+struct ValueRows<'a> {
+    columns: Vec<&'a [f64]>,
+    /// Number of rows that were read.
+    read: usize,
+    /// The current row, as texts.
+    cells: Vec<String>,
+}
+
+impl Rows for ValueRows<'_> {
+    fn may_have_commas(&self) -> bool {
+        false
+    }
+
+    fn next(&mut self) -> Result<bool, DataError> {
+        let text = |(field, column): (usize, &&[f64])| match column.get(self.read)? {
+            value if value.is_nan() && field > 0 => Some(String::new()),
+            value => Some(format!("{value:?}")),
+        };
+        let cells: Option<Vec<String>> = self.columns.iter().enumerate().map(text).collect();
+        let Some(cells) = cells else { return Ok(false) };
+        self.cells = cells;
+        self.read += 1;
+        Ok(true)
+    }
+
+    fn cell(&self, field: usize) -> &[u8] {
+        self.cells[field].as_bytes()
+    }
+
+    fn place(&self) -> u32 {
+        self.read as u32
+    }
+
+    /// As in a file whose first line is the header.
+    fn line(&self, place: u32) -> u64 {
+        u64::from(place) + 1
+    }
+}
+
 /// Read variables along one dimension, with one value for each time.
 pub(super) fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
-    let name = path.display().to_string();
-    let wrong = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
-    let damaged = |error: ::hdf5::Error| wrong(format!("cannot be read as HDF5: {error}"), "see that it is whole");
-    let file = File::open(path).map_err(damaged)?;
-    let names = file.member_names().map_err(damaged)?;
-    let find = |of: Name<'_>| -> Result<(String, Dataset), DataError> {
-        let is = |name: &str| match of {
-            Name::Exactly(exact) => name == exact,
-            Name::Beginning(start) => name.starts_with(start),
-        };
-        let what = match of {
-            Name::Exactly(exact) => format!("is called `{exact}`"),
-            Name::Beginning(start) => format!("has a name that begins with `{start}`"),
-        };
-        let found: Vec<&String> = names.iter().filter(|name| is(name)).collect();
-        let [found] = found[..] else {
-            let problem =
-                format!("{} of its variables {what}", if found.is_empty() { "none" } else { "more than one" });
-            return Err(wrong(problem, &format!("name one of {}", names.join(", "))));
-        };
-        let variable = file.dataset(found).map_err(damaged)?;
-        if variable.ndim() != 1 || variable.size() > MOST {
-            let problem = format!("`{found}` has the shape {:?}", variable.shape());
-            return Err(wrong(problem, "give a variable with one value for each time, and no other dimension"));
-        }
-        Ok((found.clone(), variable))
-    };
-    let values = |found: &str, variable: &Dataset| -> Result<Vec<f64>, DataError> {
-        let packed = ["scale_factor", "add_offset"].iter().any(|of| variable.attr(of).is_ok());
-        if packed {
-            return Err(wrong(format!("`{found}` is packed (scale_factor, add_offset)"), "write it as plain numbers"));
-        }
-        let fill = variable.attr("_FillValue").and_then(|fill| fill.read_raw::<f64>()).unwrap_or_default();
-        let values = variable.read_raw::<f64>().map_err(damaged)?;
-        Ok(values.into_iter().map(|value| if fill.contains(&value) { f64::NAN } else { value }).collect())
-    };
-
-    let (time_name, variable) = find(Name::Exactly(time.name))?;
-    let times = values(&time_name, &variable)?;
-    let (unit, since) = match text_of(&variable, "units") {
-        None => (None, None),
-        Some(units) => {
-            let (unit, base) =
-                units.split_once(" since ").map_or((units.trim(), None), |(unit, base)| (unit, Some(base)));
-            let base = base.map(|base| {
-                let remedy = "write e.g. `seconds since 2015-08-13 00:00:00`";
-                Start::of_calendar(base)
-                    .ok_or_else(|| wrong(format!("`{time_name}` has the units \"{units}\""), remedy))
-            });
-            (Some(unit.trim().to_string()), base.transpose()?)
-        }
-    };
+    let container = Container::open(path)?;
+    let times = container.variable(Name::Exactly(time.name))?;
+    let (unit, since) = container.time_units(&times)?;
     let mut columns = Vec::new();
     for one in wanted {
-        let (found, variable) = find(one.column)?;
-        let column = values(&found, &variable)?;
-        if column.len() != times.len() {
-            let problem = format!("`{found}` has {} values, and `{time_name}` {}", column.len(), times.len());
-            return Err(wrong(problem, "give one value for each time"));
+        let found = container.variable(one.column)?;
+        if found.values.len() != times.values.len() {
+            let (name, count) = (&found.name, found.values.len());
+            let problem = format!("`{name}` has {count} values, and `{}` {}", times.name, times.values.len());
+            return Err(container.wrong(problem, "give one value for each time"));
         }
-        let unit = one.unit.map(str::to_string).or_else(|| text_of(&variable, "units"));
-        columns.push((found, column, unit));
+        columns.push(found);
     }
-
-    let header = unit.as_ref().map_or_else(|| time_name.clone(), |unit| format!("{time_name} [{unit}]"));
-    let mut text = cell(&header);
-    columns.iter().for_each(|(name, ..)| text.extend([",", &cell(name)]));
-    for (i, time) in times.iter().enumerate() {
-        let _ = write!(text, "\n{time:?}");
-        for (_, column, _) in &columns {
-            let _ = if column[i].is_nan() { write!(text, ",") } else { write!(text, ",{:?}", column[i]) };
-        }
-    }
-    let wanted: Vec<Wanted<'_>> = columns
-        .iter()
-        .zip(wanted)
-        .map(|((name, _, unit), one)| Wanted { column: Name::Exactly(name), unit: unit.as_deref(), ..*one })
+    let time_name = unit.map_or_else(|| times.name.clone(), |unit| format!("{} [{unit}]", times.name));
+    let header: Vec<String> =
+        std::iter::once(&time_name).chain(columns.iter().map(|column| &column.name)).cloned().collect();
+    let wanted: Vec<Wanted<'_>> = (columns.iter().zip(wanted))
+        .map(|(column, one)| Wanted {
+            column: Name::Exactly(&column.name),
+            unit: one.unit.or(column.units.as_deref()),
+            ..*one
+        })
         .collect();
-    let of_values = |error: DataError| match error.line {
+    let all = std::iter::once(&times).chain(&columns).map(|column| &column.values[..]).collect();
+    let rows = ValueRows { columns: all, read: 0, cells: Vec::new() };
+    let time = TimeColumn { name: &time_name, zone: None };
+    let mut table = table::table(&container.path, &header, rows, time, &wanted).map_err(|error| match error.line {
         // The header is the first line, so value n is on line n + 1.
         Some(line) => DataError { line: None, problem: format!("{} (value {})", error.problem, line - 1), ..error },
         None => error,
-    };
-    let mut table =
-        table::table(&name, text.as_bytes(), TimeColumn { name: &header, zone: None }, &wanted).map_err(of_values)?;
-    if let (Some(base), Some(seconds)) = (since, unit.as_deref().and_then(super::unit::seconds_of)) {
-        let kept = |i: &usize| columns.iter().any(|(_, column, _)| !column[*i].is_nan());
-        let begin = (0..times.len()).filter(kept).map(|i| seconds(times[i])).fold(f64::INFINITY, f64::min);
+    })?;
+    if let (Some(base), Some(seconds)) = (since, unit.and_then(unit::seconds_of)) {
+        let kept = |i: &usize| columns.iter().any(|column| !column.values[*i].is_nan());
+        let begin =
+            (0..times.values.len()).filter(kept).map(|i| seconds(times.values[i])).fold(f64::INFINITY, f64::min);
         table.start = base.after(begin);
     }
     Ok(table)
 }
 
-/// A name as a quoted cell of CSV.
-fn cell(name: &str) -> String {
-    format!("\"{}\"", name.replace('"', "\"\""))
+impl Container {
+    fn open(path: &Path) -> Result<Self, DataError> {
+        let name = path.display().to_string();
+        match File::open(path).and_then(|file| Ok((file.member_names()?, file))) {
+            Ok((names, file)) => Ok(Container { path: name, file, names }),
+            Err(error) => Err(damaged(&name, &error)),
+        }
+    }
+
+    fn wrong(&self, problem: String, remedy: &str) -> DataError {
+        DataError::file(&self.path, problem, remedy)
+    }
+
+    /// Find a variable, and read it.
+    fn variable(&self, of: Name<'_>) -> Result<Variable, DataError> {
+        let is = |name: &str| match of {
+            Name::Exactly(exact) => name == exact,
+            Name::Beginning(start) => name.starts_with(start),
+        };
+        let found: Vec<&String> = self.names.iter().filter(|name| is(name)).collect();
+        let [name] = found[..] else {
+            let what = of.description();
+            let count = if found.is_empty() { "none" } else { "more than one" };
+            let remedy = format!("name one of {}", self.names.join(", "));
+            return Err(self.wrong(format!("{count} of its variables {what}"), &remedy));
+        };
+        let damaged = |error| damaged(&self.path, &error);
+        let variable = self.file.dataset(name).map_err(damaged)?;
+        if variable.ndim() != 1 || variable.size() > MOST {
+            let problem = format!("`{name}` has the shape {:?}", variable.shape());
+            return Err(self.wrong(problem, "give a variable with one value for each time, and no other dimension"));
+        }
+        if ["scale_factor", "add_offset"].iter().any(|of| variable.attr(of).is_ok()) {
+            let problem = format!("`{name}` is packed (scale_factor, add_offset)");
+            return Err(self.wrong(problem, "write it as plain numbers"));
+        }
+        let fill = variable.attr("_FillValue").and_then(|fill| fill.read_raw::<f64>()).unwrap_or_default();
+        let mut values = variable.read_raw::<f64>().map_err(damaged)?;
+        values.iter_mut().filter(|value| fill.contains(value)).for_each(|value| *value = f64::NAN);
+        Ok(Variable { name: name.clone(), values, units: text_of(&variable, "units") })
+    }
+
+    /// The unit of the times, and the instant from which they count, as far as their units say so.
+    fn time_units<'t>(&self, times: &'t Variable) -> Result<(Option<&'t str>, Option<Start>), DataError> {
+        let Some(units) = &times.units else { return Ok((None, None)) };
+        let Some((unit, base)) = units.split_once(" since ") else { return Ok((Some(units.trim()), None)) };
+        let since = Start::of_calendar(base).ok_or_else(|| {
+            let problem = format!("`{}` has the units \"{units}\"", times.name);
+            self.wrong(problem, "write e.g. `seconds since 2015-08-13 00:00:00`")
+        })?;
+        Ok((Some(unit.trim()), Some(since)))
+    }
+}
+
+fn damaged(path: &str, error: &::hdf5::Error) -> DataError {
+    DataError::file(path, format!("cannot be read as HDF5: {error}"), "see that it is whole")
 }
 
 /// A text attribute, whichever of the HDF5 string types it has.

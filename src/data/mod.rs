@@ -6,7 +6,7 @@
 //! unit      the unit that the name of a column gives
 //! clock     a cell of the time column -> seconds: stamps, zones, numbers
 //! table     the rows in order of time, checked and repaired: a Table
-//! hdf5      variables of an HDF5 file as the columns of a CSV file (feature `store`)
+//! hdf5      variables of an HDF5 file as rows (feature `store`)
 //! pair      temperatures and displacements of a bearing on one time axis, from one file or two
 //! span      "6h" as seconds
 //! query     which columns are wanted, and how they are read
@@ -38,6 +38,7 @@ pub use span::seconds;
 pub use table::{Column, Repairs, Table, absurd, is_constant};
 pub use unit::Quantity;
 
+use rows::CsvRows;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -88,5 +89,6 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
 /// # Ok::<(), stick_slip::data::DataError>(())
 /// ```
 pub fn parse(name: &str, bytes: &[u8], time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
-    table::table(name, bytes, time, wanted)
+    let (rows, header) = CsvRows::open(name, bytes)?;
+    table::table(name, &header, rows, time, wanted)
 }

@@ -50,3 +50,13 @@ pub enum Name<'a> {
     /// The only column whose name begins with this text.
     Beginning(&'a str),
 }
+
+impl Name<'_> {
+    /// What a message says of such a column.
+    pub(super) fn description(&self) -> String {
+        match self {
+            Name::Exactly(name) => format!("is called `{name}`"),
+            Name::Beginning(start) => format!("has a name that begins with `{start}`"),
+        }
+    }
+}

@@ -1,14 +1,34 @@
-//! A CSV file as rows of cells: its separator, its header, and the place of each row.
+//! Rows of cells, and a CSV file as such: its separator, its header, and the place of each row.
 
 use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-/// Reads the rows of a file one at a time, and holds the current row.
-pub(super) struct Rows<'a> {
-    pub file: &'a str,
+/// Reads the rows of a table one at a time, and holds the current row.
+pub(super) trait Rows {
+    /// Whether numbers may have a decimal comma.
+    fn may_have_commas(&self) -> bool;
+
+    /// Read the next row; false at the end.
+    fn next(&mut self) -> Result<bool, DataError>;
+
+    /// A cell of the current row, without the blanks around it.
+    fn cell(&self, field: usize) -> &[u8];
+
+    /// The place of the current row, to be given to [`Rows::line`] later.
+    fn place(&self) -> u32;
+
+    /// The number of the line, from 1, on which the row at this place begins.
+    fn line(&self, place: u32) -> u64;
+}
+
+/// The rows of a CSV file.
+pub(super) struct CsvRows<'a> {
+    file: &'a str,
     bytes: &'a [u8],
     reader: Reader,
-    pub separator: u8,
+    separator: u8,
+    /// Number of columns.
+    width: usize,
     /// Byte offsets: `at` is how far the file has been read, `row_offset` is where the search for
     /// the current row began.
     at: usize,
@@ -18,7 +38,7 @@ pub(super) struct Rows<'a> {
     fields: usize,
 }
 
-impl<'a> Rows<'a> {
+impl<'a> CsvRows<'a> {
     /// Open a file and read its header. The reader then stands before the first row.
     pub fn open(file: &'a str, bytes: &'a [u8]) -> Result<(Self, Vec<String>), DataError> {
         let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
@@ -38,7 +58,8 @@ impl<'a> Rows<'a> {
         let separator = separator(&bytes[row_start(bytes, 0)..]);
         let reader = ReaderBuilder::new().delimiter(separator).comment(Some(b'#')).build();
         let (cells, ends) = (vec![0; 1 << 12], vec![0; 64]);
-        let mut rows = Rows { file, bytes, reader, separator, at: 0, row_offset: 0, cells, ends, fields: 0 };
+        let mut rows =
+            CsvRows { file, bytes, reader, separator, width: 0, at: 0, row_offset: 0, cells, ends, fields: 0 };
         if !rows.read() {
             return Err(foreign("empty", "give a CSV file whose first line names its columns"));
         }
@@ -47,22 +68,15 @@ impl<'a> Rows<'a> {
         if header.iter().all(|name| name.is_empty() || name.replace(',', ".").parse::<f64>().is_ok()) {
             let problem = "its first line holds numbers, where the names of the columns should be".to_string();
             let error = DataError::file(file, problem, "put a line such as `time_s,temperature_degC` before it");
-            return Err(error.line(rows.line(rows.row_offset())));
+            return Err(error.line(rows.line(rows.place())));
         }
+        rows.width = rows.fields;
         Ok((rows, header))
     }
 
-    /// Read the next row, which must have as many cells as the header; false at the end of the
-    /// file.
-    pub fn next(&mut self, header: &[String]) -> Result<bool, DataError> {
-        if !self.read() {
-            return Ok(false);
-        }
-        let more = (header.len()..self.fields).all(|field| self.cell(field).is_empty());
-        if self.fields >= header.len() && more {
-            return Ok(true);
-        }
-        let (found, named) = (self.fields, header.len());
+    /// The error of a row that has not as many cells as the header.
+    fn uneven(&self) -> DataError {
+        let (found, named) = (self.fields, self.width);
         let problem = format!(
             "{found} cell{} where the header names {named} column{}, separated by {}",
             if found == 1 { "" } else { "s" },
@@ -74,7 +88,7 @@ impl<'a> Rows<'a> {
         } else {
             "mend the row, and see that every line is separated as the header is; a quotation mark may be left open"
         };
-        Err(DataError::file(self.file, problem, remedy).line(self.line(self.row_offset())))
+        DataError::file(self.file, problem, remedy).line(self.line(self.place()))
     }
 
     /// Read one row into `cells` and `ends`; false at the end of the file.
@@ -100,21 +114,32 @@ impl<'a> Rows<'a> {
             }
         }
     }
+}
 
-    /// A cell of the current row, without the blanks around it.
-    pub fn cell(&self, field: usize) -> &[u8] {
+impl Rows for CsvRows<'_> {
+    fn may_have_commas(&self) -> bool {
+        self.separator != b','
+    }
+
+    fn next(&mut self) -> Result<bool, DataError> {
+        if !self.read() {
+            return Ok(false);
+        }
+        let is_even = self.fields >= self.width && (self.width..self.fields).all(|field| self.cell(field).is_empty());
+        if is_even { Ok(true) } else { Err(self.uneven()) }
+    }
+
+    fn cell(&self, field: usize) -> &[u8] {
         let start = if field == 0 { 0 } else { self.ends[field - 1] };
         self.cells[start..self.ends[field]].trim_ascii()
     }
 
-    /// The byte offset of the current row, to be given to [`Rows::line`] later.
-    pub fn row_offset(&self) -> usize {
-        self.row_offset
+    fn place(&self) -> u32 {
+        self.row_offset as u32
     }
 
-    /// The number of the line, from 1, on which the row at byte offset `offset` begins.
-    pub fn line(&self, offset: usize) -> u64 {
-        let before = &self.bytes[..row_start(self.bytes, offset)];
+    fn line(&self, place: u32) -> u64 {
+        let before = &self.bytes[..row_start(self.bytes, place as usize)];
         1 + before.iter().filter(|byte| **byte == b'\n').count() as u64
     }
 }

@@ -1,6 +1,6 @@
 //! The rows of a file in order of time, checked and repaired.
 
-use super::clock::{Clock, Start};
+use super::clock::{Clock, ProblemAndRemedy, Start};
 use super::error::DataError;
 use super::query::{Name, TimeColumn, Wanted};
 use super::rows::{Rows, listed};
@@ -58,28 +58,18 @@ impl Repairs {
             1 => Some(one.replace('#', "1")),
             _ => Some(more.replace('#', &count.to_string())),
         };
+        let unsorted = "sorted # row that stood behind a later one";
+        let unsorted = many(self.unsorted, unsorted, "sorted # rows that stood behind a later one");
+        let repeated = "left out # row that is there twice";
+        let repeated = many(self.repeated, repeated, "left out # rows that are there more than once");
+        let folds = "took # stamp of an hour that was twice in the order of its row";
+        let folds = many(self.folds, folds, "took # stamps of hours that were twice in the order of their rows");
         let missing = self.missing.iter().filter_map(|(name, count)| {
             let said = many(*count, "left out # cell without a value", "left out # cells without a value")?;
             Some(format!("{said} in `{name}`"))
         });
-        [
-            many(
-                self.unsorted,
-                "sorted # row that stood behind a later one",
-                "sorted # rows that stood behind a later one",
-            ),
-            many(self.repeated, "left out # row that is there twice", "left out # rows that are there more than once"),
-            many(
-                self.folds,
-                "took # stamp of an hour that was twice in the order of its row",
-                "took # stamps of hours that were twice in the order of their rows",
-            ),
-        ]
-        .into_iter()
-        .flatten()
-        .chain(missing)
-        .chain(many(self.decimal_commas, "read # decimal comma", "read # decimal commas"))
-        .collect()
+        let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
+        [unsorted, repeated, folds].into_iter().flatten().chain(missing).chain(commas).collect()
     }
 }
 
@@ -88,7 +78,7 @@ struct Reading<'a> {
     wanted: &'a Wanted<'a>,
     field: usize,
     unit: Unit,
-    /// Time, value, and the byte offset of the row.
+    /// Time, value, and the place of the row.
     samples: Vec<(f64, f64, u32)>,
     missing: u64,
 }
@@ -120,83 +110,44 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 /// Texts, in lower case, that mark a missing value; an empty cell marks one as well.
 const NOTHING: [&str; 9] = ["nan", "na", "n/a", "null", "none", "-", "--", "#n/a", "missing"];
 
-pub(super) fn table<'w>(
+/// Read the columns that are wanted. `file` and `header` are the names of the file and of its
+/// columns.
+pub(super) fn table(
     file: &str,
-    bytes: &[u8],
+    header: &[String],
+    mut rows: impl Rows,
     time: TimeColumn<'_>,
-    wanted: &'w [Wanted<'w>],
+    wanted: &[Wanted<'_>],
 ) -> Result<Table, DataError> {
-    let (mut rows, header) = Rows::open(file, bytes)?;
-    let time_field = find(file, &header, Name::Exactly(time.name))?;
-    let time_name = header[time_field].clone();
-    let reading = |wanted: &'w Wanted<'w>| {
-        let field = find(file, &header, wanted.column)?;
-        let unit = unit::of_values(wanted.quantity, &header[field], wanted.unit)
-            .map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
-        Ok(Reading { wanted, field, unit, samples: Vec::new(), missing: 0 })
-    };
-    let mut readings = wanted.iter().map(reading).collect::<Result<Vec<_>, DataError>>()?;
-    let mut decimals = Decimals { commas: 0, points: 0, may_be_commas: rows.separator != b',' };
+    let time_field = find(file, header, Name::Exactly(time.name))?;
+    let readings = wanted.iter().map(|wanted| Reading::of(file, header, wanted));
+    let mut readings = readings.collect::<Result<Vec<_>, DataError>>()?;
+    let mut decimals = Decimals { commas: 0, points: 0, may_be_commas: rows.may_have_commas() };
     let mut clock = None;
     let mut count = 0;
-    while rows.next(&header)? {
-        let cell = rows.cell(time_field);
-        let at = |(problem, remedy): (String, String)| {
-            DataError::file(file, problem, &remedy).line(rows.line(rows.row_offset())).cell(&time_name, cell)
+    while rows.next()? {
+        let at = |field: usize, (problem, remedy): ProblemAndRemedy| {
+            let error = DataError::file(file, problem, &remedy).line(rows.line(rows.place()));
+            error.cell(&header[field], rows.cell(field))
         };
+        let cell = rows.cell(time_field);
         if cell.is_empty() {
-            let nothing = (0..header.len()).all(|field| rows.cell(field).is_empty());
-            if nothing {
+            if (0..header.len()).all(|field| rows.cell(field).is_empty()) {
                 continue;
             }
-            return Err(at(("has no time".into(), "give the row its time, or remove it".into())));
+            return Err(at(time_field, ("has no time".into(), "give the row its time, or remove it".into())));
         }
         count += 1;
         if count > MAX_ROWS {
             let problem = format!("it has more than {MAX_ROWS} rows");
             return Err(DataError::file(file, problem, "cut it, or thin its rows out"));
         }
-        let clock = match &mut clock {
-            Some(clock) => clock,
-            none => none.insert(Clock::new(&time_name, time.zone, cell).map_err(at)?),
-        };
-        let may_be_commas = decimals.may_be_commas;
-        let when = clock.read(cell, |cell| number(cell, may_be_commas)).map_err(at)?;
-        if when.abs() > LARGEST_MEASURED {
-            return Err(at((
-                "is too large for a time".into(),
-                "mend the cell, or give another column of times".into(),
-            )));
-        }
+        let when = instant(&mut clock, &header[time_field], time.zone, cell, decimals.may_be_commas)
+            .map_err(|wrong| at(time_field, wrong))?;
         for reading in &mut readings {
-            let cell = rows.cell(reading.field);
-            if is_missing(cell) {
-                reading.missing += 1;
-                continue;
-            }
-            let at = |problem: &str, remedy: &str| {
-                let error = DataError::file(file, problem.into(), remedy).line(rows.line(rows.row_offset()));
-                Err(error.cell(&header[reading.field], cell))
-            };
-            let Some(value) = decimals.number(cell) else {
-                return at("is not a number", "mend the cell, or empty it");
-            };
-            if decimals.commas > 0 && decimals.points > 0 {
-                return at(
-                    "mixes decimal commas with decimal points, and its comma may mean thousands",
-                    "write all numbers with decimal points",
-                );
-            }
-            if !value.is_finite() {
-                return at("is not finite", "mend the cell, or empty it");
-            }
-            if value.abs() > LARGEST_MEASURED {
-                return at("is too large for a measurement", "mend the cell, or empty it");
-            }
-            if value < reading.unit.least {
-                return at("is below absolute zero", "empty the cell, if it marks a missing value, or mend the unit");
-            }
-            reading.samples.push((when, reading.unit.of(value), rows.row_offset() as u32));
+            reading
+                .take(when, rows.cell(reading.field), rows.place(), &mut decimals)
+                .map_err(|(problem, remedy)| at(reading.field, (problem.into(), remedy.into())))?;
         }
     }
     let Some(clock) = clock else {
@@ -205,7 +156,7 @@ pub(super) fn table<'w>(
     let mut repairs = Repairs { folds: clock.folds(), decimal_commas: decimals.commas, ..Repairs::default() };
     for reading in &mut readings {
         let name = &header[reading.field];
-        let (unsorted, repeated) = in_order(reading, &rows, name, clock.in_seconds())?;
+        let (unsorted, repeated) = in_order(reading, file, &rows, name, clock.in_seconds())?;
         repairs.unsorted = repairs.unsorted.max(unsorted);
         repairs.repeated = repairs.repeated.max(repeated);
         repairs.missing.push((name.clone(), reading.missing));
@@ -225,21 +176,81 @@ pub(super) fn table<'w>(
     })
 }
 
+/// The time of a row, from its cell in the column of times. The first cell decides what the others
+/// are.
+fn instant(
+    clock: &mut Option<Clock>,
+    column: &str,
+    zone: Option<&str>,
+    cell: &[u8],
+    may_be_commas: bool,
+) -> Result<f64, ProblemAndRemedy> {
+    let clock = match clock {
+        Some(clock) => clock,
+        none => none.insert(Clock::new(column, zone, cell)?),
+    };
+    let when = clock.read(cell, |cell| number(cell, may_be_commas))?;
+    if when.abs() > LARGEST_MEASURED {
+        return Err(("is too large for a time".into(), "mend the cell, or give another column of times".into()));
+    }
+    Ok(when)
+}
+
+impl<'a> Reading<'a> {
+    /// Find a column and its unit.
+    fn of(file: &str, header: &[String], wanted: &'a Wanted<'a>) -> Result<Self, DataError> {
+        let field = find(file, header, wanted.column)?;
+        let unit = unit::of_values(wanted.quantity, &header[field], wanted.unit)
+            .map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
+        Ok(Reading { wanted, field, unit, samples: Vec::new(), missing: 0 })
+    }
+
+    /// Take the cell of a row; an error if it holds neither a value nor a mark of a missing one.
+    fn take(
+        &mut self,
+        when: f64,
+        cell: &[u8],
+        place: u32,
+        decimals: &mut Decimals,
+    ) -> Result<(), (&'static str, &'static str)> {
+        if is_missing(cell) {
+            self.missing += 1;
+            return Ok(());
+        }
+        let value = decimals.number(cell).ok_or(("is not a number", "mend the cell, or empty it"))?;
+        if decimals.commas > 0 && decimals.points > 0 {
+            return Err((
+                "mixes decimal commas with decimal points, and its comma may mean thousands",
+                "write all numbers with decimal points",
+            ));
+        }
+        if !value.is_finite() {
+            return Err(("is not finite", "mend the cell, or empty it"));
+        }
+        if value.abs() > LARGEST_MEASURED {
+            return Err(("is too large for a measurement", "mend the cell, or empty it"));
+        }
+        if value < self.unit.least {
+            return Err(("is below absolute zero", "empty the cell, if it marks a missing value, or mend the unit"));
+        }
+        self.samples.push((when, self.unit.of(value), place));
+        Ok(())
+    }
+}
+
 /// The index of a column in the header; if there is not exactly one, the error lists the names.
 fn find(file: &str, header: &[String], name: Name<'_>) -> Result<usize, DataError> {
     let fields = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
         header.iter().enumerate().filter(|(_, column)| is(column)).map(|(field, _)| field).collect()
     };
-    let (found, what) = match name {
+    let what = name.description();
+    let found = match name {
         Name::Exactly(name) => {
             let found = fields(&|column| column == name);
             let alike = || fields(&|column| column.eq_ignore_ascii_case(name));
-            (if found.is_empty() { alike() } else { found }, format!("is called `{name}`"))
+            if found.is_empty() { alike() } else { found }
         }
-        Name::Beginning(start) => (
-            fields(&|column| column.to_lowercase().starts_with(start)),
-            format!("has a name that begins with `{start}`"),
-        ),
+        Name::Beginning(start) => fields(&|column| column.to_lowercase().starts_with(start)),
     };
     match found[..] {
         [field] => Ok(field),
@@ -295,15 +306,21 @@ fn number(cell: &[u8], may_be_commas: bool) -> Option<f64> {
 
 /// Sort the samples of a column, leave out repeated ones, and check for gaps. Returns how many
 /// samples were out of order, and how many were repeated.
-fn in_order(reading: &mut Reading<'_>, rows: &Rows<'_>, name: &str, in_seconds: bool) -> Result<(u64, u64), DataError> {
+fn in_order(
+    reading: &mut Reading<'_>,
+    file: &str,
+    rows: &impl Rows,
+    name: &str,
+    in_seconds: bool,
+) -> Result<(u64, u64), DataError> {
     let lasting = |time: f64| match in_seconds {
         true if time >= 7200.0 => format!("{} h", short(time / 3600.0)),
         true if time >= 120.0 => format!("{} min", short(time / 60.0)),
         true => format!("{} s", short(time)),
         false => short(time),
     };
-    let error = |problem: String, remedy: &str| DataError::file(rows.file, problem, remedy);
-    let line = |offset: u32| rows.line(offset as usize);
+    let error = |problem: String, remedy: &str| DataError::file(file, problem, remedy);
+    let line = |place: u32| rows.line(place);
     let samples = &mut reading.samples;
     let mut latest = f64::NEG_INFINITY;
     let mut unsorted = 0;

@@ -88,6 +88,11 @@ pub fn question(method: Method) -> Question {
     }
 }
 
+/// Whether a calibration has the warning of this name.
+pub fn warns(fit: &Calibration, name: &str) -> bool {
+    fit.warnings.iter().any(|warning| warning.name() == name)
+}
+
 /// Calibrates on two threads.
 pub fn ask(record: &Record, question: &Question) -> Calibration {
     calibrate(record, question, 2, &Default::default()).expect("a record with slips")

@@ -5,8 +5,10 @@
 //! target. So one measurement with a fixed seed exceeds a limit by chance once in 300 to 400 sets
 //! of seeds.
 
-use crate::bridge::{BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of};
-use stick_slip::bearing::calibration::{Flaws, Lag, Method, Quantity, Question, Record, Warning};
+use crate::bridge::{
+    BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of, warns,
+};
+use stick_slip::bearing::calibration::{Flaws, Lag, Method, Quantity, Question, Record};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
@@ -27,8 +29,8 @@ fn a_lag_is_found_and_allowed_for() {
         assert!(off(Lag::Auto).abs() < 0.06);
         let (auto, none) = (with(Lag::Auto), with(Lag::Known(0.0)));
         assert!((auto.lag.estimate - 900.0).abs() < 180.0, "{:?}", auto.lag);
-        assert!(auto.warnings.iter().any(|warning| matches!(warning, Warning::Lag(_))));
-        assert!(none.warnings.iter().any(|warning| matches!(warning, Warning::OtherLag(..))));
+        assert!(warns(&auto, "lag"));
+        assert!(warns(&none, "other_lag"));
         unaware += off(Lag::Known(0.0)) / 3.0;
     }
     assert!(unaware < -0.04, "{unaware}");
@@ -100,10 +102,7 @@ fn other_sampling_and_other_noise_are_borne() {
 fn friction_that_scatters_is_noticed() {
     let scattering = Campaign { flaws: Flaws { scatter: 0.05, ..RED }, ..RED_CAMPAIGN };
     let all = by_slips(&scattering, 900..904);
-    let says_so = |(fit, _): &(_, _)| {
-        let fit: &stick_slip::bearing::calibration::Calibration = fit;
-        fit.warnings.iter().any(|warning| matches!(warning, Warning::Scatter(_)))
-    };
+    let says_so = |(fit, _): &(_, _)| warns(fit, "scatter");
     assert!(all.iter().all(says_so));
     assert!(!by_slips(&RED_CAMPAIGN, 900..904).iter().any(says_so));
     for quantity in FORCES {
@@ -152,7 +151,7 @@ fn the_sign_of_the_sensor_and_holes_in_it_do_not_matter() {
     let mirrored = Record { readings: upright.readings.iter().map(|z| -z).collect(), ..upright.clone() };
     let (a, b) = (ask(&upright, &question(Method::Slips)), ask(&mirrored, &question(Method::Slips)));
     assert_eq!(a.estimates, b.estimates);
-    assert!(b.warnings.contains(&Warning::Mirrored) && !a.warnings.contains(&Warning::Mirrored));
+    assert!(warns(&b, "mirrored") && !warns(&a, "mirrored"));
     let mut holes = upright;
     for i in (0..holes.readings.len()).filter(|i| i / 1000 % 10 == 3) {
         holes.readings[i] = f64::NAN;

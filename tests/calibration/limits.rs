@@ -1,9 +1,7 @@
 //! Limits of a calibration: what cannot be known, and what is refused.
 
-use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, question, record, twin_of};
-use stick_slip::bearing::calibration::{
-    Bearing, CalibrationError, Method, Quantity, Question, Record, Warning, calibrate,
-};
+use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, question, record, twin_of, warns};
+use stick_slip::bearing::calibration::{Bearing, CalibrationError, Method, Quantity, Question, Record, calibrate};
 
 /// Without K_BP the data determine beta, f_s/K and f_d/K, but no force. This holds for a rigid
 /// bearing, and for a sheared one whose K_BP is not given.
@@ -13,7 +11,7 @@ fn without_the_shear_stiffness_there_are_no_forces() {
         let bearing = Bearing { shear_stiffness, ..BRIDGE };
         let (twin, truth) = twin_of(&bearing, &RED_CAMPAIGN, 42);
         let fit = ask(&record(&twin), &Question { shear_stiffness: None, ..question(Method::Slips) });
-        assert!(fit.warnings.contains(&Warning::NoShearStiffness));
+        assert!(warns(&fit, "no_shear_stiffness"));
         for quantity in Quantity::ALL {
             let estimate = fit.estimate(quantity);
             assert_eq!(estimate.estimate.is_nan(), quantity.needs_shear_stiffness(), "{quantity:?}");
@@ -35,7 +33,7 @@ fn sliding_without_slips_is_said() {
         let fit = ask(&record(&twin), &question(Method::Slips));
         let off = fit.estimate(Quantity::DynamicWay).estimate / truth[Quantity::DynamicWay as usize] - 1.0;
         assert!(off.abs() < 0.05, "{off}");
-        fit.warnings.contains(&Warning::GapNotIdentified)
+        warns(&fit, "gap_not_identified")
     };
     assert!(said(&Bearing { f_d: BRIDGE.f_s, ..BRIDGE }));
     assert!(!said(&BRIDGE));
@@ -57,5 +55,5 @@ fn no_record_is_refused() {
     // If the body never slips, z follows T, and nothing else can be determined.
     let still = Question { starts: 1, ..question(Method::Both) };
     let fit = calibrate(&flat(2000, wave, wave), &still, 1, &Default::default()).expect("an answer with warnings");
-    assert!(fit.warnings.contains(&Warning::NoSlips));
+    assert!(warns(&fit, "no_slips"));
 }

@@ -1,22 +1,16 @@
 //! The steps from a record to a calibration.
 
-use super::hold::conditioned;
-use super::lag;
+use super::by_slips::BySlips;
 use super::misfit::Misfit;
-use super::quantity::{Quantity, response_of, values};
-use super::question::{CalibrationError, LEAST, Lag, Method, Question};
-use super::report::{Calibration, Parts};
+use super::prepared::{Prepared, check};
+use super::quantity::Quantity;
+use super::question::{CalibrationError, Method, Question};
+use super::report::Calibration;
 use super::samples::Record;
-use super::slips::Evidence;
-use super::spikes::{self, Spikes};
-use super::starts::{Search, starts};
-use super::uncertainty::{AroundLag, Replicates};
+use super::starts::{Search, around, around_guess, starts};
+use super::steel::Steel;
 use super::warnings::warnings;
-use crate::data::{absurd, is_constant};
 use std::sync::atomic::AtomicBool;
-
-/// The fewest usual slips that determine anything.
-const FEWEST_SLIPS: usize = 6;
 
 /// Find the parameters of a bearing from a record.
 ///
@@ -30,11 +24,7 @@ pub fn calibrate(
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    check(record)?;
-    let (clean, spikes) = spikes::without_spikes(record);
-    let (clean, is_mirrored) = upright(clean);
-    let prepared = Prepared { record: clean, resolution: record.resolution(), spikes, is_mirrored };
-    fit(prepared, question, threads, stop)
+    fit(Prepared::of(record)?, question, threads, stop)
 }
 
 /// Repeat a calibration with the record that it was made from. The result is the same, bit for bit.
@@ -54,122 +44,34 @@ pub fn calibrate_again(
     fit(prepared, question, threads, stop)
 }
 
-/// A record as it is fitted: without spikes, and with the sign with which displacements grow with
-/// temperature.
-struct Prepared {
-    record: Record,
-    /// The resolution of the thermometer before spikes were taken out.
-    resolution: f64,
-    spikes: Spikes,
-    is_mirrored: bool,
-}
-
+/// Estimate by the slips and by the least squares, as the question asks.
 fn fit(
-    Prepared { record: clean, resolution, spikes, is_mirrored }: Prepared,
+    prepared: Prepared,
     question: &Question,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    let given = match question.lag {
-        Lag::Known(lag) => lag,
-        Lag::Auto => 0.0,
-    };
-    let evidence_at = |lag: f64| Evidence::find(&clean.lagged(lag).samples(), resolution).filter(is_visible);
-    let mut evidence = evidence_at(given);
-    let mut profile = evidence.as_ref().map(|evidence| lag::lag_profile(&clean, evidence));
-    let mut used = given;
-    if let (Lag::Auto, Some(first)) = (question.lag, &profile)
-        && first.gain > lag::CONVINCING
-        && let Some(second) = evidence_at(first.likeliest)
-    {
-        let again = lag::lag_profile(&clean, &second);
-        used = again.likeliest;
-        evidence = evidence_at(used);
-        profile = Some(again);
-    }
-    let steel = clean.lagged(used);
-    let around = evidence.map(|evidence| match question.lag {
-        Lag::Auto if used > 0.0 => AroundLag::lag(evidence, &clean, used),
-        _ => AroundLag { here: evidence, beside: None },
-    });
-    let by_slips = around.as_ref().and_then(|around| around.here.fit(&around.here.unweighted()));
-    if by_slips.is_none() && question.method == Method::Slips {
+    let steel = Steel::of(&prepared.record, prepared.resolution, question.lag);
+    let by_slips = steel.around.as_ref().map(|around| BySlips::of(around, question));
+    let evidence = by_slips.as_ref().and_then(BySlips::evidence);
+    if evidence.is_none() && question.method == Method::Slips {
         return Err(CalibrationError::NoSlips);
     }
-    let shear = question.shear_stiffness.unwrap_or(1.0);
-    let mut replicates = around.as_ref().map(|around| Replicates::new(around, shear));
-    let by_slips = by_slips.zip(replicates.as_mut()).map(|(fit, replicates)| {
-        response_of(&conditioned(values(&fit, Some(shear)), replicates, &question.held, shear))
-    });
-    let deviations = replicates.as_ref().map(Replicates::deviations);
-    let misfit = Misfit::new(&steel);
-    let found = if question.method == Method::Slips {
-        Vec::new()
-    } else {
-        let search = match (&by_slips, &deviations) {
-            (Some(fit), Some(sd)) => {
-                Search::around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]])
-            }
-            _ => Search::guessed(&question.guess),
-        };
-        starts(&misfit, &search, question, threads, stop)
+    let misfit = Misfit::new(&steel.record);
+    let starts = match question.method {
+        Method::Slips => Vec::new(),
+        Method::Err | Method::Both => starts(&misfit, &search(by_slips.as_ref(), question), question, threads, stop),
     };
-    let evidence = around.as_ref().map(|around| &around.here).filter(|_| by_slips.is_some());
-    let mut calibration = Calibration::new(Parts {
-        question,
-        record: &clean,
-        steel: &steel,
-        resolution,
-        spikes,
-        is_mirrored,
-        used,
-        profile,
-        evidence,
-        by_slips,
-        replicates,
-        deviations,
-        misfit: &misfit,
-        starts: found,
-    });
+    let mut calibration = Calibration::new(question, prepared, &steel, by_slips.as_ref(), &misfit, starts);
     calibration.warnings = warnings(&calibration, evidence);
     Ok(calibration)
 }
 
-fn check(record: &Record) -> Result<(), CalibrationError> {
-    let seen = record.samples();
-    if seen.times.len() < LEAST {
-        return Err(CalibrationError::TooShort(seen.times.len()));
+/// The box of the least squares: around the response by slips, or around a guess if there is none.
+fn search(by_slips: Option<&BySlips>, question: &Question) -> Search {
+    let fitted = by_slips.and_then(|by_slips| Some((by_slips.response?, by_slips.deviations)));
+    match fitted {
+        Some((fit, sd)) => around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]]),
+        None => around_guess(&question.guess),
     }
-    let columns = [("temperature", &record.times, &record.temperatures), ("displacement", &seen.times, &seen.readings)];
-    for (name, times, values) in columns {
-        if let Some((time, value)) = absurd(times, values) {
-            return Err(CalibrationError::Absurd { name, time, value });
-        }
-    }
-    for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
-        if is_constant(values) {
-            return Err(CalibrationError::Constant(name));
-        }
-    }
-    Ok(())
-}
-
-/// Whether enough slips are seen to determine the parameters.
-fn is_visible(evidence: &Evidence) -> bool {
-    let usual = evidence.slips.iter().filter(|slip| slip.is_usual).count();
-    usual >= FEWEST_SLIPS && evidence.reversals.len() >= 2
-}
-
-/// Change the sign of the displacements if they fall as the temperature rises, because a sensor may
-/// count in the other direction. The flag is true if the sign was changed.
-fn upright(record: Record) -> (Record, bool) {
-    let seen = record.samples();
-    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len() as f64;
-    let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
-    let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();
-    if together >= 0.0 {
-        return (record, false);
-    }
-    let readings = record.readings.iter().map(|reading| -reading).collect();
-    (Record { readings, ..record }, true)
 }

@@ -59,7 +59,7 @@ impl Evidence {
     pub fn scatter(&self) -> f64 {
         if self.beginning.is_some() {
             let Some(Response { motion, sensor }) = self.fit(&self.unweighted()) else { return 0.0 };
-            let kinetic = motion.reach - 0.5 * motion.jump;
+            let kinetic = motion.kinetic_reach();
             let off = |slip: &Slip| {
                 let line = sensor.offset + sensor.moving * (slip.temperature - slip.sign * kinetic);
                 (slip.middle(sensor.still) - line) / sensor.moving

@@ -39,7 +39,7 @@ pub fn row((quantity, value): &Held, motion: &Motion, shear_stiffness: f64) -> (
         Quantity::Dilatation => ([0.0, WIDE, WIDE], WIDE * value),
         Quantity::Displacement => ([0.0, motion.start, motion.start], *value),
         Quantity::Static => force(motion.reach),
-        Quantity::Dynamic => force(motion.reach - 0.5 * motion.jump),
+        Quantity::Dynamic => force(motion.kinetic_reach()),
         Quantity::Gap => force(0.5 * motion.jump),
         Quantity::Stiffness => ([0.0, -WIDE * kappa, WIDE * (1.0 - kappa)], 0.0),
         // Other quantities cannot be held.

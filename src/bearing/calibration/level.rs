@@ -39,31 +39,17 @@ pub struct Sums {
 }
 
 impl Sums {
-    /// These sums times a weight.
-    fn times(self, weight: f64) -> Sums {
-        let Sums { rows, tt, tz, zz, log_variance } = self;
-        Sums {
-            rows: weight * rows,
-            tt: weight * tt,
-            tz: weight * tz,
-            zz: weight * zz,
-            log_variance: weight * log_variance,
-        }
-    }
-
-    fn plus(self, other: Sums) -> Sums {
-        Sums {
-            rows: self.rows + other.rows,
-            tt: self.tt + other.tt,
-            tz: self.tz + other.tz,
-            zz: self.zz + other.zz,
-            log_variance: self.log_variance + other.log_variance,
-        }
-    }
-
     /// The sum over blocks with these weights.
     pub fn weighted(blocks: &[Sums], weights: &[f64]) -> Sums {
-        blocks.iter().zip(weights).fold(Sums::default(), |sum, (block, weight)| sum.plus(block.times(*weight)))
+        let mut sum = Sums::default();
+        for (block, weight) in blocks.iter().zip(weights) {
+            sum.rows += weight * block.rows;
+            sum.tt += weight * block.tt;
+            sum.tz += weight * block.tz;
+            sum.zz += weight * block.zz;
+            sum.log_variance += weight * block.log_variance;
+        }
+        sum
     }
 
     /// The slope of z against T, `still`.

@@ -192,7 +192,7 @@ impl Misfit {
     }
 
     fn best_sensor(&self, [x, xx, xt, xz]: [f64; 4]) -> (f64, Sensor) {
-        let time = self.before.last().map_or(0.0, |all| all.time);
+        let time = self.duration();
         let [tt, tz, zz] = self.products;
         let xx = xx - x * x / time;
         let determinant = xx * tt - xt * xt;

@@ -13,6 +13,7 @@
 //! The model is that of [`Motion`] and [`Sensor`]: quasi-static, and exact from sample to sample.
 
 mod bearing;
+mod by_slips;
 mod calibrate;
 mod detect;
 mod evolve;
@@ -23,6 +24,7 @@ mod level;
 mod lowest;
 mod misfit;
 mod motion;
+mod prepared;
 mod quantity;
 mod question;
 mod report;
@@ -30,6 +32,7 @@ mod samples;
 mod slips;
 mod spikes;
 mod starts;
+mod steel;
 mod stick_analysis;
 mod sticks;
 mod twin;

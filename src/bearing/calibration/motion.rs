@@ -25,6 +25,11 @@ pub struct Motion {
 }
 
 impl Motion {
+    /// f_d/(K beta) in kelvin: A - G/2.
+    pub fn kinetic_reach(&self) -> f64 {
+        self.reach - 0.5 * self.jump
+    }
+
     /// xi after the temperature has gone to this value without turning.
     #[inline(always)]
     pub fn next(&self, xi: f64, temperature: f64) -> f64 {

@@ -52,50 +52,17 @@ impl Quantity {
 
     /// The key of the scenario, or a name of the same form if the scenario has no such key.
     pub fn key(self) -> &'static str {
-        match self {
-            Stiffness => "oscillator.stiffness",
-            Dilatation => "oscillator.dilatation",
-            Static => "friction.static",
-            Dynamic => "friction.dynamic",
-            Gap => "friction.gap",
-            Offset => "bearing.offset",
-            Displacement => "initial.displacement",
-            Shear => "bearing.shear",
-            Reach => "reach",
-            Jump => "jump",
-            StaticWay => "static_way",
-            DynamicWay => "dynamic_way",
-        }
+        ROWS[self as usize].key
     }
 
     /// The symbol in formulas.
     pub fn symbol(self) -> &'static str {
-        match self {
-            Stiffness => "K",
-            Dilatation => "beta",
-            Static => "f_s",
-            Dynamic => "f_d",
-            Gap => "f_s - f_d",
-            Offset => "z0",
-            Displacement => "x(0)",
-            Shear => "K/K_BP",
-            Reach => "A",
-            Jump => "G",
-            StaticWay => "f_s/K",
-            DynamicWay => "f_d/K",
-        }
+        ROWS[self as usize].symbol
     }
 
     /// The unit, in metres, newtons and kelvin.
     pub fn unit(self) -> &'static str {
-        match self {
-            Stiffness => "N/m",
-            Dilatation => "m/K",
-            Static | Dynamic | Gap => "N",
-            Offset | Displacement | StaticWay | DynamicWay => "m",
-            Shear => "1",
-            Reach | Jump => "K",
-        }
+        ROWS[self as usize].unit
     }
 
     /// Whether the quantity can be known only if K_BP is.
@@ -103,6 +70,33 @@ impl Quantity {
         matches!(self, Stiffness | Static | Dynamic | Gap)
     }
 }
+
+/// The names of a quantity.
+struct Row {
+    key: &'static str,
+    symbol: &'static str,
+    unit: &'static str,
+}
+
+const fn row(key: &'static str, symbol: &'static str, unit: &'static str) -> Row {
+    Row { key, symbol, unit }
+}
+
+/// One row for each of [`Quantity::ALL`].
+const ROWS: [Row; Quantity::ALL.len()] = [
+    row("oscillator.stiffness", "K", "N/m"),
+    row("oscillator.dilatation", "beta", "m/K"),
+    row("friction.static", "f_s", "N"),
+    row("friction.dynamic", "f_d", "N"),
+    row("friction.gap", "f_s - f_d", "N"),
+    row("bearing.offset", "z0", "m"),
+    row("initial.displacement", "x(0)", "m"),
+    row("bearing.shear", "K/K_BP", "1"),
+    row("reach", "A", "K"),
+    row("jump", "G", "K"),
+    row("static_way", "f_s/K", "m"),
+    row("dynamic_way", "f_d/K", "m"),
+];
 
 /// One value for each of [`Quantity::ALL`].
 pub type Values = [f64; Quantity::ALL.len()];
@@ -113,7 +107,7 @@ pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {
     let Response { motion, sensor } = response;
     let beta = sensor.moving + sensor.still;
     let kappa = sensor.still / beta;
-    let kinetic = motion.reach - 0.5 * motion.jump;
+    let kinetic = motion.kinetic_reach();
     let shear = shear_stiffness.unwrap_or(f64::NAN);
     // K beta = kappa beta K_BP.
     let slope = sensor.still * shear;

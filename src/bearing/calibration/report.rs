@@ -1,16 +1,20 @@
 //! The result of a calibration.
 
 use super::bearing::Response;
+use super::by_slips::BySlips;
 use super::lag::LagProfile;
 use super::misfit::Misfit;
+use super::prepared::Prepared;
 use super::quantity::{Quantity, Values, values};
 use super::question::{Lag, Method, Question};
 use super::samples::{HOUR, Record};
-use super::slips::Evidence;
+use super::slips::Slip;
 use super::spikes::Spikes;
 use super::starts::Start;
+use super::steel::Steel;
 use super::uncertainty::Replicates;
 use super::warning::Warning;
+use crate::bearing::moments::mean;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
 /// An estimate with its interval. Values that are not known are NaN.
@@ -109,82 +113,70 @@ pub struct Calibration {
     pub warnings: Vec<Warning>,
 }
 
-/// Everything that a result is made from.
-pub(super) struct Parts<'a> {
-    pub question: &'a Question,
-    pub record: &'a Record,
-    pub steel: &'a Record,
-    pub resolution: f64,
-    pub spikes: Spikes,
-    pub is_mirrored: bool,
-    pub used: f64,
-    pub profile: Option<LagProfile>,
-    pub evidence: Option<&'a Evidence>,
-    pub by_slips: Option<Response>,
-    pub replicates: Option<Replicates>,
-    pub deviations: Option<Values>,
-    pub misfit: &'a Misfit,
-    pub starts: Vec<Start>,
-}
-
 impl Calibration {
-    pub(super) fn new(parts: Parts) -> Calibration {
-        let best = parts.starts.iter().min_by(|a, b| a.err.total_cmp(&b.err)).map(|start| start.response);
-        let motion = parts.question.guess;
-        let guess = Response { motion, sensor: parts.misfit.of(&motion).1 };
-        let by_slips = parts.by_slips.filter(|_| parts.question.method != Method::Err);
-        let response = by_slips.or(best).or(parts.by_slips).unwrap_or(guess);
-        let sides = normal_quantile(parts.question.level);
-        let deviations = parts.deviations.unwrap_or([f64::NAN; Quantity::ALL.len()]);
+    /// The result of the steps, without warnings.
+    pub(super) fn new(
+        question: &Question,
+        prepared: Prepared,
+        steel: &Steel,
+        by_slips: Option<&BySlips>,
+        misfit: &Misfit,
+        starts: Vec<Start>,
+    ) -> Calibration {
+        let best = starts.iter().min_by(|a, b| a.err.total_cmp(&b.err)).map(|start| start.response);
+        let motion = question.guess;
+        let guess = Response { motion, sensor: misfit.of(&motion).1 };
+        let fitted = by_slips.and_then(|by_slips| by_slips.response);
+        let wanted = fitted.filter(|_| question.method != Method::Err);
+        let response = wanted.or(best).or(fitted).unwrap_or(guess);
+        let sides = normal_quantile(question.level);
+        let deviations = by_slips.map_or([f64::NAN; Quantity::ALL.len()], |by_slips| by_slips.deviations);
         let with_intervals = |response: &Response, widening: &Values| {
-            let at = values(response, parts.question.shear_stiffness);
+            let at = values(response, question.shear_stiffness);
             std::array::from_fn(|i| {
                 let half = sides * widening[i] * deviations[i];
                 Estimate { estimate: at[i], low: at[i] - half, high: at[i] + half }
             })
         };
         let least_squares = best.map(|best| with_intervals(&best, &WIDENING_ERR));
-        let estimates = match by_slips {
+        let estimates = match wanted {
             Some(fit) => with_intervals(&fit, &WIDENING),
             None => least_squares.unwrap_or_else(|| with_intervals(&response, &WIDENING)),
         };
-        let half = match parts.question.lag {
-            Lag::Auto if parts.used > 0.0 => {
-                sides * parts.replicates.as_ref().map_or(f64::NAN, Replicates::lag_deviation)
-            }
+        let replicates = by_slips.map(|by_slips| &by_slips.replicates);
+        let half = match question.lag {
+            Lag::Auto if steel.lag > 0.0 => sides * replicates.map_or(f64::NAN, Replicates::lag_deviation),
             _ => 0.0,
         };
-        let lag = Estimate { estimate: parts.used, low: (parts.used - half).max(0.0), high: parts.used + half };
-        let slips = parts.evidence.map_or_else(Vec::new, |evidence| {
-            let seen = |slip: &super::slips::Slip| SeenSlip {
-                time: slip.time,
-                temperature: slip.temperature,
-                jump: slip.sign * slip.size(response.sensor.still),
-                is_usual: slip.is_usual,
-            };
-            evidence.slips.iter().map(seen).collect()
-        });
-        let positions = response.motion.follow(&parts.steel.temperatures);
+        let evidence = by_slips.and_then(BySlips::evidence);
+        let seen = |slip: &Slip| SeenSlip {
+            time: slip.time,
+            temperature: slip.temperature,
+            jump: slip.sign * slip.size(response.sensor.still),
+            is_usual: slip.is_usual,
+        };
+        let temperatures = &steel.record.temperatures;
+        let positions = response.motion.follow(temperatures);
         let reading = |(xi, t): (&f64, &f64)| response.sensor.reading(*xi, *t);
-        let modelled: Vec<f64> = positions.iter().zip(&parts.steel.temperatures).map(reading).collect();
-        let residuals = residuals(parts.record, &modelled);
+        let modelled: Vec<f64> = positions.iter().zip(temperatures).map(reading).collect();
+        let Prepared { record, resolution, spikes, is_mirrored } = prepared;
         Calibration {
-            question: parts.question.clone(),
-            record: parts.record.clone(),
-            steel: parts.steel.temperatures.clone(),
-            resolution: parts.resolution,
-            spikes: parts.spikes,
-            is_mirrored: parts.is_mirrored,
+            question: question.clone(),
+            steel: temperatures.clone(),
+            resolution,
+            spikes,
+            is_mirrored,
             response,
             estimates,
             least_squares,
-            correlations: parts.replicates.as_ref().map_or_else(Vec::new, Replicates::correlations),
-            slips,
-            lag,
-            lag_profile: parts.profile,
-            starts: parts.starts,
+            correlations: replicates.map_or_else(Vec::new, Replicates::correlations),
+            slips: evidence.map_or_else(Vec::new, |evidence| evidence.slips.iter().map(seen).collect()),
+            lag: Estimate { estimate: steel.lag, low: (steel.lag - half).max(0.0), high: steel.lag + half },
+            lag_profile: steel.profile.clone(),
+            starts,
+            residuals: residuals(&record, &modelled),
             modelled,
-            residuals,
+            record,
             warnings: Vec::new(),
         }
     }
@@ -218,13 +210,11 @@ fn residuals(record: &Record, modelled: &[f64]) -> Residuals {
     let samples = record.samples();
     let left: Vec<f64> = record.readings.iter().zip(modelled).map(|(z, model)| z - model).collect();
     let seen: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();
-    let mean = seen.iter().sum::<f64>() / seen.len() as f64;
+    let mean = mean(&seen);
     let variance = seen.iter().map(|left| (left - mean).powi(2)).sum::<f64>() / seen.len() as f64;
     let correlation = |hours: f64| {
-        let step = (hours * HOUR / samples.interval()).round() as usize;
-        let pairs = samples.stretches().flat_map(|stretch| stretch.start + step..stretch.end.max(stretch.start + step));
-        let [sum, count] =
-            pairs.fold([0.0; 2], |[sum, count], i| [sum + (seen[i] - mean) * (seen[i - step] - mean), count + 1.0]);
+        let products = samples.pairs(hours * HOUR).map(|[i, j]| (seen[j] - mean) * (seen[i] - mean));
+        let [sum, count] = products.fold([0.0; 2], |[sum, count], product| [sum + product, count + 1.0]);
         (hours, sum / count / variance)
     };
     let rms = (seen.iter().map(|left| left * left).sum::<f64>() / seen.len() as f64).sqrt();

@@ -12,37 +12,27 @@ use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 
-/// The box in which A, G and xi(0) are searched.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Search {
-    /// The interval of A.
-    pub reach: [f64; 2],
-    /// The interval of G.
-    pub jump: [f64; 2],
-    /// The interval of xi(0).
-    pub start: [f64; 2],
+/// The box in which A, G and xi(0) are searched: the interval of each.
+pub type Search = [[f64; 2]; 3];
+
+/// The box around a motion that was computed from slips, with the standard deviations of A and G.
+/// It is so wide that the minimum lies in it almost certainly.
+pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
+    let Motion { reach: a, jump: g, start } = *motion;
+    let a_away = (0.08 * a).max(4.0 * reach);
+    let g_away = (0.2 * g).max(4.0 * jump);
+    [
+        [(a - a_away).max(0.1 * a), a + a_away],
+        [(g - g_away).max(0.05 * g), g + g_away],
+        [start - 1.2 * g - a_away, start + 1.2 * g + a_away],
+    ]
 }
 
-impl Search {
-    /// The box around a motion that was computed from slips, with the standard deviations of A and
-    /// G. It is so wide that the minimum lies in it almost certainly.
-    pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
-        let Motion { reach: a, jump: g, start } = *motion;
-        let a_away = (0.08 * a).max(4.0 * reach);
-        let g_away = (0.2 * g).max(4.0 * jump);
-        Search {
-            reach: [(a - a_away).max(0.1 * a), a + a_away],
-            jump: [(g - g_away).max(0.05 * g), g + g_away],
-            start: [start - 1.2 * g - a_away, start + 1.2 * g + a_away],
-        }
-    }
-
-    /// The box around a motion that was only guessed.
-    pub fn guessed(motion: &Motion) -> Search {
-        let Motion { reach: a, jump: g, start } = *motion;
-        let g = if g > 0.0 { g } else { 0.1 * a };
-        Search { reach: [0.3 * a, 3.0 * a], jump: [0.1 * g, 4.0 * g], start: [start - 1.5 * a, start + 1.5 * a] }
-    }
+/// The box around a motion that was only guessed.
+pub fn around_guess(motion: &Motion) -> Search {
+    let Motion { reach: a, jump: g, start } = *motion;
+    let g = if g > 0.0 { g } else { 0.1 * a };
+    [[0.3 * a, 3.0 * a], [0.1 * g, 4.0 * g], [start - 1.5 * a, start + 1.5 * a]]
 }
 
 /// The result of one start.
@@ -57,7 +47,6 @@ pub struct Start {
 /// Run all starts of a question on these threads. Each is a search of its own, with its own random
 /// numbers.
 pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: usize, stop: &AtomicBool) -> Vec<Start> {
-    let bounds = [search.reach, search.jump, search.start];
     let motion = |[reach, jump, start]: [f64; 3]| Motion { reach, jump: jump.min(2.0 * reach), start };
     let shear = question.shear_stiffness.unwrap_or(1.0);
     let best = |motion: &Motion| {
@@ -84,7 +73,7 @@ pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: us
     // bodies have slipped.
     let leap = |[reach, jump, start]: [f64; 3], direction: f64| [reach, jump, start + jump.copysign(direction)];
     let make = |number: u64| {
-        let (at, _) = evolve::lowest(&bounds, number, leap, value);
+        let (at, _) = evolve::lowest(search, number, leap, value);
         let (err, sensor) = best(&motion(at));
         Start { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } }
     };

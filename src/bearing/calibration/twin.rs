@@ -57,7 +57,7 @@ pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Fl
     let steel = air.lagged(flaws.lag).temperatures;
     let (mut positions, mut slips) = (Vec::with_capacity(times.len()), 0);
     let (mut xi, mut reach) = (response.motion.start, response.motion.reach);
-    let kinetic = response.motion.reach - 0.5 * response.motion.jump;
+    let kinetic = response.motion.kinetic_reach();
     for &temperature in &steel {
         if flaws.scatter == 0.0 {
             let next = response.motion.next(xi, temperature);

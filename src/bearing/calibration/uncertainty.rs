@@ -8,6 +8,7 @@ use super::level::Sums;
 use super::quantity::{Quantity, Values, values};
 use super::samples::{Record, correlation};
 use super::slips::Evidence;
+use crate::bearing::moments::variance;
 use crate::noise::Stream;
 
 /// Number of times that everything is estimated again.
@@ -119,12 +120,7 @@ impl Replicates {
     }
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// The standard deviation of a sample.
 pub fn deviation(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)).sqrt()
+    variance(values).sqrt()
 }

@@ -2,6 +2,7 @@
 
 use super::question::{ForecastError, GIVEN_UP, LIKELIEST, Question};
 use super::year::{Quantity, Year};
+use crate::bearing::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// The forecast of one quantity.
@@ -175,15 +176,6 @@ fn return_level(years: &[Vec<Year>], period: f64, question: &Question) -> Return
     }
     let half = half_width(&levels, within, question.level);
     ReturnLevel { years: period, expected, interval: [expected - half, expected + half] }
-}
-
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
-fn variance(values: &[f64]) -> f64 {
-    let mean = mean(values);
-    values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (values.len() as f64 - 1.0)
 }
 
 /// A quantile of ascending values, interpolated between the two nearest.

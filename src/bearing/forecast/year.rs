@@ -35,32 +35,31 @@ impl Quantity {
 
     /// The name in files and for programs.
     pub fn name(self) -> &'static str {
-        match self {
-            Quantity::SlidingPath => "sliding_path",
-            Quantity::Slips => "slips",
-            Quantity::Range => "displacement_range",
-            Quantity::Greatest => "displacement_abs_max",
-            Quantity::Loaded => "loaded_share",
-            Quantity::Force => "force_abs_max",
-        }
+        NAMES_AND_UNITS[self as usize].0
     }
 
     /// Its unit.
     pub fn unit(self) -> &'static str {
-        match self {
-            Quantity::SlidingPath | Quantity::Range | Quantity::Greatest => "m",
-            Quantity::Slips | Quantity::Loaded => "1",
-            Quantity::Force => "N",
-        }
+        NAMES_AND_UNITS[self as usize].1
     }
 }
+
+/// The name and the unit of each of [`Quantity::ALL`].
+const NAMES_AND_UNITS: [(&str, &str); Quantity::ALL.len()] = [
+    ("sliding_path", "m"),
+    ("slips", "1"),
+    ("displacement_range", "m"),
+    ("displacement_abs_max", "m"),
+    ("loaded_share", "1"),
+    ("force_abs_max", "N"),
+];
 
 /// One value for each of [`Quantity::ALL`].
 pub type Year = [f64; Quantity::ALL.len()];
 
-/// The path of one year.
+/// What was seen of a year so far.
 #[derive(Clone, Copy, Debug)]
-struct Path {
+struct Seen {
     /// The displacement x of the body after its last event.
     position: f64,
     sliding: f64,
@@ -76,7 +75,7 @@ struct Path {
 pub struct YearObserver<'a> {
     bearing: DrawnBearing,
     threshold: f64,
-    paths: Vec<Path>,
+    paths: Vec<Seen>,
     is_counting: bool,
     stop: &'a AtomicBool,
 }
@@ -86,7 +85,7 @@ impl<'a> YearObserver<'a> {
     /// f_s is counted.
     pub fn new(bearing: DrawnBearing, share: f64, paths: usize, stop: &'a AtomicBool) -> Self {
         let threshold = share * bearing.reach * bearing.stiffness * bearing.dilatation();
-        let path = Path {
+        let path = Seen {
             position: 0.0,
             sliding: 0.0,
             slips: 0,

@@ -160,33 +160,33 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
     if let Some(period) = periods.iter().find(|period| duration < 0.5 * **period) {
         return Err(WeatherError::ShorterThanPeriod(*period));
     }
-    let samples = Samples::new(times, temperatures, periods);
     let interval = duration / (n as f64 - 1.0);
     // The search starts from a correlation time of half a day, or from three hours and four days.
     let starts: &[f64] = if processes == 1 { &[0.5] } else { &[0.125, 4.0] };
     let day = 86_400f64.min(duration / 20.0).max(4.0 * interval);
+    let regression = Regression::new(times, temperatures, periods, starts.len());
     let mut start: Vec<f64> = starts.iter().map(|days| libm::log(1.0 / (days * day))).collect();
     start.resize(2 * starts.len() - 1, 0.0);
-    let (exact, without) = simplex::lowest(&start, 0.7, ENOUGH, |x| samples.deviance(x, None));
+    let (exact, without) = simplex::lowest(&start, 0.7, ENOUGH, |x| regression.deviance(x));
     // The search for white noise starts from a hundredth of the variance that the fastest process
     // gains per step.
     let white_start = [&exact[..], &[libm::log(0.02 * libm::exp(exact[0]) * interval)]].concat();
-    let (noisy, with) =
-        simplex::lowest(&white_start, 0.7, ENOUGH, |x| samples.deviance(&x[..start.len()], x.last().copied()));
+    let (noisy, with) = simplex::lowest(&white_start, 0.7, ENOUGH, |x| regression.deviance(x));
     let is_noisy = without - with > CONVINCING;
-    let (found, white) = if is_noisy { (&noisy[..start.len()], noisy.last().copied()) } else { (&exact[..], None) };
-    samples.weather(found, white, duration)
+    regression.weather(if is_noisy { &noisy } else { &exact }, duration)
 }
 
 /// The samples, with the columns of the regression.
-struct Samples<'a> {
+struct Regression<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
     periods: &'a [f64],
+    /// Number of processes.
+    processes: usize,
 }
 
-impl<'a> Samples<'a> {
-    fn new(times: &'a [f64], temperatures: &[f64], periods: &'a [f64]) -> Self {
+impl<'a> Regression<'a> {
+    fn new(times: &'a [f64], temperatures: &[f64], periods: &'a [f64], processes: usize) -> Self {
         let mut columns = vec![vec![1.0; times.len()]];
         for period in periods {
             for function in [libm::cos, libm::sin] {
@@ -194,30 +194,41 @@ impl<'a> Samples<'a> {
             }
         }
         columns.push(temperatures.to_vec());
-        Samples { times, columns, periods }
+        Regression { times, columns, periods, processes }
     }
 
-    /// The likelihood of a point of the search. `x` holds log theta of each process and, for two
-    /// processes, the logarithm of the variance of the second over that of the first; `white` is
-    /// the logarithm of the variance of the white noise over the same.
-    fn likelihood(&self, x: &[f64], white: Option<f64>) -> Option<Likelihood> {
-        likelihood(self.times, &self.columns, &shape(x, white))
+    /// The processes at a point of the search. It holds log theta of each process, for two
+    /// processes the logarithm of the variance of the second over that of the first, and, where
+    /// there is white noise, the logarithm of its variance over the same.
+    fn shape(&self, point: &[f64]) -> Shape {
+        let (x, white) = point.split_at(2 * self.processes - 1);
+        let mut processes = vec![(libm::exp(x[0]), 1.0)];
+        if let [_, rate, ratio] = x {
+            processes.push((libm::exp(*rate), libm::exp(*ratio)));
+        }
+        Shape { processes, white: white.first().map_or(0.0, |white| libm::exp(*white)) }
     }
 
-    fn deviance(&self, x: &[f64], white: Option<f64>) -> f64 {
-        self.likelihood(x, white).map_or(f64::INFINITY, |found| found.deviance)
+    fn likelihood(&self, point: &[f64]) -> Option<Likelihood> {
+        likelihood(self.times, &self.columns, &self.shape(point))
+    }
+
+    fn deviance(&self, point: &[f64]) -> f64 {
+        self.likelihood(point).map_or(f64::INFINITY, |found| found.deviance)
     }
 
     /// The result at the best point.
-    fn weather(&self, x: &[f64], white: Option<f64>, duration: f64) -> Result<WeatherFit, WeatherError> {
-        let best = self.likelihood(x, white).ok_or(WeatherError::NoProcess)?;
-        let shape = shape(x, white);
+    fn weather(&self, point: &[f64], duration: f64) -> Result<WeatherFit, WeatherError> {
+        let best = self.likelihood(point).ok_or(WeatherError::NoProcess)?;
+        let shape = self.shape(point);
         if let [first, second] = shape.processes[..]
             && first.0 < second.0
         {
-            return self.weather(&[x[1], x[0], -x[2]], white.map(|white| white - x[2]), duration);
+            let mut swapped = vec![point[1], point[0], -point[2]];
+            swapped.extend(point[3..].iter().map(|white| white - point[2]));
+            return self.weather(&swapped, duration);
         }
-        let errors = self.errors(x, white, best.deviance).ok_or(WeatherError::OneIsEnough)?;
+        let errors = self.errors(point, best.deviance).ok_or(WeatherError::OneIsEnough)?;
         let logarithms = shape.processes.iter().flat_map(|(theta, variance)| {
             let sd = (best.scale * variance).sqrt();
             [libm::log(*theta), libm::log(sd)]
@@ -225,7 +236,7 @@ impl<'a> Samples<'a> {
         Ok(WeatherFit {
             samples: self.times.len(),
             duration,
-            white: white.map_or(0.0, |white| (best.scale * libm::exp(white)).sqrt()),
+            white: (best.scale * shape.white).sqrt(),
             log_likelihood: -0.5 * best.deviance,
             periods: self.periods.to_vec(),
             coefficients: Estimates {
@@ -239,62 +250,60 @@ impl<'a> Samples<'a> {
         })
     }
 
+    /// A step of number `i` that changes the deviance by about one, so that differences of it keep
+    /// many digits.
+    fn step(&self, point: &[f64], i: usize, lowest: f64) -> f64 {
+        let mut step = 0.02;
+        for _ in 0..40 {
+            let moved = |sign: f64| self.deviance(&with(point, &[(i, sign * step)]));
+            let rise = 0.5 * (moved(1.0) + moved(-1.0)) - lowest;
+            match rise {
+                rise if rise.is_nan() || rise > 4.0 => step *= 0.5,
+                rise if rise < 0.25 && step < 4.0 => step *= 1.6,
+                _ => break,
+            }
+        }
+        step
+    }
+
     /// The covariance of the errors of log theta_1, log sd_1, log theta_2, .... It is twice the
     /// inverse of the second derivatives of the deviance; the second derivative with respect to the
     /// logarithm of the scale is n - p.
-    fn errors(&self, x: &[f64], white: Option<f64>, lowest: f64) -> Option<Matrix> {
+    fn errors(&self, point: &[f64], lowest: f64) -> Option<Matrix> {
         let n = (self.times.len() + 1 - self.columns.len()) as f64;
-        let all: Vec<f64> = x.iter().copied().chain(white).collect();
-        let at = |moved: &[f64]| self.deviance(&moved[..x.len()], moved.get(x.len()).copied());
-        // Each step changes the deviance by about one, so that differences of it keep many digits.
-        let step = |i: usize| {
-            let mut step = 0.02;
-            for _ in 0..40 {
-                let moved = |sign: f64| at(&with(&all, &[(i, sign * step)]));
-                let rise = 0.5 * (moved(1.0) + moved(-1.0)) - lowest;
-                match rise {
-                    rise if rise.is_nan() || rise > 4.0 => step *= 0.5,
-                    rise if rise < 0.25 && step < 4.0 => step *= 1.6,
-                    _ => break,
-                }
-            }
-            step
-        };
-        let steps: Vec<f64> = (0..all.len()).map(step).collect();
+        let all = 0..point.len();
+        let steps: Vec<f64> = all.clone().map(|i| self.step(point, i, lowest)).collect();
         let mut bends = vec![vec![0.0; all.len()]; all.len()];
-        for i in 0..all.len() {
-            let moved = |sign: f64| at(&with(&all, &[(i, sign * steps[i])]));
+        for i in all.clone() {
+            let moved = |sign: f64| self.deviance(&with(point, &[(i, sign * steps[i])]));
             bends[i][i] = (moved(1.0) + moved(-1.0) - 2.0 * lowest) / (steps[i] * steps[i]);
             for j in 0..i {
-                let moved = |a: f64, b: f64| at(&with(&all, &[(i, a * steps[i]), (j, b * steps[j])]));
+                let moved = |a: f64, b: f64| self.deviance(&with(point, &[(i, a * steps[i]), (j, b * steps[j])]));
                 let mixed = moved(1.0, 1.0) + moved(-1.0, -1.0) - moved(1.0, -1.0) - moved(-1.0, 1.0);
                 bends[i][j] = mixed / (4.0 * steps[i] * steps[j]);
             }
         }
         let profiled = inverse(&cholesky(&bends)?);
-        // The derivative of the logarithm of the best scale s^2 with respect to x.
-        let slope: Vec<f64> = (0..all.len())
-            .map(|i| {
-                let scale = |sign: f64| {
-                    let moved = with(&all, &[(i, sign * steps[i])]);
-                    let found = self.likelihood(&moved[..x.len()], moved.get(x.len()).copied());
-                    found.map_or(f64::NAN, |found| libm::log(found.scale))
-                };
-                (scale(1.0) - scale(-1.0)) / (2.0 * steps[i])
-            })
-            .collect();
-        // Each row holds the derivatives of one of log theta_1, log sd_1, ... with respect to x,
-        // and that with respect to log s^2.
-        let m = x.len().div_ceil(2);
+        // The derivative of the logarithm of the best scale s^2 with respect to each number.
+        let slope = |i: usize| {
+            let scale = |sign: f64| {
+                let found = self.likelihood(&with(point, &[(i, sign * steps[i])]));
+                found.map_or(f64::NAN, |found| libm::log(found.scale))
+            };
+            (scale(1.0) - scale(-1.0)) / (2.0 * steps[i])
+        };
+        let slope: Vec<f64> = all.clone().map(slope).collect();
+        // Each row holds the derivatives of one of log theta_1, log sd_1, ... with respect to
+        // the numbers of the point, and that with respect to log s^2.
         let mut rows = Vec::new();
-        for j in 0..m {
+        for j in 0..self.processes {
             rows.push((unit(all.len(), j, 1.0), 0.0));
-            let ratio = if j == 0 { vec![0.0; all.len()] } else { unit(all.len(), m, 0.5) };
+            let ratio = if j == 0 { vec![0.0; all.len()] } else { unit(all.len(), self.processes, 0.5) };
             rows.push((ratio.iter().zip(&slope).map(|(a, b)| a + 0.5 * b).collect(), 0.5));
         }
         let between = |(a, s): &(Vec<f64>, f64), (b, t): &(Vec<f64>, f64)| {
-            let shapes: f64 = (0..all.len())
-                .flat_map(|i| (0..all.len()).map(move |j| (i, j)))
+            let shapes: f64 = (0..point.len())
+                .flat_map(|i| (0..point.len()).map(move |j| (i, j)))
                 .map(|(i, j)| 2.0 * a[i] * profiled[i][j] * b[j])
                 .sum();
             shapes + s * t * 2.0 / n
@@ -312,14 +321,6 @@ fn with(all: &[f64], moves: &[(usize, f64)]) -> Vec<f64> {
 
 fn unit(n: usize, i: usize, value: f64) -> Vec<f64> {
     (0..n).map(|j| if i == j { value } else { 0.0 }).collect()
-}
-
-fn shape(x: &[f64], white: Option<f64>) -> Shape {
-    let mut processes = vec![(libm::exp(x[0]), 1.0)];
-    if let [_, rate, ratio] = x {
-        processes.push((libm::exp(*rate), libm::exp(*ratio)));
-    }
-    Shape { processes, white: white.map_or(0.0, libm::exp) }
 }
 
 impl WeatherFit {

@@ -17,16 +17,18 @@ mod axis;
 mod cost;
 mod design;
 mod paired;
+mod point;
 mod simulate;
 
 pub use axis::{Axis, AxisError, MOST_POINTS};
 pub use cost::estimated_seconds;
 pub use design::{Design, DesignError, RELATIVE_STEPS, RESERVED, Setting, StarError};
 pub use paired::Paired;
+pub use point::Point;
 pub use simulate::{Simulation, SweepEnd};
 
 use crate::scenario::Scenario;
-use crate::stats::{Estimate, GroupValues, Statistic};
+use crate::stats::Statistic;
 
 /// Whether all points use the same noise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -90,22 +92,6 @@ impl Question {
     fn is_random(&self) -> bool {
         self.points.iter().any(|point| point.model.temperature.is_random())
     }
-}
-
-/// The results at one point.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Point {
-    /// The estimates of a run of the point's scenario, one for each of `Statistic::ALL`, in that
-    /// order.
-    pub estimates: [Estimate; Statistic::ALL.len()],
-    /// Number of paths simulated, including diverged ones.
-    pub completed_paths: u64,
-    /// Number of paths that diverged or were given up; they are not part of any statistic.
-    pub diverged_paths: u64,
-    /// CPU seconds that the point took.
-    pub seconds: f64,
-    /// For each group of paths, the values of all statistics without that group.
-    pub without: Vec<GroupValues>,
 }
 
 /// A sweep with the results so far.

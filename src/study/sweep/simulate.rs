@@ -5,7 +5,7 @@
 //! point with few paths or at the end of a point. Pieces are delivered in order, and the sums of a
 //! point are formed along the same tree as in a run.
 
-use super::{Point, Sweep};
+use super::{Point, Question, Sweep};
 use crate::bias::{BesideRun, NoBias};
 use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
@@ -40,14 +40,57 @@ pub enum SweepEnd<E> {
 }
 
 /// A point that has to be simulated.
-struct Job {
+struct Job<'a> {
     point: usize,
+    scenario: &'a Scenario,
     /// The number of its first piece in the list of all pieces.
     first: u64,
     blocks: u64,
     has_bias: bool,
     /// Created with the first piece of the point, and dropped after its last.
     setup: Mutex<Option<Arc<PointSetup>>>,
+}
+
+impl Job<'_> {
+    fn setup(&self) -> Arc<PointSetup> {
+        let mut setup = self.setup.lock().unwrap_or_else(PoisonError::into_inner);
+        Arc::clone(setup.get_or_insert_with(|| Arc::new(PointSetup::of(self.scenario))))
+    }
+
+    fn drop_setup(&self) {
+        *self.setup.lock().unwrap_or_else(PoisonError::into_inner) = None;
+    }
+
+    /// Piece number k of the point: a block, or its bias estimate after the last one. `None` if a
+    /// block was stopped.
+    fn make(&self, k: u64, stop: &AtomicBool) -> Option<Made> {
+        if k < self.blocks {
+            let setup = self.setup();
+            return Some(Made::Block(Box::new(setup.plan.block_beside(k, &setup.grouping, stop)?)));
+        }
+        let plan = self.scenario.bias_plan(self.scenario.ensemble.paths);
+        Some(Made::Bias(Box::new(plan.and_then(|plan| plan.simulate(1, stop)))))
+    }
+
+    /// The sums before the first piece.
+    fn nothing_yet(&self) -> Growing {
+        let setup = self.setup();
+        let (model, timeline) = (setup.plan.model(), setup.plan.timeline());
+        Growing { totals: RunTotals::with(setup.grouping.empty(), model, timeline), seconds: 0.0 }
+    }
+}
+
+/// The points that are not done, and the number of their pieces.
+fn jobs<'a>(question: &'a Question, done: &[Option<Point>]) -> (Vec<Job<'a>>, u64) {
+    let mut jobs: Vec<Job> = Vec::new();
+    let mut pieces = 0;
+    for (point, scenario) in question.points.iter().enumerate().filter(|(i, _)| done[*i].is_none()) {
+        let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
+        let has_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
+        jobs.push(Job { point, scenario, first: pieces, blocks, has_bias, setup: Mutex::new(None) });
+        pieces += blocks + u64::from(has_bias);
+    }
+    (jobs, pieces)
 }
 
 /// The data that all pieces of a point share.
@@ -95,46 +138,20 @@ impl Simulation<'_> {
         mut receive: impl FnMut(&Sweep) -> Result<(), E> + Send,
     ) -> Result<(), SweepEnd<E>> {
         let Simulation { threads, stop, progress } = self;
-        let Sweep { question, points } = &*sweep;
-        let mut jobs: Vec<Job> = Vec::new();
-        let mut pieces = 0;
-        let mut paths = 0;
-        for (point, scenario) in question.points.iter().enumerate().filter(|(i, _)| points[*i].is_none()) {
-            let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
-            let has_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();
-            jobs.push(Job { point, first: pieces, blocks, has_bias, setup: Mutex::new(None) });
-            pieces += blocks + u64::from(has_bias);
-            paths += scenario.ensemble.paths;
-        }
-        let scenarios = question.points.clone();
-        let setup = |job: &Job| {
-            let mut setup = job.setup.lock().unwrap_or_else(PoisonError::into_inner);
-            Arc::clone(setup.get_or_insert_with(|| Arc::new(PointSetup::of(&scenarios[job.point]))))
-        };
+        let question = sweep.question.clone();
+        let (jobs, pieces) = jobs(&question, &sweep.points);
+        let paths = jobs.iter().map(|job| job.scenario.ensemble.paths).sum();
         let make = |index: u64| {
             let start = thread_seconds();
-            let number = jobs.partition_point(|job| job.first <= index) - 1;
-            let (job, k) = (&jobs[number], index - jobs[number].first);
-            let made = if k < job.blocks {
-                let setup = setup(job);
-                Made::Block(Box::new(setup.plan.block_beside(k, &setup.grouping, stop)?))
-            } else {
-                let scenario = &scenarios[job.point];
-                let beside = scenario.bias_plan(scenario.ensemble.paths).and_then(|plan| plan.simulate(1, stop));
-                Made::Bias(Box::new(beside))
-            };
-            Some(Piece { job: number, seconds: thread_seconds() - start, made })
+            let job = jobs.partition_point(|job| job.first <= index) - 1;
+            let made = jobs[job].make(index - jobs[job].first, stop)?;
+            Some(Piece { job, seconds: thread_seconds() - start, made })
         };
         let mut growing: Option<Growing> = None;
         let mut done = 0;
         let deliver = |piece: Piece| -> Result<ControlFlow<()>, SweepEnd<E>> {
             let job = &jobs[piece.job];
-            let here = growing.get_or_insert_with(|| {
-                let setup = setup(job);
-                let (model, timeline) = (setup.plan.model(), setup.plan.timeline());
-                let totals = RunTotals::with(setup.grouping.empty(), model, timeline);
-                Growing { totals, seconds: 0.0 }
-            });
+            let here = growing.get_or_insert_with(|| job.nothing_yet());
             here.seconds += piece.seconds;
             let mut beside = None;
             match piece.made {
@@ -154,7 +171,7 @@ impl Simulation<'_> {
             }
             let Some(here) = growing.take() else { return Ok(ControlFlow::Continue(())) };
             sweep.points[job.point] = Some(here.point(beside));
-            *job.setup.lock().unwrap_or_else(PoisonError::into_inner) = None;
+            job.drop_setup();
             receive(sweep).map_err(SweepEnd::Receiver)?;
             Ok(ControlFlow::Continue(()))
         };

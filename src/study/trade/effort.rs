@@ -1,7 +1,8 @@
 //! How many steps of the ladder and how many paths of each scheme fit into a budget of time.
 
 use super::ladder::is_exact;
-use super::measure::{GROUPS, bare_plan, timed};
+use super::rung::GROUPS;
+use super::timing::{bare_plan, timed};
 use super::{Ladder, LeftOut, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
@@ -22,9 +23,12 @@ pub struct Effort {
     pub timing: f64,
 }
 
-// Shares of the CPU time of a budget.
+/// Share of the CPU time of a budget for the schemes with a step. Their paths give the law by which
+/// a bias falls.
 const STEPPING: f64 = 0.4;
+/// Share for the reference, with which every bias is measured.
 const REFERENCE: f64 = 0.25;
+/// Share for all other settings without a step together.
 const OTHERS: f64 = 0.15;
 /// Share of the budget for timing the rungs, which is done on one thread.
 const TIMING: f64 = 0.1;
@@ -54,85 +58,94 @@ impl Effort {
             return Err(TradeError::NothingHappens);
         }
         let watch = Stopwatch::start(threads);
-        let capacity = budget.as_secs_f64() * threads as f64;
-        let (is_random, mut left_out) = (scenario.model.temperature.is_random(), Vec::new());
-        let mut each = Vec::new();
-        for &scheme in &ladder.free {
-            let seconds = free_cost(scenario, scheme, 0.01 * capacity)?;
-            each.push(seconds);
-        }
-        let (steps, coupled_paths) = if ladder.stepping.is_empty() {
-            (0, 0)
-        } else {
-            let path = StepCost::measure(scenario, ladder)?;
-            let chain = |steps: usize| ladder.stepping.len() as f64 * path.chain(&ladder.steps[..steps]);
-            let fits = |paths: u64, steps: usize| chain(steps) * paths as f64 <= STEPPING * capacity;
-            let most = |paths: u64| (1..=ladder.steps.len()).rev().find(|steps| fits(paths, *steps)).unwrap_or(0);
-            match COUPLED.into_iter().find(|(paths, least)| most(*paths) >= *least) {
-                Some((paths, _)) if is_random => {
-                    let steps = most(paths);
-                    let doublings = (0..32).take_while(|i| paths << i <= MOST_PATHS && fits(paths << i, steps)).count();
-                    (steps, paths << doublings.saturating_sub(1))
-                }
-                // Without noise all paths are equal, so there is one in each group.
-                Some((paths, _)) => (most(paths), GROUPS),
-                None => {
-                    let seconds = chain(2) * COUPLED[2].0 as f64 / threads as f64;
-                    let why = format!(
-                        "the step {:?} needs {:.2e} steps a path, and the two coarsest steps would take about {seconds:.0} s of \
-                         the budget's {:.0} s",
-                        ladder.steps[0],
-                        scenario.time.end / ladder.steps[0],
-                        budget.as_secs_f64(),
-                    );
-                    left_out
-                        .extend(ladder.stepping.iter().map(|s| LeftOut { what: s.name().into(), why: why.clone() }));
-                    ladder.stepping.clear();
-                    (0, 0)
-                }
-            }
-        };
+        let budget = Budget { time: budget, threads, is_random: scenario.model.temperature.is_random() };
+        let each = ladder.free.iter().map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
+        let each = each.collect::<Result<Vec<f64>, Misfit>>()?;
+        let (steps, coupled_paths) = budget.stepping(scenario, ladder)?;
         // The time of the pilot is spent. The share of the schemes with a step goes to the others
         // if none of them is run.
-        let capacity = (capacity - watch.spent()).max(0.0);
         let more = if coupled_paths > 0 { 1.0 } else { 1.0 + STEPPING / (REFERENCE + OTHERS) };
-        let reference = |each: &[f64]| {
-            let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;
-            (0..each.len()).rev().find(|i| is_exact(ladder.free[*i]) && fits(*i))
-        };
-        let Some(reference) = reference(&each) else {
-            return Err(TradeError::BudgetTooSmall { path_seconds: each[0], least: LEAST_FREE });
-        };
-        let mut free_paths = Vec::new();
-        for (i, (scheme, seconds)) in ladder.free.iter().zip(&each).enumerate() {
-            let share = if i == reference { REFERENCE } else { OTHERS / (each.len() - 1).max(1) as f64 };
-            let fitting = (share * more * capacity / seconds) as u64;
-            free_paths.push(
-                match fitting {
-                    _ if !is_random => 2,
-                    paths if paths >= LEAST_FREE => (paths + 1).next_power_of_two() >> 1,
-                    _ => {
-                        let why =
-                            format!("{LEAST_FREE} paths of {seconds:.3} s do not fit into their share of the budget");
-                        left_out.push(LeftOut { what: scheme.to_string(), why });
-                        0
-                    }
-                }
-                .min(MOST_PATHS),
-            );
-        }
-        if free_paths[reference] == 0 {
-            return Err(TradeError::BudgetTooSmall { path_seconds: each[reference], least: LEAST_FREE });
-        }
+        let free_paths = budget.free(ladder, &each, more, (budget.capacity() - watch.spent()).max(0.0))?;
         let unrun = ladder.steps.get(steps).filter(|_| steps > 0);
-        left_out.extend(unrun.map(|h| LeftOut {
+        ladder.left_out.extend(unrun.map(|h| LeftOut {
             what: format!("steps of {h:?} and below"),
             why: "the budget does not allow enough paths of them; predictions for them carry the fitted law on".into(),
         }));
-        ladder.left_out.extend(left_out);
         let rungs = steps * ladder.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
-        let timing = TIMING * budget.as_secs_f64() / rungs as f64;
+        let timing = TIMING * budget.time.as_secs_f64() / rungs as f64;
         Ok(Effort { steps, coupled_paths, free_paths, timing })
+    }
+}
+
+/// CPU time on each of some threads, to be shared out.
+struct Budget {
+    time: Duration,
+    threads: usize,
+    /// Whether paths differ, so that more of them tell more.
+    is_random: bool,
+}
+
+impl Budget {
+    /// CPU seconds on all threads together.
+    fn capacity(&self) -> f64 {
+        self.time.as_secs_f64() * self.threads as f64
+    }
+
+    /// The number of steps of the ladder, and of paths, of the schemes with a step. If no steps fit,
+    /// these schemes are removed from the ladder.
+    fn stepping(&self, scenario: &Scenario, ladder: &mut Ladder) -> Result<(usize, u64), Misfit> {
+        if ladder.stepping.is_empty() {
+            return Ok((0, 0));
+        }
+        let path = StepCost::measure(scenario, ladder)?;
+        let chain = |steps: usize| ladder.stepping.len() as f64 * path.chain(&ladder.steps[..steps]);
+        let fits = |paths: u64, steps: usize| chain(steps) * paths as f64 <= STEPPING * self.capacity();
+        let most = |paths: u64| (1..=ladder.steps.len()).rev().find(|steps| fits(paths, *steps)).unwrap_or(0);
+        if let Some((paths, _)) = COUPLED.into_iter().find(|(paths, least)| most(*paths) >= *least) {
+            let steps = most(paths);
+            // Without noise all paths are equal, so there is one in each group.
+            if !self.is_random {
+                return Ok((steps, GROUPS));
+            }
+            let doublings = (0..32).take_while(|i| paths << i <= MOST_PATHS && fits(paths << i, steps)).count();
+            return Ok((steps, paths << doublings.saturating_sub(1)));
+        }
+        let seconds = chain(2) * COUPLED[2].0 as f64 / self.threads as f64;
+        let why = format!(
+            "the step {:?} needs {:.2e} steps a path, and the two coarsest steps would take about {seconds:.0} s of the \
+             budget's {:.0} s",
+            ladder.steps[0],
+            scenario.time.end / ladder.steps[0],
+            self.time.as_secs_f64(),
+        );
+        let removed = std::mem::take(&mut ladder.stepping);
+        ladder.left_out.extend(removed.iter().map(|s| LeftOut { what: s.name().into(), why: why.clone() }));
+        Ok((0, 0))
+    }
+
+    /// The number of paths of each setting without a step, of which a path takes `each` seconds. The
+    /// `capacity` that is left is shared out, each share times `more`.
+    fn free(&self, ladder: &mut Ladder, each: &[f64], more: f64, capacity: f64) -> Result<Vec<u64>, TradeError> {
+        let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;
+        let too_small = |i: usize| TradeError::BudgetTooSmall { path_seconds: each[i], least: LEAST_FREE };
+        let reference = (0..each.len()).rev().find(|i| is_exact(ladder.free[*i]) && fits(*i));
+        let reference = reference.ok_or_else(|| too_small(0))?;
+        let mut free_paths = Vec::new();
+        for (i, seconds) in each.iter().enumerate() {
+            let share = if i == reference { REFERENCE } else { OTHERS / (each.len() - 1).max(1) as f64 };
+            let fitting = (share * more * capacity / seconds) as u64;
+            let is_run = !self.is_random || fitting >= LEAST_FREE;
+            if !is_run {
+                let why = format!("{LEAST_FREE} paths of {seconds:.3} s do not fit into their share of the budget");
+                ladder.left_out.push(LeftOut { what: ladder.free[i].to_string(), why });
+            }
+            free_paths.push(match is_run {
+                true if self.is_random => ((fitting + 1).next_power_of_two() >> 1).min(MOST_PATHS),
+                true => 2,
+                false => 0,
+            });
+        }
+        if free_paths[reference] == 0 { Err(too_small(reference)) } else { Ok(free_paths) }
     }
 }
 

@@ -2,21 +2,19 @@
 //! and CPU time per path.
 
 use super::ladder::is_exact;
-use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, pairing};
+use super::rung::{Cost, GROUPS, Rung};
+use super::timing::{bare_plan, cost};
+use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, TradeError, pairing};
 use crate::ensemble::{Plan, in_order};
 use crate::scenario::{Ensemble, Scenario};
-use crate::scheme::{Misfit, Scheme, Simulate as _};
-use crate::stats::{Estimate, Record, Statistic, Totals};
-use crate::study::clock::{Stopwatch, thread_seconds};
+use crate::scheme::{Scheme, Simulate as _};
+use crate::stats::{Estimate, GroupValues, Totals};
+use crate::study::clock::Stopwatch;
 use crate::sums::jackknife;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-
-/// Number of groups of paths. Each is left out in turn to find the error of a change (the
-/// jackknife).
-pub(super) const GROUPS: u64 = 20;
 
 /// If a measurement was cut short and fewer groups have paths, no error can be given.
 const FEWEST_GROUPS: usize = 8;
@@ -27,80 +25,6 @@ const PIECE: u64 = 256;
 /// Distance between the path numbers of different parts of the measurement, so that the parts are
 /// independent.
 const APART: u64 = 1 << 40;
-
-/// CPU seconds on one thread. All statistics are computed, but nothing is written to a file.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Cost {
-    /// Cost of a run of one path.
-    pub first: f64,
-    /// Cost of each path of a large run.
-    pub each: f64,
-}
-
-impl Cost {
-    /// Cost of a run of this number of paths. Where paths are simulated side by side, one path
-    /// costs as much as a full vector register.
-    pub fn of(&self, paths: f64) -> f64 {
-        self.first.max(paths * self.each)
-    }
-}
-
-/// The measurement of one scheme with one step or tolerance.
-#[derive(Clone, Debug)]
-pub struct Rung {
-    /// The scheme with its step or tolerance; different for each rung.
-    pub scheme: Scheme,
-    /// Number of paths simulated for the estimates.
-    pub paths: u64,
-    /// Number of paths that diverged; they are in no estimate.
-    pub diverged: u64,
-    /// The cost of its paths.
-    pub cost: Cost,
-    /// One for each of `Statistic::ALL`, in that order.
-    pub estimates: [Estimate; Statistic::ALL.len()],
-    /// S(h) - S(h/2) on one realisation of the noise, for each of `Statistic::ALL`; empty if there
-    /// is no finer step to compare with.
-    pub changes: Vec<Number>,
-}
-
-impl Rung {
-    /// A statistic with its standard error.
-    pub fn estimate(&self, statistic: Statistic) -> Number {
-        let Estimate { estimate, standard_error, .. } = self.estimates[statistic.index()];
-        Number { value: estimate, error: standard_error }
-    }
-
-    /// The variance of a statistic per path. The variance of a run of N paths is this divided by N.
-    pub fn variance(&self, statistic: Statistic) -> f64 {
-        (self.paths - self.diverged) as f64 * self.estimate(statistic).error.powi(2)
-    }
-
-    /// S(h) - S(h/2), if it was measured.
-    pub fn change(&self, statistic: Statistic) -> Option<Number> {
-        self.changes.get(statistic.index()).copied()
-    }
-}
-
-/// Why nothing can be measured.
-#[derive(Debug, thiserror::Error)]
-pub enum TradeError {
-    /// A scheme does not go with the scenario.
-    #[error(transparent)]
-    Misfit(#[from] Misfit),
-    /// The duration of the scenario, `time.end`, is 0.
-    #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
-    NothingHappens,
-    /// Not even the reference fits into the budget.
-    #[error(
-        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the time for measuring"
-    )]
-    BudgetTooSmall {
-        /// CPU seconds of a path.
-        path_seconds: f64,
-        /// Number of paths needed.
-        least: u64,
-    },
-}
 
 /// Limits of a measurement, and a function that is informed about its progress.
 #[derive(Clone, Copy, Default)]
@@ -166,38 +90,27 @@ pub fn measure(
     let until = |share: f64| End { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
-    let runs: Vec<(usize, Scheme, u64)> = (ladder.free.iter().zip(&effort.free_paths).enumerate())
-        .filter_map(|(i, (scheme, paths))| (*paths > 0).then_some((i, *scheme, *paths)))
+    let runs: Vec<FreeRun> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
+        .map(|((scheme, paths), part)| FreeRun { scheme: *scheme, paths: *paths, first: part * APART })
+        .filter(|run| run.paths > 0)
         .collect();
-    let tightest = runs.iter().rposition(|(_, scheme, _)| is_exact(*scheme)).ok_or(TradeError::NothingHappens)?;
-    let run = |(i, scheme, paths): (usize, Scheme, u64), ends| {
-        limits.begin(&scheme.to_string());
-        free(scenario, scheme, paths, (i as u64 + 2) * APART, threads, ends)
-    };
+    let tightest = runs.iter().rposition(|run| is_exact(run.scheme)).ok_or(TradeError::NothingHappens)?;
     // The reference comes first, because everything else is compared with it and time may run out.
-    let reference = run(runs[tightest], until(reference_ends))?;
-    let is_random = scenario.model.temperature.is_random();
-    let paired_paths = runs[tightest].2 / pairing::SHARE;
-    let pairing = if scenario.ensemble.antithetic {
-        Pairing::Asked
-    } else if !is_random || limits.is_stopped() || paired_paths < pairing::FEWEST {
-        Pairing::Unknown
-    } else {
-        limits.begin("antithetic pairs");
-        let first = (ladder.free.len() as u64 + 2) * APART;
-        let paired = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
-        let (_, scheme, _) = runs[tightest];
-        Pairing::of(&reference, &free(&paired, scheme, paired_paths, first, threads, until(reference_ends))?)
-    };
+    limits.begin(&runs[tightest].scheme.to_string());
+    let reference = free(scenario, &runs[tightest], threads, until(reference_ends))?;
+    let beyond = (ladder.free.len() as u64 + 2) * APART;
+    let paired = FreeRun { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
+    let pairing = pairing_of(scenario, &reference, &paired, threads, until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
         if limits.is_stopped() {
-            left_out.push(unfinished(other.1.to_string()));
-        } else {
-            let side = if i < tightest { &mut looser } else { &mut tighter };
-            side.push(run(*other, until(free_ends))?);
+            left_out.push(unfinished(other.scheme.to_string()));
+            continue;
         }
+        limits.begin(&other.scheme.to_string());
+        let side = if i < tightest { &mut looser } else { &mut tighter };
+        side.push(free(scenario, other, threads, until(free_ends))?);
     }
     let mut rungs = coupled(scenario, ladder, effort, threads, until(ALL_ENDS))?;
     if effort.steps > 0 && rungs.is_empty() {
@@ -219,48 +132,36 @@ pub fn measure(
     Ok(Trade { left_out, ..Trade::of_rungs(scenario, rungs, reference, pairing)? })
 }
 
-/// The ensemble that a scheme simulates for the estimates, without an output grid and without rows
-/// of single paths.
-pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
-    let mut scenario = scenario.with_scheme(scheme)?;
-    scenario.time.output_step = scenario.time.end;
-    scenario.record = Record::NOTHING;
-    Ok(scenario.plan())
+/// A run of a scheme without a step, whose paths are numbered from `first` on.
+#[derive(Clone, Copy)]
+struct FreeRun {
+    scheme: Scheme,
+    paths: u64,
+    first: u64,
 }
 
-/// CPU seconds that `paths` paths take on this thread.
-pub(super) fn timed(plan: &Plan, paths: u64) -> f64 {
-    let start = thread_seconds();
-    std::hint::black_box(plan.piece(0, paths));
-    thread_seconds() - start
-}
-
-/// Number of repetitions of a timing. The shortest one counts, because disturbances only make a
-/// timing longer.
-const REPETITIONS: usize = 3;
-/// Numbers of paths per timing: the second if it fits into the time for timing, else the first.
-const TIMED_PATHS: [u64; 2] = [32, 256];
-
-fn cost(plan: &Plan, seconds: f64) -> Cost {
-    let least = |paths: u64| (0..REPETITIONS).map(|_| timed(plan, paths)).fold(f64::INFINITY, f64::min);
-    let [few, many] = TIMED_PATHS;
-    // The first run only warms up tables, caches and the clock of the processor.
-    let first = timed(plan, 1);
-    if first * REPETITIONS as f64 > seconds {
-        return Cost { first, each: first };
+/// How antithetic pairs change the variance, from this run in pairs if they are not asked for.
+fn pairing_of(
+    scenario: &Scenario,
+    reference: &Rung,
+    paired: &FreeRun,
+    threads: usize,
+    end: End<'_>,
+) -> Result<Pairing, TradeError> {
+    if scenario.ensemble.antithetic {
+        return Ok(Pairing::Asked);
     }
-    let first = least(1);
-    let warm = timed(plan, few);
-    let growth = (many / few) as f64 * REPETITIONS as f64;
-    let paths = if warm * growth <= seconds { many } else { few };
-    let each = if warm > seconds { warm / few as f64 } else { least(paths) / paths as f64 };
-    Cost { first, each }
+    let is_random = scenario.model.temperature.is_random();
+    if !is_random || end.limits.is_stopped() || paired.paths < pairing::FEWEST {
+        return Ok(Pairing::Unknown);
+    }
+    end.limits.begin("antithetic pairs");
+    let in_pairs = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
+    Ok(Pairing::of(reference, &free(&in_pairs, paired, threads, end)?))
 }
 
 /// Seconds for timing a rung after the caller has asked to stop.
 const BRIEF: f64 = 0.1;
-
-const UNTIMED: Cost = Cost { first: f64::NAN, each: f64::NAN };
 
 /// When no further paths are begun.
 #[derive(Clone, Copy)]
@@ -284,30 +185,23 @@ fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
 }
 
 /// Measure the rung of a scheme without a step.
-fn free(
-    scenario: &Scenario,
-    scheme: Scheme,
-    paths: u64,
-    first: u64,
-    threads: usize,
-    end: End<'_>,
-) -> Result<Rung, TradeError> {
-    let plan = bare_plan(scenario, scheme)?;
-    let paths = whole_pairs(&plan, paths);
+fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: End<'_>) -> Result<Rung, TradeError> {
+    let plan = bare_plan(scenario, run.scheme)?;
+    let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline());
-    let make = |piece: u64| plan.piece(first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
+    let make = |piece: u64| plan.piece(run.first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
     let deliver = |piece: Totals| -> Result<_, Infallible> {
         totals.merge(&piece);
         Ok(end.flow())
     };
     let Ok(_) = in_order(paths.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
-    Ok(rung(scheme, &totals, Vec::new()))
+    Ok(rung(run.scheme, &totals))
 }
 
-fn rung(scheme: Scheme, totals: &Totals, changes: Vec<Number>) -> Rung {
+fn rung(scheme: Scheme, totals: &Totals) -> Rung {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
-    Rung { scheme, paths, diverged, cost: UNTIMED, estimates: summary.estimates, changes }
+    Rung { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates: summary.estimates, changes: Vec::new() }
 }
 
 /// Measure the rungs of all schemes with a step; the list is empty if they are cut short too early.
@@ -335,9 +229,41 @@ fn coupled(
         ladder.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
     ));
     let empty = Totals::empty(any.model(), any.timeline());
-    // groups[r][g] holds the paths of group g on rung r.
+    let groups = in_groups(&plans, &empty, whole_pairs(any, effort.coupled_paths / GROUPS), threads, end);
+    if groups[0].len() < FEWEST_GROUPS {
+        return Ok(Vec::new());
+    }
+    let of_rung = |((scheme, _), groups): (&(Scheme, Plan), &Vec<Totals>)| {
+        let mut totals = empty.clone();
+        groups.iter().for_each(|group| totals.merge(group));
+        rung(*scheme, &totals)
+    };
+    let mut rungs: Vec<Rung> = plans.iter().zip(&groups).map(of_rung).collect();
+    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], |totals| totals.values(|_| true)).1;
+    let mut coarse = without(0);
+    for r in 1..rungs.len() {
+        let fine = without(r);
+        let is_finest = r % steps.len() == 0;
+        if !is_finest {
+            let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
+            rungs[r - 1].changes = changes(here, finer, &coarse, &fine);
+        }
+        coarse = fine;
+    }
+    Ok(rungs)
+}
+
+/// Simulate groups of `of_group` paths each with all plans. Item r, g of the result holds the paths
+/// of group g on rung r. There are fewer groups if the measurement was cut short before all of them
+/// had paths.
+fn in_groups(
+    plans: &[(Scheme, Plan)],
+    empty: &Totals,
+    of_group: u64,
+    threads: usize,
+    end: End<'_>,
+) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
-    let of_group = whole_pairs(any, effort.coupled_paths / GROUPS);
     let make = |piece: u64| -> Vec<Totals> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
         let first = APART + group * of_group + slice;
@@ -353,69 +279,21 @@ fn coupled(
     };
     let pieces = GROUPS * of_group.div_ceil(PIECE);
     let Ok(delivered) = in_order(pieces, threads, &AtomicBool::new(false), make, deliver);
-
     // Pieces go to the groups in turn, so if few were delivered, only the first groups have paths.
-    let reached = delivered.min(GROUPS) as usize;
-    if reached < FEWEST_GROUPS {
-        return Ok(Vec::new());
-    }
-    groups.iter_mut().for_each(|groups| groups.truncate(reached));
-    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], |totals| totals.values(|_| true)).1;
-    let mut rungs: Vec<Rung> = Vec::new();
-    for (r, (scheme, _)) in plans.iter().enumerate() {
-        let mut totals = empty.clone();
-        groups[r].iter().for_each(|group| totals.merge(group));
-        rungs.push(rung(*scheme, &totals, Vec::new()));
-    }
-    let mut coarse = without(0);
-    for r in 1..rungs.len() {
-        let fine = without(r);
-        let is_finest = r % steps.len() == 0;
-        if !is_finest {
-            let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
-            rungs[r - 1].changes = changes(here, finer, &coarse, &fine);
-        }
-        coarse = fine;
-    }
-    Ok(rungs)
+    groups.iter_mut().for_each(|groups| groups.truncate(delivered.min(GROUPS) as usize));
+    groups
 }
 
 fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
     Plan { simulation: plan.simulation.fed_by_finer(refinement), ..plan }
 }
 
-/// The value of every statistic.
-type Values = [f64; Statistic::ALL.len()];
-
 /// The differences of two rungs on one realisation of the noise. Their standard errors follow from
 /// leaving out each group on both rungs.
-fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[Values], fine: &[Values]) -> Vec<Number> {
+fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[GroupValues], fine: &[GroupValues]) -> Vec<Number> {
     let change = |i: usize| {
         let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();
         Number { value: here[i].estimate - finer[i].estimate, error: jackknife::standard_error(&without) }
     };
     (0..here.len()).map(change).collect()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::scheme::DiscreteVi;
-
-    /// 40 of 100 paths are left, and the standard error of their mean is 0.5. The standard
-    /// deviation of a path is then 0.5 sqrt(40), not 0.5 sqrt(100).
-    #[test]
-    fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
-        let estimates = Statistic::ALL.map(|statistic| Estimate {
-            statistic,
-            estimate: 3.0,
-            standard_error: 0.5,
-            low: 2.0,
-            high: 4.0,
-            bias: None,
-        });
-        let scheme = DiscreteVi { step: 0.1 }.into();
-        let rung = Rung { scheme, paths: 100, diverged: 60, cost: UNTIMED, estimates, changes: Vec::new() };
-        assert_eq!(rung.variance(Statistic::SticksPerPath), 10.0);
-    }
 }

@@ -17,21 +17,26 @@
 //! Except for times, everything is a function of the scenario, the seed and the [`Effort`].
 
 mod effort;
+mod error;
 mod ladder;
 mod law;
 mod measure;
 mod pairing;
 mod predict;
 mod prices;
+mod rung;
 mod standing;
+mod timing;
 
 pub use effort::Effort;
+pub use error::TradeError;
 pub use ladder::{Ladder, LeftOut};
 pub use law::{Change, Law};
-pub use measure::{Cost, Limits, Rung, TradeError, measure, measure_within};
+pub use measure::{Limits, measure, measure_within};
 pub use pairing::Pairing;
 pub use predict::{Choice, Refusal, TARGETS};
 pub use prices::Prices;
+pub use rung::{Cost, Rung};
 pub use standing::Standing;
 
 use crate::scenario::Scenario;

@@ -5,7 +5,6 @@ use super::pairing::WORTH;
 use super::{Law, Number, Pairing, Rung, Trade};
 use crate::scheme::{Discretisation, Kind, Scheme};
 use crate::stats::Statistic;
-use std::fmt;
 
 /// The relative root mean square errors for which a trade is tabulated.
 pub const TARGETS: [f64; 4] = [0.1, 0.01, 0.001, 0.0001];
@@ -33,13 +32,19 @@ pub struct Choice {
 }
 
 /// Why there is no run for a target.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
 pub enum Refusal {
     /// The scheme was not run.
+    #[error("it was not run")]
     NotRun,
     /// The statistic has no relative error; [`Trade::standing`] gives the reason.
+    #[error("no run can answer {}", .0.name())]
     NoAnswer(Statistic),
     /// No setting is known to have a bias below the target.
+    #[error("the bias of {} is {}", .statistic.name(), match .is_unresolved {
+        true => format!("known only to {least:.1e}: a larger budget says more"),
+        false => format!("up to {least:.1e} at the finest setting"),
+    })]
     Bias {
         /// The statistic whose bias is too large.
         statistic: Statistic,
@@ -48,21 +53,6 @@ pub enum Refusal {
         /// Whether that bound is the error of the measurement rather than a bias that was seen.
         is_unresolved: bool,
     },
-}
-
-impl fmt::Display for Refusal {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self {
-            Refusal::NotRun => write!(f, "it was not run"),
-            Refusal::NoAnswer(statistic) => write!(f, "no run can answer {}", statistic.name()),
-            Refusal::Bias { statistic, least, is_unresolved: true } => {
-                write!(f, "the bias of {} is known only to {least:.1e}: a larger budget says more", statistic.name())
-            }
-            Refusal::Bias { statistic, least, is_unresolved: false } => {
-                write!(f, "the bias of {} is up to {least:.1e} at the finest setting", statistic.name())
-            }
-        }
-    }
 }
 
 /// A setting that might be chosen. `terms` holds for each statistic the bound of the bias and the

@@ -1,0 +1,37 @@
+//! The estimates from slips, and their errors.
+
+use super::bearing::Response;
+use super::hold::conditioned;
+use super::quantity::{Values, response_of, values};
+use super::question::Question;
+use super::slips::Evidence;
+use super::uncertainty::{AroundLag, Replicates};
+
+/// What the slips of a record tell.
+pub struct BySlips<'a> {
+    /// The response; `None` if the slips do not determine it.
+    pub response: Option<Response>,
+    pub replicates: Replicates,
+    /// The standard deviation of each quantity.
+    pub deviations: Values,
+    evidence: &'a Evidence,
+}
+
+impl<'a> BySlips<'a> {
+    /// Estimate all quantities from the evidence, with some of them held.
+    pub fn of(around: &'a AroundLag, question: &Question) -> Self {
+        let shear = question.shear_stiffness.unwrap_or(1.0);
+        let evidence = &around.here;
+        let mut replicates = Replicates::new(around, shear);
+        let response = evidence
+            .fit(&evidence.unweighted())
+            .map(|fit| response_of(&conditioned(values(&fit, Some(shear)), &mut replicates, &question.held, shear)));
+        let deviations = replicates.deviations();
+        BySlips { response, replicates, deviations, evidence }
+    }
+
+    /// The slips, if they determine the response.
+    pub fn evidence(&self) -> Option<&'a Evidence> {
+        Some(self.evidence).filter(|_| self.response.is_some())
+    }
+}

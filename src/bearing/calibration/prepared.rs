@@ -1,0 +1,59 @@
+//! A record as it is fitted.
+
+use super::question::{CalibrationError, LEAST};
+use super::samples::Record;
+use super::spikes::{self, Spikes};
+use crate::bearing::moments::mean;
+use crate::data::{absurd, is_constant};
+
+/// A record without spikes, and with the sign with which displacements grow with temperature.
+pub struct Prepared {
+    pub record: Record,
+    /// The resolution of the thermometer before spikes were taken out.
+    pub resolution: f64,
+    pub spikes: Spikes,
+    pub is_mirrored: bool,
+}
+
+impl Prepared {
+    /// Prepare a record; an error if it cannot be calibrated.
+    pub fn of(record: &Record) -> Result<Self, CalibrationError> {
+        check(record)?;
+        let (clean, spikes) = spikes::without_spikes(record);
+        let (clean, is_mirrored) = upright(clean);
+        Ok(Prepared { record: clean, resolution: record.resolution(), spikes, is_mirrored })
+    }
+}
+
+/// Check that the record is long enough, and that its numbers are sound and not all the same.
+pub fn check(record: &Record) -> Result<(), CalibrationError> {
+    let seen = record.samples();
+    if seen.times.len() < LEAST {
+        return Err(CalibrationError::TooShort(seen.times.len()));
+    }
+    let columns = [("temperature", &record.times, &record.temperatures), ("displacement", &seen.times, &seen.readings)];
+    for (name, times, values) in columns {
+        if let Some((time, value)) = absurd(times, values) {
+            return Err(CalibrationError::Absurd { name, time, value });
+        }
+    }
+    for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
+        if is_constant(values) {
+            return Err(CalibrationError::Constant(name));
+        }
+    }
+    Ok(())
+}
+
+/// Change the sign of the displacements if they fall as the temperature rises, because a sensor may
+/// count in the other direction. The flag is true if the sign was changed.
+fn upright(record: Record) -> (Record, bool) {
+    let seen = record.samples();
+    let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
+    let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();
+    if together >= 0.0 {
+        return (record, false);
+    }
+    let readings = record.readings.iter().map(|reading| -reading).collect();
+    (Record { readings, ..record }, true)
+}

@@ -1,0 +1,24 @@
+//! Why a scenario cannot be measured.
+
+use crate::scheme::Misfit;
+
+/// Why nothing can be measured.
+#[derive(Debug, thiserror::Error)]
+pub enum TradeError {
+    /// A scheme does not go with the scenario.
+    #[error(transparent)]
+    Misfit(#[from] Misfit),
+    /// The duration of the scenario, `time.end`, is 0.
+    #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
+    NothingHappens,
+    /// Not even the reference fits into the budget.
+    #[error(
+        "an event-driven path takes about {path_seconds:.3} s of CPU, and {least} paths of it do not fit into the time for measuring"
+    )]
+    BudgetTooSmall {
+        /// CPU seconds of a path.
+        path_seconds: f64,
+        /// Number of paths needed.
+        least: u64,
+    },
+}
