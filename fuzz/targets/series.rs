@@ -3,7 +3,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use stick_slip::data::{Name, Quantity, TimeColumn, Wanted, parse};
+use stick_slip::data::{Name, ColumnQuantity, TimeColumn, Wanted, parse};
 use stick_slip::model::Series;
 
 fuzz_target!(|bytes: &[u8]| {
@@ -12,7 +12,7 @@ fuzz_target!(|bytes: &[u8]| {
     let zone = [None, Some("UTC"), Some("Europe/Berlin"), Some("nowhere")][usize::from(how % 4)];
     let max_gap = (how & 4 != 0).then_some(21_600.0);
     let column = if how & 8 != 0 { Name::Exactly("temperature_degC") } else { Name::Beginning("temperature") };
-    let wanted = Wanted { column, quantity: Quantity::Temperature, unit: None, max_gap };
+    let wanted = Wanted { column, quantity: ColumnQuantity::Temperature, unit: None, max_gap };
     if let Ok(table) = parse("fuzz.csv", bytes, TimeColumn { name: "time", zone }, &[wanted]) {
         let column = &table.columns[0];
         assert!(column.times.windows(2).all(|pair| pair[0] < pair[1]));

@@ -10,13 +10,13 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::Path;
 use stick_slip::bearing::calibration::{
-    Bearing, Calibration, CalibrationError, Flaws, Lag, Method, NotHeld, Quantity, Question, Record,
-    calibrate as calibrated, drawn, twin as made, values,
+    Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
+    NotHeld, Quantity, calibrate as calibrated, drawn, twin as made, values,
 };
-use stick_slip::bearing::forecast::{ForecastError, Question as Asked, forecast as foreseen};
+use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
 use stick_slip::bearing::weather::{PERIODS, WeatherError, WeatherFit, fit};
 use stick_slip::config::{self, Override, ScenarioError};
-use stick_slip::data::{DataError, Origin, Pair, Start, TimeColumn, Wanted};
+use stick_slip::data::{BearingData, DataError, Origin, Start, TimeColumn, Wanted};
 use stick_slip::dataset::{Dataset, StoredCalibration};
 use stick_slip::scenario::{BridgeScene, Scenario as Checked};
 
@@ -75,9 +75,9 @@ impl Measured<'_> {
     }
 
     /// The measurement in the columns that a scenario names, and what was repaired in it.
-    fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(Record, Vec<String>)> {
+    fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(MeasuredRecord, Vec<String>)> {
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
-            return Ok((Record::of([times, temperatures], [when, readings]), Vec::new()));
+            return Ok((MeasuredRecord::of([times, temperatures], [when, readings]), Vec::new()));
         }
         let time = TimeColumn { name: &scene.time, zone: scene.zone.as_deref() };
         let wanted = [
@@ -85,9 +85,11 @@ impl Measured<'_> {
             Wanted::displacement(self.displacement.as_deref(), self.unit.as_deref()),
         ];
         let temperatures = self.temperature.as_deref().map(|file| Origin::File(Path::new(file)));
-        let pair = Pair::read(self.origin(), temperatures, time, wanted).map_err(|error| self.wrong(py, &error))?;
-        let Pair { temperature, displacement, repairs } = pair;
-        let record = Record::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]);
+        let pair =
+            BearingData::read(self.origin(), temperatures, time, wanted).map_err(|error| self.wrong(py, &error))?;
+        let BearingData { temperature, displacement, repairs } = pair;
+        let record =
+            MeasuredRecord::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]);
         Ok((record, repairs))
     }
 }
@@ -132,13 +134,13 @@ pub fn calibrate<'py>(
     let bounds =
         bounds.iter().map(|(key, low, high)| Ok((quantity(key)?, [*low, *high]))).collect::<PyResult<Vec<_>>>()?;
     let no_method = || errors::of_argument(py, "method", method, "there is no such method", "write slips, err or both");
-    let question = Question {
-        method: Method::from_name(method).ok_or_else(no_method)?,
+    let question = CalibrationQuestion {
+        method: CalibrationMethod::from_name(method).ok_or_else(no_method)?,
         starts,
         lag: lag.map_or(Lag::Auto, Lag::Known),
         level: interval,
         bounds,
-        ..Question::of(&scene, &record)
+        ..CalibrationQuestion::of(&scene, &record)
     };
     let question = question.fitting(&fitted, &scene).map_err(|error| {
         let (quantity, remedy) = match error {
@@ -182,7 +184,11 @@ pub fn forecast<'py>(
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let scene = read(py, scenario)?.scene;
     let (record, mut remarks) = measured.record(py, &scene)?;
-    let question = Question { method: Method::Slips, level: interval, ..Question::of(&scene, &record) };
+    let question = CalibrationQuestion {
+        method: CalibrationMethod::Slips,
+        level: interval,
+        ..CalibrationQuestion::of(&scene, &record)
+    };
     let asked = Asked { draws, years, seed, level: interval, share };
     let (ended, is_interrupted) = watched(py, None, |watch| {
         let workers = workers.0;

@@ -7,14 +7,14 @@ use crate::studies::statistic;
 use pyo3::prelude::*;
 use stick_slip::config::Override;
 use stick_slip::dataset::StoredSweep;
-use stick_slip::figure::{self, Absent, FIGURES, Scene, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, Drawing, FIGURES, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Setting, Sweep};
 
 /// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]
-pub struct Picture(Scene);
+pub struct Picture(Drawing);
 
 #[pymethods]
 impl Picture {

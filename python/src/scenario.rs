@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
 use std::sync::Arc;
-use stick_slip::advice::Quantity;
+use stick_slip::advice::DerivedQuantity;
 use stick_slip::config::{self, Override, ScenarioError, Shipped};
 use stick_slip::model::Series;
 use stick_slip::scenario::Scenario as Checked;
@@ -87,10 +87,10 @@ impl Scenario {
         let dictionary = PyDict::new(py);
         for (name, quantity) in self.checked.derived().quantities() {
             match quantity {
-                Quantity::Unknown => dictionary.set_item(name, py.None())?,
-                Quantity::Real(number) => dictionary.set_item(name, number)?,
-                Quantity::Count(number) => dictionary.set_item(name, number)?,
-                Quantity::Reals(numbers) => dictionary.set_item(name, numbers)?,
+                DerivedQuantity::Unknown => dictionary.set_item(name, py.None())?,
+                DerivedQuantity::Real(number) => dictionary.set_item(name, number)?,
+                DerivedQuantity::Count(number) => dictionary.set_item(name, number)?,
+                DerivedQuantity::Reals(numbers) => dictionary.set_item(name, numbers)?,
             }
         }
         Ok(dictionary)

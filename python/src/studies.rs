@@ -17,7 +17,7 @@ use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{Accuracy, AccuracyGoal};
 use stick_slip::study::sweep::{
-    Axis, Design, DesignError, Question, RELATIVE_STEPS, Seeds, Setting, Simulation, StarError, Sweep,
+    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis, SweepQuestion, SweepSimulation,
 };
 use stick_slip::study::trade::{Limits, measure_within};
 
@@ -109,7 +109,8 @@ pub fn sweep<'py>(
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
         let remedy = "give {key: values}, where values are numbers, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
         let axis = |text: &String| {
-            Axis::parse(text, symbol).map_err(|error| errors::of_argument(py, "vary", text, &error.to_string(), remedy))
+            SweepAxis::parse(text, symbol)
+                .map_err(|error| errors::of_argument(py, "vary", text, &error.to_string(), remedy))
         };
         let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
         let remedy = "give other names, as many values where they are zipped, or fewer";
@@ -125,13 +126,14 @@ pub fn sweep<'py>(
         scenario.with(&own).map_err(|error| errors::of_scenario(py, &error))
     };
     let seeds = if independent { Seeds::Independent } else { Seeds::Common };
-    let question = Question::at_each(design, seeds, bias, point)?;
+    let question = SweepQuestion::at_each(design, seeds, bias, point)?;
     for point in &question.points {
         enough_memory(py, point, point.ensemble.paths, workers)?;
     }
     let mut swept = Sweep::new(question);
     let (ended, is_interrupted) = watched(py, progress.as_ref(), |watch| {
-        let simulation = Simulation { threads: workers.0, stop: &watch.stop, progress: &mut WatchedProgress(watch) };
+        let simulation =
+            SweepSimulation { threads: workers.0, stop: &watch.stop, progress: &mut WatchedProgress(watch) };
         simulation.run(&mut swept, |_| Ok::<(), Infallible>(()))
     })?;
     ended.map_err(|error| errors::of_run(py, &error.to_string(), "report it"))?;

@@ -57,7 +57,7 @@ pub struct Derived {
 
 /// The value of a quantity that follows from a scenario, for lists of such quantities.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Quantity {
+pub enum DerivedQuantity {
     /// The quantity does not exist in this scenario.
     Unknown,
     /// A real number.
@@ -68,15 +68,15 @@ pub enum Quantity {
     Reals(Vec<f64>),
 }
 
-impl From<Option<f64>> for Quantity {
+impl From<Option<f64>> for DerivedQuantity {
     fn from(number: Option<f64>) -> Self {
-        number.map_or(Quantity::Unknown, Quantity::Real)
+        number.map_or(DerivedQuantity::Unknown, DerivedQuantity::Real)
     }
 }
 
 impl Derived {
     /// All quantities with their names.
-    pub fn quantities(&self) -> [(&'static str, Quantity); 21] {
+    pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 21] {
         let (critical_amplitude, largest_step) = match self.stability {
             None => (None, None),
             Some(Stability::Undamped { critical_amplitude }) => (Some(critical_amplitude), None),
@@ -87,8 +87,8 @@ impl Derived {
             ) => (None, Some(largest_step)),
         };
         [
-            ("natural_frequency", Quantity::Real(self.natural_frequency)),
-            ("frequency_ratios", Quantity::Reals(self.frequency_ratios.clone())),
+            ("natural_frequency", DerivedQuantity::Real(self.natural_frequency)),
+            ("frequency_ratios", DerivedQuantity::Reals(self.frequency_ratios.clone())),
             ("friction_ratio", self.friction_ratio.into()),
             ("noise_force", self.noise_force.into()),
             ("corridor_half_width", self.corridor_half_width.into()),
@@ -99,15 +99,15 @@ impl Derived {
             ("tolerance", self.tolerance.into()),
             ("resolution_static_force", self.resolution.map(|resolution| resolution.static_force).into()),
             ("resolution_shortest_slip", self.resolution.map(|resolution| resolution.shortest_slip).into()),
-            ("expected_amplitude", Quantity::Real(self.expected_amplitude)),
+            ("expected_amplitude", DerivedQuantity::Real(self.expected_amplitude)),
             ("forcing_period", self.forcing_period.into()),
-            ("whole_periods", Quantity::Real(self.whole_periods)),
-            ("counted_periods", Quantity::Count(self.counted_periods as u64)),
-            ("steps", self.steps.map_or(Quantity::Unknown, Quantity::Count)),
+            ("whole_periods", DerivedQuantity::Real(self.whole_periods)),
+            ("counted_periods", DerivedQuantity::Count(self.counted_periods as u64)),
+            ("steps", self.steps.map_or(DerivedQuantity::Unknown, DerivedQuantity::Count)),
             ("path_steps", self.path_steps.into()),
-            ("rows", Quantity::Count(self.rows as u64)),
-            ("thread_bytes", Quantity::Real(self.thread_bytes)),
-            ("output_bytes", Quantity::Real(self.output_bytes)),
+            ("rows", DerivedQuantity::Count(self.rows as u64)),
+            ("thread_bytes", DerivedQuantity::Real(self.thread_bytes)),
+            ("output_bytes", DerivedQuantity::Real(self.output_bytes)),
         ]
     }
 }

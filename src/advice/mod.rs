@@ -15,5 +15,5 @@ mod size;
 mod tests;
 mod warnings;
 
-pub use derived::{Derived, Quantity};
+pub use derived::{Derived, DerivedQuantity};
 pub use warnings::{Class, Warning};

@@ -10,7 +10,7 @@ use super::{Failure, Threads, note, print, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::bearing::calibration::{
-    Calibration, CalibrationError, Lag, Method, NotHeld, Quantity, Question, calibrate,
+    Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate,
 };
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
@@ -38,7 +38,7 @@ pub struct Calibrate {
     source: Source,
     /// Estimate from the slips, by the least squares of the paper (err), or by both
     #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
-    method: Method,
+    method: CalibrationMethod,
     /// The keys of the parameters to fit; the others keep the value that the scenario gives them
     /// [default: all]
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', value_parser = parameter)]
@@ -81,13 +81,13 @@ impl Calibrate {
             writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
         }
         let record = self.source.record(&scene)?;
-        let question = Question {
+        let question = CalibrationQuestion {
             method: self.method,
             starts: self.starts,
             lag: self.lag,
             level: self.interval,
             bounds: self.bounds.clone(),
-            ..Question::of(&scene, &record)
+            ..CalibrationQuestion::of(&scene, &record)
         };
         let question = question.fitting(&self.fit, &scene)?;
         let threads = self.threads.ready("this calibration", STUDY_BYTES)?;
@@ -137,8 +137,8 @@ pub(super) fn refused(path: &Path, error: &CalibrationError, without_slips: &str
     Failure::run_of(path, error, remedy)
 }
 
-fn method(text: &str) -> Result<Method, String> {
-    Method::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
+fn method(text: &str) -> Result<CalibrationMethod, String> {
+    CalibrationMethod::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
 }
 
 fn parameter(text: &str) -> Result<Quantity, String> {

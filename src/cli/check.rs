@@ -7,7 +7,7 @@ use super::{Failure, cost, print_data};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
-use stick_slip::advice::{Derived, Quantity};
+use stick_slip::advice::{Derived, DerivedQuantity};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{Resolution, Stability};
 
@@ -163,10 +163,10 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
 
 fn json(path: &str, scenario: &Scenario) -> String {
     let number = |quantity| match quantity {
-        Quantity::Unknown => Value::Null,
-        Quantity::Real(number) => json!(number),
-        Quantity::Count(number) => json!(number),
-        Quantity::Reals(numbers) => json!(numbers),
+        DerivedQuantity::Unknown => Value::Null,
+        DerivedQuantity::Real(number) => json!(number),
+        DerivedQuantity::Count(number) => json!(number),
+        DerivedQuantity::Reals(numbers) => json!(numbers),
     };
     let derived = scenario.derived().quantities().map(|(name, quantity)| (name.to_string(), number(quantity)));
     let check = json!({

@@ -12,8 +12,8 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stick_slip::bearing::calibration::{self, Calibration, Method};
-use stick_slip::bearing::forecast::{Forecast as Found, ForecastError, Quantity, Question, forecast};
+use stick_slip::bearing::calibration::{self, Calibration, CalibrationMethod};
+use stick_slip::bearing::forecast::{Forecast as Found, ForecastError, ForecastQuantity, ForecastQuestion, forecast};
 use stick_slip::bearing::weather::{PERIODS, fit};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store;
@@ -84,7 +84,7 @@ impl Forecast {
         let too_short = "measure for at least half a year: a forecast needs to know the seasons";
         let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
             .map_err(|error| without_weather(&self.source.data, &error, too_short))?;
-        let question = Question {
+        let question = ForecastQuestion {
             draws: u64::from(self.draws),
             years: u64::from(self.years),
             seed: self.seed,
@@ -107,10 +107,10 @@ impl Forecast {
     /// from.
     fn calibration(&self, scene: &BridgeScene, threads: usize, stop: &AtomicBool) -> Result<Calibration, Failure> {
         let record = self.source.record(scene)?;
-        let question = calibration::Question {
-            method: Method::Slips,
+        let question = calibration::CalibrationQuestion {
+            method: CalibrationMethod::Slips,
             level: self.interval,
-            ..calibration::Question::of(scene, &record)
+            ..calibration::CalibrationQuestion::of(scene, &record)
         };
         calibration::calibrate(&record, &question, threads, stop)
             .map_err(|error| calibrate::refused(&self.source.data, &error, error.remedy()))
@@ -125,14 +125,14 @@ impl Forecast {
 }
 
 /// The name of a quantity in the table for people.
-fn words(quantity: Quantity, share: f64) -> String {
+fn words(quantity: ForecastQuantity, share: f64) -> String {
     match quantity {
-        Quantity::SlidingPath => "sliding path".to_string(),
-        Quantity::Slips => "slips".to_string(),
-        Quantity::Range => "range of z".to_string(),
-        Quantity::Greatest => "largest |z|".to_string(),
-        Quantity::Loaded => format!("share of time with |F| above {} f_s", share),
-        Quantity::Force => "largest force |F| on the pier".to_string(),
+        ForecastQuantity::SlidingPath => "sliding path".to_string(),
+        ForecastQuantity::Slips => "slips".to_string(),
+        ForecastQuantity::Range => "range of z".to_string(),
+        ForecastQuantity::Greatest => "largest |z|".to_string(),
+        ForecastQuantity::Loaded => format!("share of time with |F| above {} f_s", share),
+        ForecastQuantity::Force => "largest force |F| on the pier".to_string(),
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::{Failure, note, results};
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::calibration::Record;
-use stick_slip::data::{DataError, Origin, Pair, Repairs, TimeColumn, Wanted};
+use stick_slip::bearing::calibration::MeasuredRecord;
+use stick_slip::data::{BearingData, DataError, Origin, Repairs, TimeColumn, Wanted};
 use stick_slip::scenario::BridgeScene;
 
 /// The column of times that a scenario names, and its time zone.
@@ -44,16 +44,16 @@ impl Source {
     }
 
     /// Reads temperatures and displacements. Repairs are noted on standard error.
-    pub fn record(&self, scene: &BridgeScene) -> Result<Record, Failure> {
+    pub fn record(&self, scene: &BridgeScene) -> Result<MeasuredRecord, Failure> {
         let wanted = [
             Wanted::temperature(scene.value.as_deref()),
             Wanted::displacement(self.displacement.as_deref(), self.unit.as_deref()),
         ];
         let temperatures = self.temperature.as_deref().map(Origin::File);
-        let Pair { temperature, displacement, repairs } =
-            Pair::read(Origin::File(&self.data), temperatures, time(scene), wanted)?;
+        let BearingData { temperature, displacement, repairs } =
+            BearingData::read(Origin::File(&self.data), temperatures, time(scene), wanted)?;
         repairs.iter().for_each(|sentence| note(sentence));
-        Ok(Record::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]))
+        Ok(MeasuredRecord::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]))
     }
 }
 

@@ -7,7 +7,7 @@ use super::overrides::settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
-use stick_slip::figure::{self, Absent, COLUMN, FIGURES, Figure, Scene, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, COLUMN, Drawing, FIGURES, Figure, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, FileKind, Stored};
@@ -91,7 +91,7 @@ impl Plot {
         Ok(())
     }
 
-    fn scene(&self, output: &Path) -> Result<Scene, Failure> {
+    fn scene(&self, output: &Path) -> Result<Drawing, Failure> {
         match files::read(&self.subject, store::kind)? {
             None => {
                 let mut overrides = settings(&self.set)?;
@@ -126,7 +126,7 @@ impl Plot {
         }
     }
 
-    fn scene_of_sweeps(&self) -> Result<Scene, Failure> {
+    fn scene_of_sweeps(&self) -> Result<Drawing, Failure> {
         let read = |file: &PathBuf| -> Result<(String, Sweep), Failure> {
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             Ok((name, sweep::stored(file, files::read(file, store::read_sweep)?)?))
@@ -138,7 +138,7 @@ impl Plot {
         self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics }, title, "")
     }
 
-    fn scene_of_run(&self, stored: &Stored) -> Result<Scene, Failure> {
+    fn scene_of_run(&self, stored: &Stored) -> Result<Drawing, Failure> {
         results::check_path(stored, self.path)?;
         let name = self.subject.display().to_string();
         // Events do not depend on the end of the simulation, so a shorter path is the beginning of
@@ -170,7 +170,7 @@ impl Plot {
         }
     }
 
-    fn draw(&self, subject: &Subject, heading: &str, line: &str) -> Result<Scene, Failure> {
+    fn draw(&self, subject: &Subject, heading: &str, line: &str) -> Result<Drawing, Failure> {
         self.check_only()?;
         let style = Style { theme: self.theme, width: self.width, log: self.log };
         match (self.only, subject) {
@@ -214,7 +214,7 @@ fn about(scenario: &Scenario) -> String {
 }
 
 /// Width and height in words.
-fn size(scene: &Scene) -> String {
+fn size(scene: &Drawing) -> String {
     let millimetres = |points: f64| points * 25.4 / 72.0;
     format!("{:.0} mm x {:.0} mm", millimetres(scene.width), millimetres(scene.height))
 }
@@ -240,7 +240,7 @@ const DOTS_PER_INCH: f64 = 300.0;
 
 /// Writes a picture under a temporary name and then renames it, so that the file under its name is
 /// always complete.
-pub fn write(scene: &Scene, format: Format, output: &Path, force: bool) -> Result<(), Failure> {
+pub fn write(scene: &Drawing, format: Format, output: &Path, force: bool) -> Result<(), Failure> {
     let bytes = match format {
         Format::Svg => figure::svg(scene).into_bytes(),
         Format::Png => figure::png(scene, DOTS_PER_INCH).map_err(|error| Failure::Run(error.to_string()))?,

@@ -11,7 +11,8 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{StoredSweep, sweep_bytes};
 use stick_slip::study::sweep::{
-    Axis, Design, DesignError, Question, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep as Swept, estimated_seconds,
+    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep as Swept, SweepAxis, SweepQuestion,
+    estimated_seconds,
 };
 
 const EXAMPLES: &str = "\
@@ -92,18 +93,18 @@ impl Sweep {
     }
 
     /// The sweep that is asked for, with the scenario of every point checked.
-    fn question(&self) -> Result<Question, Failure> {
+    fn question(&self) -> Result<SweepQuestion, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
         let point = |settings: &[Setting]| self.overrides.scenario_with(&self.scenario, &shown.overrides(settings));
         let seeds = if self.independent { Seeds::Independent } else { Seeds::Common };
-        Question::at_each(design, seeds, !self.no_bias, point)
+        SweepQuestion::at_each(design, seeds, !self.no_bias, point)
     }
 
     fn grid(&self) -> Result<(Design, QuotedWords), Failure> {
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
         let wrong = |error| Failure::Refused(format!("--vary: {error}"));
-        let axes = self.vary.iter().map(|text| Axis::parse(text, symbol).map_err(wrong));
+        let axes = self.vary.iter().map(|text| SweepAxis::parse(text, symbol).map_err(wrong));
         let axes = axes.collect::<Result<Vec<_>, _>>()?;
         let shown = axes.iter().zip(&self.vary).map(|(axis, text)| (axis.key.clone(), format!("--vary {text}, at")));
         let shown = QuotedWords(shown.collect());
@@ -169,7 +170,7 @@ impl From<DesignError> for Failure {
 }
 
 /// The number of points and paths, and about how much time and disk space they take.
-fn outlook(question: &Question, threads: usize) -> String {
+fn outlook(question: &SweepQuestion, threads: usize) -> String {
     let design = &question.design;
     let shape = design.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
     let names = design.axes().iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");

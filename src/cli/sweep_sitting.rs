@@ -8,7 +8,7 @@ use std::path::Path;
 use stick_slip::engine::Provenance;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{SweepFile, partial_path};
-use stick_slip::study::sweep::{Question, Simulation, Sweep, SweepEnd};
+use stick_slip::study::sweep::{Sweep, SweepEnd, SweepQuestion, SweepSimulation};
 
 /// How a sweep is simulated and printed.
 pub struct SweepSitting<'a> {
@@ -24,7 +24,7 @@ pub struct SweepSitting<'a> {
 
 impl SweepSitting<'_> {
     /// Simulates the points that are not in the file yet, gives the file its name, and prints all.
-    pub fn simulate(&self, question: Question) -> Result<(), Failure> {
+    pub fn simulate(&self, question: SweepQuestion) -> Result<(), Failure> {
         let header = Provenance::of(&question.scenario);
         let (mut file, known) = SweepFile::open(self.output, &header, &question, self.force)?;
         warn_once(&question);
@@ -57,7 +57,7 @@ impl SweepSitting<'_> {
         let stop = stop_on_signals()?;
         let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
         let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
-        let simulation = Simulation { threads, stop: &stop, progress: &mut progress };
+        let simulation = SweepSimulation { threads, stop: &stop, progress: &mut progress };
         let ended = simulation.run(sweep, |sweep| file.save(sweep));
         progress.finish();
         ended.map_err(|end| match end {
@@ -82,7 +82,7 @@ impl SweepSitting<'_> {
 }
 
 /// Prints each warning once, with the number of points that it concerns.
-fn warn_once(question: &Question) {
+fn warn_once(question: &SweepQuestion) {
     let mut due: BTreeMap<&str, (String, usize)> = BTreeMap::new();
     for scenario in &question.points {
         let measures_bias = question.with_bias && scenario.bias_plan(scenario.ensemble.paths).is_ok();

@@ -5,7 +5,7 @@ use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
-use crate::scenario::{Bearing, Measured};
+use crate::scenario::{Measured, SensorBearing};
 
 /// The model, and where parts of it come from.
 pub(super) struct Physics {
@@ -65,10 +65,10 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
 }
 
 /// Read `[bearing]`.
-pub(super) fn bearing(root: &Fields<'_>) -> Option<Bearing> {
+pub(super) fn bearing(root: &Fields<'_>) -> Option<SensorBearing> {
     let table = root.table_if_present("bearing")?;
     let stiffness = table.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value);
-    Some(Bearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0) })
+    Some(SensorBearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0) })
 }
 
 fn noise(table: &Fields<'_>) -> Noise {

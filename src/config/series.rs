@@ -5,7 +5,7 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
 use super::source::{Samples, Sources};
-use crate::data::{self, DataError, Name, Quantity, Table, TimeColumn, Wanted};
+use crate::data::{self, ColumnQuantity, DataError, Name, Table, TimeColumn, Wanted};
 use crate::model::Series;
 use crate::scenario::Measured;
 use std::path::{Path, PathBuf};
@@ -85,7 +85,7 @@ fn read(
         name => Name::Exactly(name),
     };
     let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
-        let wanted = [Wanted { column, quantity: Quantity::Temperature, unit: None, max_gap }];
+        let wanted = [Wanted { column, quantity: ColumnQuantity::Temperature, unit: None, max_gap }];
         match sources.data(&measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
             Some(text) => data::parse(&measured.file, text.as_bytes(), time, &wanted),
             None => data::read(&sources.path_of(&measured.file), time, &wanted),

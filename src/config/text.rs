@@ -2,7 +2,7 @@
 
 use super::keys::{self, Key};
 use crate::model::{InitialNoise, Noise, Series, Temperature};
-use crate::scenario::{Bearing, Measured, Scenario, Time, Units};
+use crate::scenario::{Measured, Scenario, SensorBearing, Time, Units};
 use crate::stats::Record;
 use std::fmt::Write as _;
 
@@ -11,7 +11,7 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, .. } = scenario;
     let mut text = format!("title = {}\n", string(title));
     physics(&mut text, scenario);
-    if let Some(Bearing { stiffness, offset }) = *bearing {
+    if let Some(SensorBearing { stiffness, offset }) = *bearing {
         table(&mut text, "bearing");
         match stiffness {
             Some(stiffness) => number(&mut text, keys::BEARING_STIFFNESS, stiffness),

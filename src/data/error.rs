@@ -10,7 +10,7 @@ pub struct DataError {
     /// The line, from 1.
     pub line: Option<u64>,
     /// The cell in question, if the mistake is in one.
-    pub cell: Option<Box<Cell>>,
+    pub cell: Option<Box<TableCell>>,
     /// What is wrong.
     pub problem: String,
     /// What would be right.
@@ -19,7 +19,7 @@ pub struct DataError {
 
 /// One cell of a file.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Cell {
+pub struct TableCell {
     /// The name of its column.
     pub column: String,
     /// Its content, cut to one short line.
@@ -43,7 +43,7 @@ impl DataError {
 
     /// The same error, about this cell.
     pub(super) fn cell(mut self, column: &str, cell: &[u8]) -> Self {
-        self.cell = Some(Box::new(Cell { column: column.to_string(), value: quoted(cell) }));
+        self.cell = Some(Box::new(TableCell { column: column.to_string(), value: quoted(cell) }));
         self
     }
 }

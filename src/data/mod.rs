@@ -31,12 +31,12 @@ mod tests;
 mod unit;
 
 pub use clock::Start;
-pub use error::{Cell, DataError};
-pub use pair::{Origin, Pair};
+pub use error::{DataError, TableCell};
+pub use pair::{BearingData, Origin};
 pub use query::{Name, TimeColumn, Wanted};
 pub use span::seconds;
-pub use table::{Column, Repairs, Table, absurd, is_constant};
-pub use unit::Quantity;
+pub use table::{DataColumn, Repairs, Table, absurd, is_constant};
+pub use unit::ColumnQuantity;
 
 use rows::CsvRows;
 use std::io::Read as _;

@@ -2,7 +2,7 @@
 
 use super::error::DataError;
 use super::query::{TimeColumn, Wanted};
-use super::table::{Column, Table};
+use super::table::{DataColumn, Table};
 use super::{parse, read};
 use std::path::Path;
 
@@ -41,16 +41,16 @@ impl Origin<'_> {
 
 /// The temperatures and displacements measured at a bearing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Pair {
+pub struct BearingData {
     /// Temperatures, in degrees Celsius or kelvin.
-    pub temperature: Column,
+    pub temperature: DataColumn,
     /// Displacements, in metres.
-    pub displacement: Column,
+    pub displacement: DataColumn,
     /// What was repaired, in sentences that begin with the name of the file.
     pub repairs: Vec<String>,
 }
 
-impl Pair {
+impl BearingData {
     /// Read a temperature and a displacement from one file. If the temperatures are in a file of
     /// their own, read both files; their times must then be stamps.
     pub fn read(
@@ -58,7 +58,7 @@ impl Pair {
         temperatures: Option<Origin<'_>>,
         time: TimeColumn<'_>,
         [temperature, displacement]: [Wanted<'_>; 2],
-    ) -> Result<Pair, DataError> {
+    ) -> Result<BearingData, DataError> {
         let mut repairs = Vec::new();
         let mut read = |origin: Origin<'_>, wanted: &[Wanted<'_>]| {
             let table = origin.read_in_seconds(time, wanted)?;
@@ -69,7 +69,7 @@ impl Pair {
             let mut table = read(data, &[temperature, displacement])?;
             let displacement = table.columns.swap_remove(1);
             let temperature = table.columns.swap_remove(0);
-            return Ok(Pair { temperature, displacement, repairs });
+            return Ok(BearingData { temperature, displacement, repairs });
         };
         let (mut air, mut sensor) = (read(other, &[temperature])?, read(data, &[displacement])?);
         let (Some(first), Some(later)) = (&air.start, &sensor.start) else {
@@ -80,6 +80,6 @@ impl Pair {
         let later = later.since(first);
         let mut displacement = sensor.columns.swap_remove(0);
         displacement.times.iter_mut().for_each(|time| *time += later);
-        Ok(Pair { temperature: air.columns.swap_remove(0), displacement, repairs })
+        Ok(BearingData { temperature: air.columns.swap_remove(0), displacement, repairs })
     }
 }

@@ -1,6 +1,6 @@
 //! Which columns of a file are wanted.
 
-use super::unit::Quantity;
+use super::unit::ColumnQuantity;
 
 /// The column of times.
 #[derive(Clone, Copy, Debug)]
@@ -17,7 +17,7 @@ pub struct Wanted<'a> {
     /// How the column is found.
     pub column: Name<'a>,
     /// What it measures, which decides the units that are allowed.
-    pub quantity: Quantity,
+    pub quantity: ColumnQuantity,
     /// Its unit, if it is not the one that its name gives.
     pub unit: Option<&'a str>,
     /// The longest time allowed between two values, in the unit of the times; `None` for no limit.
@@ -28,13 +28,18 @@ impl<'a> Wanted<'a> {
     /// The temperatures in the column of this name, or, without a name, in the one whose name
     /// begins with `temperature`.
     pub fn temperature(column: Option<&'a str>) -> Self {
-        Wanted { column: named(column, "temperature"), quantity: Quantity::Temperature, unit: None, max_gap: None }
+        Wanted {
+            column: named(column, "temperature"),
+            quantity: ColumnQuantity::Temperature,
+            unit: None,
+            max_gap: None,
+        }
     }
 
     /// The displacements in the column of this name, or, without a name, in the one whose name
     /// begins with `displacement`.
     pub fn displacement(column: Option<&'a str>, unit: Option<&'a str>) -> Self {
-        Wanted { column: named(column, "displacement"), quantity: Quantity::Displacement, unit, max_gap: None }
+        Wanted { column: named(column, "displacement"), quantity: ColumnQuantity::Displacement, unit, max_gap: None }
     }
 }
 

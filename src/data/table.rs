@@ -17,14 +17,14 @@ pub struct Table {
     /// Number of rows read, including repeated ones and those without a value.
     pub rows: u64,
     /// The columns, in the order in which they were wanted.
-    pub columns: Vec<Column>,
+    pub columns: Vec<DataColumn>,
     /// What was repaired.
     pub repairs: Repairs,
 }
 
 /// One column: times in ascending order, with their values.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Column {
+pub struct DataColumn {
     /// Its name in the header.
     pub name: String,
     /// Times from the earliest value of all columns that were wanted; each is later than the one
@@ -162,7 +162,7 @@ pub(super) fn table(
         repairs.missing.push((name.clone(), reading.missing));
     }
     let begin = readings.iter().map(|reading| reading.samples[0].0).fold(f64::INFINITY, f64::min);
-    let column = |reading: Reading<'_>| Column {
+    let column = |reading: Reading<'_>| DataColumn {
         name: header[reading.field].clone(),
         times: reading.samples.iter().map(|sample| sample.0 - begin).collect(),
         values: reading.samples.iter().map(|sample| sample.1).collect(),

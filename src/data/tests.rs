@@ -4,11 +4,11 @@ use proptest::prelude::*;
 const TIME: TimeColumn<'_> = TimeColumn { name: "time", zone: None };
 
 fn temperature(column: &str) -> Wanted<'_> {
-    Wanted { column: Name::Exactly(column), quantity: Quantity::Temperature, unit: None, max_gap: None }
+    Wanted { column: Name::Exactly(column), quantity: ColumnQuantity::Temperature, unit: None, max_gap: None }
 }
 
 fn displacement(column: &str) -> Wanted<'_> {
-    Wanted { quantity: Quantity::Displacement, ..temperature(column) }
+    Wanted { quantity: ColumnQuantity::Displacement, ..temperature(column) }
 }
 
 /// Read the column `T` of a text.
@@ -281,7 +281,7 @@ proptest! {
 /// The same for HDF5 files.
 #[cfg(feature = "store")]
 mod in_hdf5 {
-    use super::super::{Name, Origin, Pair, TimeColumn, Wanted, parse, read};
+    use super::super::{BearingData, Name, Origin, TimeColumn, Wanted, parse, read};
     use ::hdf5::File;
     use ::hdf5::types::VarLenUnicode;
 
@@ -311,7 +311,7 @@ mod in_hdf5 {
     #[test]
     fn a_file_of_either_kind_is_the_same_record() {
         let wanted = || [Wanted::temperature(None), Wanted::displacement(None, None)];
-        let text = Pair::read(Origin::Text("t.csv", CSV), None, TIME, wanted()).expect("read");
+        let text = BearingData::read(Origin::Text("t.csv", CSV), None, TIME, wanted()).expect("read");
         let start = parse("t.csv", CSV.as_bytes(), TIME, &wanted()).expect("read").start;
         for (units, times) in [
             ("seconds since 2015-08-13 00:00:00", [600.0, 0.0, 1200.0, 1800.0]),
@@ -322,7 +322,7 @@ mod in_hdf5 {
             let file = written(Some(units), &times);
             let table = read(file.path(), TIME, &wanted()).expect("read");
             assert_eq!(table.start, start, "{units}");
-            let pair = Pair::read(Origin::File(file.path()), None, TIME, wanted()).expect("read");
+            let pair = BearingData::read(Origin::File(file.path()), None, TIME, wanted()).expect("read");
             let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
             assert!(near(&pair.temperature.times, &text.temperature.times), "{units}: {pair:?}");
             assert!(near(&pair.displacement.times, &text.displacement.times), "{units}: {pair:?}");

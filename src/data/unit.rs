@@ -2,7 +2,7 @@
 
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum ColumnQuantity {
     /// Temperature. Degrees Celsius and kelvin are kept as given, because only differences act on
     /// the body; Fahrenheit is converted to Celsius. Without a unit, values are kept as given.
     Temperature,
@@ -88,10 +88,10 @@ fn suffix(name: &str) -> Option<(&str, bool)> {
 }
 
 /// The unit of a column of values; the error is what is wrong and the remedy.
-pub(super) fn of_values(quantity: Quantity, column: &str, given: Option<&str>) -> Result<Unit, (String, String)> {
+pub(super) fn of_values(quantity: ColumnQuantity, column: &str, given: Option<&str>) -> Result<Unit, (String, String)> {
     let (known, names): (fn(&str) -> Option<Unit>, _) = match quantity {
-        Quantity::Temperature => (temperature, "degC, K or degF"),
-        Quantity::Displacement => (displacement, "m, cm, mm or um"),
+        ColumnQuantity::Temperature => (temperature, "degC, K or degF"),
+        ColumnQuantity::Displacement => (displacement, "m, cm, mm or um"),
     };
     if let Some(given) = given {
         let unknown = || (format!("no unit is called `{given}`"), format!("give {names}"));
@@ -104,8 +104,8 @@ pub(super) fn of_values(quantity: Quantity, column: &str, given: Option<&str>) -
             format!("column `{column}` has a unit that is not known, `{unit}`"),
             format!("convert it to one of {names}, and say so in the name"),
         )),
-        (None, _, Quantity::Temperature) => Ok(Unit::AS_GIVEN),
-        (None, _, Quantity::Displacement) => Err((
+        (None, _, ColumnQuantity::Temperature) => Ok(Unit::AS_GIVEN),
+        (None, _, ColumnQuantity::Displacement) => Err((
             format!("the name of column `{column}` says no unit"),
             format!("rename it, e.g. to `{column}_mm`, or give the unit, one of {names}"),
         )),

@@ -6,8 +6,8 @@ use super::layout::{Unit, Variable, table, variable};
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_other_program, texts};
 use crate::bearing::calibration::{
-    Calibration, Estimate, Lag, LagProfile, Method, Motion, Quantity, Question, SeenSlip, Spikes, Start, Values,
-    response_of,
+    Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion, ParameterEstimate, Quantity,
+    SearchStart, SeenSlip, Spikes, Values, response_of,
 };
 use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
@@ -93,7 +93,7 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     let mut method = question.method.name().to_owned();
     let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();
     walk.attribute("method", &mut method)?;
-    match Method::from_name(&method) {
+    match CalibrationMethod::from_name(&method) {
         Some(method) => question.method = method,
         None => walk.refuse("an unknown method".into())?,
     }
@@ -128,7 +128,7 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
 }
 
 /// What was asked and does not follow from the answer.
-fn asked<W: Walk>(walk: &mut W, question: &mut Question) -> Result<(), W::Error> {
+fn asked<W: Walk>(walk: &mut W, question: &mut CalibrationQuestion) -> Result<(), W::Error> {
     let Motion { reach, jump, start } = &mut question.guess;
     walk.attribute("guess_reach", reach)?;
     walk.attribute("guess_jump", jump)?;
@@ -154,15 +154,19 @@ fn asked<W: Walk>(walk: &mut W, question: &mut Question) -> Result<(), W::Error>
 }
 
 /// One estimate for each of [`Quantity::ALL`].
-type Estimates = [Estimate; Quantity::ALL.len()];
+type ParameterEstimates = [ParameterEstimate; Quantity::ALL.len()];
 
-fn estimates<W: Walk>(walk: &mut W, variables: [&Variable; 3], estimates: &mut Estimates) -> Result<(), W::Error> {
-    let mut columns = columns_of(estimates.map(|Estimate { estimate, low, high }| [estimate, low, high]));
+fn estimates<W: Walk>(
+    walk: &mut W,
+    variables: [&Variable; 3],
+    estimates: &mut ParameterEstimates,
+) -> Result<(), W::Error> {
+    let mut columns = columns_of(estimates.map(|ParameterEstimate { estimate, low, high }| [estimate, low, high]));
     for (variable, values) in variables.into_iter().zip(&mut columns) {
         walk.along(variable, values, Quantity::ALL.len())?;
     }
     let [estimate, low, high] = columns;
-    *estimates = std::array::from_fn(|i| Estimate { estimate: estimate[i], low: low[i], high: high[i] });
+    *estimates = std::array::from_fn(|i| ParameterEstimate { estimate: estimate[i], low: low[i], high: high[i] });
     Ok(())
 }
 
@@ -206,7 +210,7 @@ fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::
     walk.variable(&START_ERR, &mut errs)?;
     walk.along(&START_VALUE, &mut values, errs.len() * all)?;
     let starts = errs.into_iter().zip(rows(&values));
-    calibration.starts = starts.map(|(err, values)| Start { err, response: response_of(&values) }).collect();
+    calibration.starts = starts.map(|(err, values)| SearchStart { err, response: response_of(&values) }).collect();
     if let Some(LagProfile { profile, .. }) = &mut calibration.lag_profile {
         pairs(walk, [&LAG, &LAG_DEVIANCE], profile)?;
     }

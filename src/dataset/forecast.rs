@@ -2,7 +2,7 @@
 
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
-use crate::bearing::forecast::{Forecast, Level, ReturnLevel};
+use crate::bearing::forecast::{Forecast, ForecastLevel, ReturnLevel};
 use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::Dimension;
 
@@ -31,7 +31,7 @@ pub(crate) fn write<D: Destination>(
     to.set_attribute("share", question.share)?;
     to.write_variable(&QUANTITY, &texts(levels.iter().map(|level| level.quantity.name())))?;
     to.write_variable(&QUANTITY_UNIT, &texts(levels.iter().map(|level| level.quantity.unit())))?;
-    let of = |value: fn(&Level) -> f64| levels.iter().map(value).collect::<Vec<_>>();
+    let of = |value: fn(&ForecastLevel) -> f64| levels.iter().map(value).collect::<Vec<_>>();
     to.write_variable(&EXPECTED, &of(|level| level.expected))?;
     to.write_variable(&EXPECTED_LOW, &of(|level| level.expected_interval[0]))?;
     to.write_variable(&EXPECTED_HIGH, &of(|level| level.expected_interval[1]))?;

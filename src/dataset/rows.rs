@@ -3,7 +3,7 @@
 use super::ColumnView;
 use super::layout::{self, Variable};
 use crate::engine::Provenance;
-use crate::scenario::Bearing;
+use crate::scenario::SensorBearing;
 use crate::stats::column::Columns as _;
 use crate::stats::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 
@@ -80,7 +80,7 @@ pub(crate) fn empty_tables<E>(
 /// Pass the tables of some paths to `visit`.
 pub(crate) fn tables<E>(
     rows: &Rows,
-    bearing: Option<Bearing>,
+    bearing: Option<SensorBearing>,
     mut visit: impl FnMut(Table) -> Result<(), E>,
 ) -> Result<(), E> {
     let Rows { first_path, paths, path_columns, events, trajectories } = *rows;

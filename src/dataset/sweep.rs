@@ -11,7 +11,7 @@ use crate::engine::{Provenance, Status, other_program};
 use crate::model::Series;
 use crate::scenario::Scenario;
 use crate::stats::{GROUPS, GroupValues, Statistic};
-use crate::study::sweep::{Axis, Design, DesignError, Paired, Point, Question, Seeds, Setting, Sweep};
+use crate::study::sweep::{Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion};
 use std::sync::Arc;
 
 /// The attribute `format_name` of a sweep.
@@ -47,7 +47,7 @@ impl StoredSweep {
     /// The sweep, where `scenario_at` gives the scenario of a point from its settings. Fails if
     /// `scenario_at` does.
     pub fn whole<E>(self, scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>) -> Result<Sweep, E> {
-        let question = Question::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
+        let question = SweepQuestion::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
         Ok(Sweep { question, points: self.points })
     }
 }
@@ -60,7 +60,7 @@ pub(crate) fn program(version: &str, hash: &str, generator: &str, block_size: u6
 
 /// Write a sweep.
 pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, sweep: &Sweep) -> Result<(), D::Error> {
-    let Question { design, seeds, with_bias, .. } = &sweep.question;
+    let SweepQuestion { design, seeds, with_bias, .. } = &sweep.question;
     let status = if sweep.is_complete() { Status::Complete } else { Status::Running };
     let axes: Vec<&str> = design.axes().iter().map(|axis| axis.name.as_str()).collect();
     let mut about = About {
@@ -161,7 +161,7 @@ fn coordinates<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error
     }
 }
 
-fn write_axis<D: Destination>(to: &mut D, axis: &Axis, axes: &[&str]) -> Result<(), D::Error> {
+fn write_axis<D: Destination>(to: &mut D, axis: &SweepAxis, axes: &[&str]) -> Result<(), D::Error> {
     let attributes = [("key", axis.key.as_str())];
     to.write_variable(&variable(&axis.name, axes, Unit::None, &axis.key).with(&attributes), &axis.values)
 }
@@ -289,12 +289,12 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredSweep, S::Error> {
 }
 
 fn read_design<S: Source>(from: &S, about: &About) -> Result<Design, S::Error> {
-    let axes = |dimension: Option<&str>| -> Result<Vec<Axis>, S::Error> {
+    let axes = |dimension: Option<&str>| -> Result<Vec<SweepAxis>, S::Error> {
         let names = about.axes.as_ref().ok_or_else(|| "axes is missing".to_owned())?;
         let axis = |name: &str| {
             let axes = [dimension.unwrap_or(name)];
             let values = read_variable(from, &variable(name, &axes, Unit::None, ""))?;
-            Ok(Axis { name: name.to_string(), key: read_attribute_of(from, name, "key")?, values })
+            Ok(SweepAxis { name: name.to_string(), key: read_attribute_of(from, name, "key")?, values })
         };
         names.split(' ').map(axis).collect()
     };

@@ -4,7 +4,7 @@
 use crate::ensemble::BLOCK_SIZE;
 use crate::model::Series;
 use crate::noise::GENERATOR;
-use crate::scenario::{Bearing, Scenario};
+use crate::scenario::{Scenario, SensorBearing};
 use crate::stats::Units;
 use std::sync::Arc;
 
@@ -61,7 +61,7 @@ pub struct Provenance {
     pub series_start: Option<String>,
     /// The bearing at which a sensor observes the displacement of trajectories, as it is written
     /// to a file; none if the scenario names no bearing.
-    pub bearing: Option<Bearing>,
+    pub bearing: Option<SensorBearing>,
 }
 
 impl Provenance {

@@ -2,7 +2,7 @@
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
 use super::theme::THIN;
-use super::{Absent, Axis, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet};
 use crate::bearing::calibration::Calibration;
 use std::ops::Range;
 
@@ -19,7 +19,7 @@ const POINTS: usize = 8_000;
 /// days.
 const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let days = calibration.record.times.last().copied().unwrap_or(0.0) / DAY;
@@ -31,9 +31,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         }
     }
     let legend = [
-        Entry::line(Stroke::solid(palette.first, 1.0), "measured"),
-        Entry::line(Stroke::solid(palette.second, 1.0), "model"),
-        Entry::mark(Mark::Triangle, palette.third, "slip that was seen"),
+        LegendEntry::line(Stroke::solid(palette.first, 1.0), "measured"),
+        LegendEntry::line(Stroke::solid(palette.second, 1.0), "model"),
+        LegendEntry::mark(Mark::Triangle, palette.third, "slip that was seen"),
     ];
     Ok(sheet(style, &format!("Calibration: {title}"), &legend, &panels))
 }

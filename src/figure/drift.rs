@@ -3,14 +3,14 @@
 
 use super::axis::plain;
 use super::theme::{DASHES, LINE};
-use super::{Absent, Axis, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, sheet};
 use crate::stats::{Dimension, Statistic, Summary};
 use crate::sums::Ends;
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "drift", shows: "whether x wanders from period to period", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, summary) = subject.run()?;
     let periods = &summary.periods;
     if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {
@@ -46,12 +46,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let mean = panel(&periods.mean, &periods.mean_ends, drift, of_mean);
     let of_variance = ("variance of *x*(*nP*)", Dimension::AREA);
     let variance = panel(&periods.variance, &periods.variance_ends, 2.0 * diffusion, of_variance);
-    let mut legend =
-        vec![Entry::mark(Mark::Disc, palette.first, "with 95 % interval"), Entry::line(dashes, "measured slope")];
+    let mut legend = vec![
+        LegendEntry::mark(Mark::Disc, palette.first, "with 95 % interval"),
+        LegendEntry::line(dashes, "measured slope"),
+    ];
     if after > 0.0 {
-        legend.push(Entry::area(palette.grid, "left out"));
+        legend.push(LegendEntry::area(palette.grid, "left out"));
     }
-    legend.extend(reported(summary).into_iter().map(Entry::words));
+    legend.extend(reported(summary).into_iter().map(LegendEntry::words));
     Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance]))
 }
 

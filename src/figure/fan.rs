@@ -1,7 +1,7 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
-use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Bands, Dimension, QUANTILE_LEVELS};
 use crate::sums::Ends;
 
@@ -9,7 +9,7 @@ use crate::sums::Ends;
 pub const FIGURE: Figure =
     Figure { name: "fan", shows: "quantiles of x, and the probability of being static", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, summary) = subject.run()?;
     let bands = &summary.bands;
     let (time, x) = (&bands.time, &bands.displacement);
@@ -34,10 +34,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     share.line(along(time, &bands.static_probability), solid(palette.first));
 
     let legend = [
-        Entry::line(solid(palette.first), "median"),
-        Entry::line(mean, "mean"),
-        Entry::area(palette.narrow, "25–75 %; 95 % interval of *P*"),
-        Entry::area(palette.wide, "5–95 %"),
+        LegendEntry::line(solid(palette.first), "median"),
+        LegendEntry::line(mean, "mean"),
+        LegendEntry::area(palette.narrow, "25–75 %; 95 % interval of *P*"),
+        LegendEntry::area(palette.wide, "5–95 %"),
     ];
     Ok(sheet(style, &format!("Displacement of the paths: {}", scenario.title), &legend, &[fan.above_another(), share]))
 }

@@ -3,13 +3,13 @@
 
 use super::calibration::thinned;
 use super::theme::THIN;
-use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Stroke, Style, Subject, range_of, sheet};
 
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "loops", shows: "displacement against temperature, measured and modelled", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let record = &calibration.record;
@@ -30,8 +30,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     let above = panel('a', measured, first).above_another();
     let below = panel('b', modelled, second);
     let legend = [
-        Entry::line(Stroke::solid(palette.first, THIN), "measured"),
-        Entry::line(Stroke::solid(palette.second, THIN), "model"),
+        LegendEntry::line(Stroke::solid(palette.first, THIN), "measured"),
+        LegendEntry::line(Stroke::solid(palette.second, THIN), "model"),
     ];
     Ok(sheet(style, &format!("Loops: {title}"), &legend, &[above, below]))
 }

@@ -34,7 +34,7 @@ mod tornado;
 mod trade;
 mod words;
 
-pub use kit::{Scene, escaped, pdf, png, svg};
+pub use kit::{Drawing, escaped, pdf, png, svg};
 pub use page::page;
 pub use subject::{Absent, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
@@ -43,7 +43,7 @@ pub use theme::{COLUMN, Style, Theme};
 use axis::{Axis, range_of};
 use kit::{Colour, Label, Stroke};
 use panel::{Mark, Panel};
-use sheet::{Entry, sheet, solid};
+use sheet::{LegendEntry, sheet, solid};
 
 /// Every figure, in the order in which a page shows them.
 pub const FIGURES: &[Figure] = &[

@@ -2,7 +2,7 @@
 //! durations of sticks.
 
 use super::path::PathTrace;
-use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, fan, sheet, solid, sticks};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, fan, sheet, solid, sticks};
 use crate::engine::Replay;
 use crate::stats::Dimension;
 
@@ -10,7 +10,7 @@ use crate::stats::Dimension;
 pub const FIGURE: Figure =
     Figure { name: "overview", shows: "a path with its sticks, the quantiles of all, and the sticks", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, summary) = subject.run()?;
     let (_, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
@@ -42,9 +42,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
 
     let legend = [
-        Entry::area(palette.wide, "**A**: stick; **B**: 5–95 %"),
-        Entry::area(palette.narrow, "**B**: 25–75 %; **C**: 95 % interval"),
-        Entry::line(solid(palette.first), "**A**: path; **B**: median; **C**: share"),
+        LegendEntry::area(palette.wide, "**A**: stick; **B**: 5–95 %"),
+        LegendEntry::area(palette.narrow, "**B**: 25–75 %; **C**: 95 % interval"),
+        LegendEntry::line(solid(palette.first), "**A**: path; **B**: median; **C**: share"),
     ];
     let panels = [one.lettered('A').above_another(), all.lettered('B'), outlasting.lettered('C')];
     Ok(sheet(style, &format!("Overview: {}", scenario.title), &legend, &panels))

@@ -1,6 +1,6 @@
 //! All figures of a subject on one sheet, in two columns.
 
-use super::kit::{Align, Item, Label, Scene};
+use super::kit::{Align, Drawing, Item, Label};
 use super::subject::Subject;
 use super::theme::{LETTERS, SMALL, Style};
 use super::{FIGURES, overview};
@@ -14,9 +14,9 @@ const HEADING: f64 = 11.0;
 
 /// The sheet, with a heading and a line of text below it. None if no figure of the subject can be
 /// drawn.
-pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Option<Scene> {
+pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Option<Drawing> {
     let figures = FIGURES.iter().filter(|figure| figure.name != overview::FIGURE.name);
-    let scenes: Vec<Scene> = figures.filter_map(|figure| figure.draw(subject, style).ok()).collect();
+    let scenes: Vec<Drawing> = figures.filter_map(|figure| figure.draw(subject, style).ok()).collect();
     let columns = scenes.len().min(2);
     if columns == 0 {
         return None;
@@ -41,7 +41,7 @@ pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Opti
         items.push(Item::Moved { by, items: scene.items });
     }
     let height = ends[0].max(ends[1]) - GAP + EDGE;
-    Some(Scene { width, height, background: palette.background, title: heading.to_string(), items })
+    Some(Drawing { width, height, background: palette.background, title: heading.to_string(), items })
 }
 
 /// The words in rows that fit. A word that is too long for a row has a row of its own.

@@ -1,7 +1,7 @@
 //! A panel: two axes with curves, bands, bars and marks between them, and notes that never overlap.
 
 use super::axis::{Axis, Tick};
-use super::kit::{Align, Colour, Item, Label, Path, Rect, Stroke};
+use super::kit::{Align, Colour, Item, Label, Outline, Rect, Stroke};
 use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
 
 /// Shapes of marks. They distinguish curves without colour.
@@ -201,10 +201,11 @@ impl Panel {
     fn draw_axes(&self, frame: Rect, palette: &Palette, items: &mut Vec<Item>) {
         let pen = || Stroke::solid(palette.ink, THIN);
         let corners = [[frame.x, frame.y], [frame.x, frame.bottom()], [frame.right(), frame.bottom()]];
-        items.push(Item::stroked(Path::line(&corners), pen()));
+        items.push(Item::stroked(Outline::line(&corners), pen()));
         for tick in self.x.ticks(frame.width, X_ROOM) {
             let x = frame.x + tick.at * frame.width;
-            items.push(Item::stroked(Path::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]), pen()));
+            items
+                .push(Item::stroked(Outline::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]), pen()));
             if let Some(label) = tick.label.filter(|_| self.is_labelled) {
                 let at = [x, frame.bottom() + TICK + GAP + 0.75 * SMALL];
                 items.push(Item::words(label, at, Align::Middle, SMALL, palette.ink));
@@ -213,7 +214,7 @@ impl Panel {
         for tick in self.y.ticks(frame.height, Y_ROOM) {
             let y = frame.bottom() - tick.at * frame.height;
             let length = tick.length();
-            items.push(Item::stroked(Path::line(&[[frame.x - length, y], [frame.x, y]]), pen()));
+            items.push(Item::stroked(Outline::line(&[[frame.x - length, y], [frame.x, y]]), pen()));
             if let Some(label) = tick.label {
                 let at = [frame.x - TICK - GAP, y + 0.36 * SMALL];
                 items.push(Item::words(label, at, Align::End, SMALL, palette.ink));
@@ -322,10 +323,10 @@ impl Mark {
     pub fn draw(self, at: [f64; 2], colour: Colour, background: Colour) -> Vec<Item> {
         let [x, y] = at;
         let corners = |points: &[[f64; 2]]| {
-            Path::polygon(&points.iter().map(|[a, b]| [x + a * MARK, y + b * MARK]).collect::<Vec<_>>())
+            Outline::polygon(&points.iter().map(|[a, b]| [x + a * MARK, y + b * MARK]).collect::<Vec<_>>())
         };
         let path = match self {
-            Mark::Disc | Mark::Circle => Path::circle(at, MARK),
+            Mark::Disc | Mark::Circle => Outline::circle(at, MARK),
             Mark::Square => corners(&[[-0.95, -0.95], [0.95, -0.95], [0.95, 0.95], [-0.95, 0.95]]),
             Mark::Triangle => corners(&[[0.0, -1.35], [1.2, 0.85], [-1.2, 0.85]]),
             Mark::Diamond => corners(&[[0.0, -1.35], [1.35, 0.0], [0.0, 1.35], [-1.35, 0.0]]),
@@ -345,7 +346,7 @@ impl Layer {
             Layer::Line { points, stroke } => pieces(points)
                 .map(|piece| {
                     let placed: Vec<[f64; 2]> = piece.iter().map(|point| place(*point)).collect();
-                    Item::stroked(Path::line(&simplified(&placed)), stroke.clone())
+                    Item::stroked(Outline::line(&simplified(&placed)), stroke.clone())
                 })
                 .collect(),
             Layer::Band { points, fill } => {
@@ -354,16 +355,16 @@ impl Layer {
                     simplified(&points.iter().filter(known).map(|p| place([p[0], p[k]])).collect::<Vec<_>>())
                 };
                 let around: Vec<[f64; 2]> = edge(1).into_iter().chain(edge(2).into_iter().rev()).collect();
-                if around.len() < 3 { Vec::new() } else { vec![Item::filled(Path::polygon(&around), *fill)] }
+                if around.len() < 3 { Vec::new() } else { vec![Item::filled(Outline::polygon(&around), *fill)] }
             }
             Layer::Bar { from, to, fill } => {
                 let ([ax, ay], [bx, by]) = (place(*from), place(*to));
                 let corners = [[ax, ay], [bx, ay], [bx, by], [ax, by]];
-                vec![Item::filled(Path::polygon(&corners), *fill)]
+                vec![Item::filled(Outline::polygon(&corners), *fill)]
             }
             Layer::Interval { ends: [low, high], .. } if low.is_nan() || high.is_nan() => Vec::new(),
             Layer::Interval { at, ends, is_across, colour } => {
-                let bar = |ends: [[f64; 2]; 2]| Item::stroked(Path::line(&ends), Stroke::solid(*colour, 0.9));
+                let bar = |ends: [[f64; 2]; 2]| Item::stroked(Outline::line(&ends), Stroke::solid(*colour, 0.9));
                 let end = |end: f64| place(if *is_across { [end, *at] } else { [*at, end] });
                 let across = |[x, y]: [f64; 2]| match is_across {
                     true => bar([[x, y - CAP], [x, y + CAP]]),
@@ -375,11 +376,11 @@ impl Layer {
             Layer::Mark { .. } => Vec::new(),
             Layer::Level { at, stroke } => {
                 let y = place([f64::NAN, *at])[1];
-                vec![Item::stroked(Path::line(&[[frame.x, y], [frame.right(), y]]), stroke.clone())]
+                vec![Item::stroked(Outline::line(&[[frame.x, y], [frame.right(), y]]), stroke.clone())]
             }
             Layer::Before { at, fill } => {
                 let x = place([*at, f64::NAN])[0].clamp(frame.x, frame.right());
-                vec![Item::filled(Path::rect(Rect { width: x - frame.x, ..frame }), *fill)]
+                vec![Item::filled(Outline::rect(Rect { width: x - frame.x, ..frame }), *fill)]
             }
         }
     }

@@ -8,7 +8,8 @@ use super::panel::{Beside, Note};
 use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
 use super::words::grouped;
 use super::{
-    Absent, Axis, Colour, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet, solid,
+    Absent, Axis, Colour, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet,
+    solid,
 };
 use crate::engine::Replay;
 use crate::stats::Dimension;
@@ -192,7 +193,7 @@ const MARGIN: f64 = 0.025;
 /// Curves whose sizes differ by more than this factor do not share an axis.
 const ALIKE: f64 = 8.0;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
     let trace = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
@@ -234,18 +235,20 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     }
     let plane = phase_plane(&trace, palette, friction, &velocity_unit, &force_unit);
 
-    let mut legend = vec![Entry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
+    let mut legend = vec![LegendEntry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
     let names = ["slip", "2nd sub-phase", "3rd and later"];
     let occurring = trace.occurring();
-    legend.extend((0..3).filter(|k| occurring[*k]).map(|k| Entry::line(solid(of_sub_phase(k + 1, palette)), names[k])));
-    legend.push(Entry::line(spring, "*K*(*βT* − *x*)"));
-    legend.push(Entry::line(force, "friction *F*"));
+    legend.extend(
+        (0..3).filter(|k| occurring[*k]).map(|k| LegendEntry::line(solid(of_sub_phase(k + 1, palette)), names[k])),
+    );
+    legend.push(LegendEntry::line(spring, "*K*(*βT* − *x*)"));
+    legend.push(LegendEntry::line(force, "friction *F*"));
     if trace.moments.len() > MOST_MARKED {
         let words = format!("{} events, too close to be marked", grouped(trace.moments.len() as u64));
-        legend.push(Entry::words(Label::verbatim(&words)));
+        legend.push(LegendEntry::words(Label::verbatim(&words)));
     }
     if trace.in_full().len() < trace.pieces.len() {
-        legend.push(Entry::words(Label::new("**C**: the longest slip; others thin")));
+        legend.push(LegendEntry::words(Label::new("**C**: the longest slip; others thin")));
     }
     let panels: Vec<Panel> =
         [vec![displacement.lettered('A').above_another()], middle, vec![plane.lettered('C')]].concat();

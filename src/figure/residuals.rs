@@ -3,14 +3,14 @@
 
 use super::calibration::{DAY, thinned};
 use super::theme::THIN;
-use super::{Absent, Axis, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, sheet};
 use crate::bearing::calibration::Quantity;
 
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "residuals", shows: "what the calibrated model leaves, and the starts of its search", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let record = &calibration.record;
@@ -47,8 +47,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
         starts.interval_across(0.1, ends, palette.first);
         panels.push(starts);
-        legend.push(Entry::mark(Mark::Circle, palette.second, "a start of the least squares"));
-        legend.push(Entry::line(Stroke::solid(palette.first, 1.0), "interval of the estimate"));
+        legend.push(LegendEntry::mark(Mark::Circle, palette.second, "a start of the least squares"));
+        legend.push(LegendEntry::line(Stroke::solid(palette.first, 1.0), "interval of the estimate"));
     }
     Ok(sheet(style, &format!("Residuals: {title}"), &legend, &panels))
 }

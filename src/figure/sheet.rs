@@ -1,12 +1,12 @@
 //! A sheet: a legend, and panels below each other with their frames aligned.
 
-use super::kit::{Align, Colour, Item, Label, Path, Rect, Scene, Stroke};
+use super::kit::{Align, Colour, Drawing, Item, Label, Outline, Rect, Stroke};
 use super::panel::{Mark, Panel};
 use super::theme::{LETTERS, LINE, SMALL, Style};
 
 /// An entry of a legend: a sample, and what it stands for.
 #[derive(Clone, Debug)]
-pub struct Entry {
+pub struct LegendEntry {
     /// The stroke, if the entry is a curve.
     pub stroke: Option<Stroke>,
     /// The colour, if the entry is a filled area.
@@ -17,25 +17,25 @@ pub struct Entry {
     pub label: Label,
 }
 
-impl Entry {
+impl LegendEntry {
     /// The entry of a curve.
     pub fn line(stroke: Stroke, label: &str) -> Self {
-        Entry { stroke: Some(stroke), fill: None, mark: None, label: Label::new(label) }
+        LegendEntry { stroke: Some(stroke), fill: None, mark: None, label: Label::new(label) }
     }
 
     /// The entry of an area.
     pub fn area(fill: Colour, label: &str) -> Self {
-        Entry { stroke: None, fill: Some(fill), mark: None, label: Label::new(label) }
+        LegendEntry { stroke: None, fill: Some(fill), mark: None, label: Label::new(label) }
     }
 
     /// The entry of a mark.
     pub fn mark(mark: Mark, colour: Colour, label: &str) -> Self {
-        Entry { stroke: None, fill: None, mark: Some((mark, colour)), label: Label::new(label) }
+        LegendEntry { stroke: None, fill: None, mark: Some((mark, colour)), label: Label::new(label) }
     }
 
     /// An entry of words alone.
     pub fn words(label: Label) -> Self {
-        Entry { stroke: None, fill: None, mark: None, label }
+        LegendEntry { stroke: None, fill: None, mark: None, label }
     }
 
     fn sample(&self) -> f64 {
@@ -64,7 +64,7 @@ const CLOSE: f64 = 9.0;
 const APART: f64 = 13.0;
 
 /// The sheet. If notes of the panels found no space, a line below the panels gives their number.
-pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel]) -> Scene {
+pub fn sheet(style: &Style, title: &str, legend: &[LegendEntry], panels: &[Panel]) -> Drawing {
     let palette = style.palette();
     let width = style.points();
     let mut items = Vec::new();
@@ -87,13 +87,13 @@ pub fn sheet(style: &Style, title: &str, legend: &[Entry], panels: &[Panel]) -> 
         let words = Label::verbatim(&format!("{missing} labels have no room"));
         items.push(Item::words(words, [width - right, y], Align::End, SMALL, palette.faint));
     }
-    Scene { width, height: y + EDGE, background: palette.background, title: title.to_string(), items }
+    Drawing { width, height: y + EDGE, background: palette.background, title: title.to_string(), items }
 }
 
 /// Draws the legend in as many rows as it needs, and returns its height.
-fn draw_legend(legend: &[Entry], [x, y]: [f64; 2], width: f64, style: &Style, items: &mut Vec<Item>) -> f64 {
+fn draw_legend(legend: &[LegendEntry], [x, y]: [f64; 2], width: f64, style: &Style, items: &mut Vec<Item>) -> f64 {
     let palette = style.palette();
-    let mut rows: Vec<Vec<&Entry>> = Vec::new();
+    let mut rows: Vec<Vec<&LegendEntry>> = Vec::new();
     let mut used = f64::INFINITY;
     for entry in legend {
         if used + BETWEEN + entry.width() > width {
@@ -110,10 +110,10 @@ fn draw_legend(legend: &[Entry], [x, y]: [f64; 2], width: f64, style: &Style, it
             let (from, to) = (at, at + entry.sample() - 4.0);
             if let Some(fill) = entry.fill {
                 let area = Rect { x: from, y: middle - 3.2, width: to - from, height: 6.4 };
-                items.push(Item::filled(Path::rect(area), fill));
+                items.push(Item::filled(Outline::rect(area), fill));
             }
             if let Some(stroke) = &entry.stroke {
-                items.push(Item::stroked(Path::line(&[[from, middle], [to, middle]]), stroke.clone()));
+                items.push(Item::stroked(Outline::line(&[[from, middle], [to, middle]]), stroke.clone()));
             }
             if let Some((mark, colour)) = entry.mark {
                 items.extend(mark.draw([(from + to) / 2.0, middle], colour, palette.background));

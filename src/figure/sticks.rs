@@ -3,7 +3,7 @@
 
 use super::theme::Palette;
 use super::words::grouped;
-use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, StickDurations};
 
 /// The figure.
@@ -25,7 +25,7 @@ struct Bin {
     ends: [f64; 2],
 }
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, summary) = subject.run()?;
     let sticks = &summary.stick_durations;
     let all = bins(sticks);
@@ -71,9 +71,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         counts += &format!("; {} shorter than shown", grouped(shorter));
     }
     let legend = [
-        Entry::words(Label::verbatim(&counts)),
-        Entry::line(solid(palette.first), "density; Kaplan–Meier"),
-        Entry::area(palette.narrow, "95 % interval"),
+        LegendEntry::words(Label::verbatim(&counts)),
+        LegendEntry::line(solid(palette.first), "density; Kaplan–Meier"),
+        LegendEntry::area(palette.narrow, "95 % interval"),
     ];
     Ok(sheet(style, &format!("Stick durations: {}", scenario.title), &legend, &[density.above_another(), outlasting]))
 }

@@ -1,7 +1,7 @@
 //! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
 use super::words::grouped;
-use super::{Absent, Axis, Entry, Figure, Label, Panel, Scene, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet};
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-phases slips consist", draws: draw };
@@ -9,7 +9,7 @@ pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-
 /// Half the width of a bar.
 const HALF: f64 = 0.36;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, summary) = subject.run()?;
     let counts = &summary.sub_phases;
     let Some(last) = counts.counts.iter().rposition(|count| *count > 0) else {
@@ -38,6 +38,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
     }
     let slips: u64 = counts.counts.iter().sum();
     let words = format!("{} slips ended, {} censored", grouped(slips), grouped(counts.censored));
-    let legend = [Entry::words(Label::verbatim(&words)), Entry::area(palette.narrow, "share, with its 95 % interval")];
+    let legend = [
+        LegendEntry::words(Label::verbatim(&words)),
+        LegendEntry::area(palette.narrow, "share, with its 95 % interval"),
+    ];
     Ok(sheet(style, &format!("Sub-phases of slips: {}", scenario.title), &legend, &[panel]))
 }

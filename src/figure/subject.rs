@@ -1,6 +1,6 @@
 //! What a picture shows (`Subject`), and a kind of figure (`Figure`).
 
-use super::kit::Scene;
+use super::kit::Drawing;
 use super::theme::Style;
 use crate::bearing::calibration::Calibration;
 use crate::scenario::Scenario;
@@ -106,7 +106,7 @@ pub struct Figure {
     /// What it shows, in one line.
     pub shows: &'static str,
     /// The function that draws it.
-    pub(super) draws: fn(&Subject, &Style) -> Result<Scene, Absent>,
+    pub(super) draws: fn(&Subject, &Style) -> Result<Drawing, Absent>,
 }
 
 impl Figure {
@@ -115,7 +115,7 @@ impl Figure {
     /// # Errors
     ///
     /// [`Absent`] says why this subject has no such figure.
-    pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+    pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         (self.draws)(subject, style)
     }
 }

@@ -5,7 +5,9 @@ use super::axis::minus;
 use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
 use super::words::{letter, symbol};
-use super::{Absent, Axis, Colour, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
+use super::{
+    Absent, Axis, Colour, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet,
+};
 use crate::stats::{Estimate, Statistic};
 use crate::study::sweep::{self, Design, Sweep};
 
@@ -48,7 +50,7 @@ impl Curve<'_> {
     }
 }
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (sweeps, named) = subject.sweeps()?;
     let Some(first) = sweeps.first().map(|(_, sweep)| *sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
     else {
@@ -92,18 +94,18 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         }
         panels.push(if n + 1 < statistics.len() { panel.above_another() } else { panel });
     }
-    let legend: Vec<Entry> = (curves.iter())
-        .map(|curve| Entry {
+    let legend: Vec<LegendEntry> = (curves.iter())
+        .map(|curve| LegendEntry {
             label: curve.label.clone(),
             mark: Some((curve.mark, curve.stroke.colour)),
-            ..Entry::line(curve.stroke.clone(), "")
+            ..LegendEntry::line(curve.stroke.clone(), "")
         })
         .collect();
     Ok(sheet(style, &format!("Sweep: {}", first.question.scenario.title), &legend, &panels))
 }
 
 /// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.
-fn horizontal(axis: &sweep::Axis) -> Axis {
+fn horizontal(axis: &sweep::SweepAxis) -> Axis {
     let values = &axis.values;
     let title = symbol(&axis.name, &axis.key);
     let [low, high] = range_of(values.iter().copied());

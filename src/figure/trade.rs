@@ -2,7 +2,9 @@
 //! on logarithmic axes.
 
 use super::theme::LINE;
-use super::{Absent, Axis, Colour, Entry, Figure, Label, Mark, Panel, Scene, Stroke, Style, Subject, range_of, sheet};
+use super::{
+    Absent, Axis, Colour, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet,
+};
 use crate::scheme::Kind;
 
 /// The figure.
@@ -12,7 +14,7 @@ pub const FIGURE: Figure =
 /// CPU seconds of a year. Runs that take longer are not drawn.
 const YEAR: f64 = 3.2e7;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let prices = subject.trade()?;
     let is_drawn = |point: &&[f64; 2]| point[0] > 0.0 && point[0] < YEAR;
     let curves: Vec<(Kind, Vec<[f64; 2]>)> =
@@ -32,7 +34,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Scene, Absent> {
         let (stroke, mark) = look(*kind);
         panel.line(points.clone(), stroke.clone());
         points.iter().for_each(|point| panel.mark(*point, mark, stroke.colour));
-        legend.push(Entry { mark: Some((mark, stroke.colour)), ..Entry::line(stroke, kind.name()) });
+        legend.push(LegendEntry { mark: Some((mark, stroke.colour)), ..LegendEntry::line(stroke, kind.name()) });
     }
     for decade in (-8..8).map(|n| 10f64.powi(n)) {
         panel.level(decade, Stroke::solid(palette.grid, 0.4));

@@ -1,7 +1,7 @@
 //! Random valid scenarios for tests.
 
 use super::limits::MAX_PHASE;
-use super::{Bearing, Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
+use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time, Units};
 use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::Record;
@@ -72,7 +72,7 @@ prop_compose! {
             model,
             measured: None,
             is_balanced: false,
-            bearing: bearing.map(|(stiffness, offset)| Bearing { stiffness, offset }),
+            bearing: bearing.map(|(stiffness, offset)| SensorBearing { stiffness, offset }),
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,
             statistics: Statistics { after: burn_in * f64::from(steps) * step },

@@ -33,7 +33,7 @@ impl PartialEq for Measured {
 /// How a sensor at the bearing sees the body: z = z0 + x + F/K_B. The bearing does not act on the
 /// body.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bearing {
+pub struct SensorBearing {
     /// K_B > 0, the stiffness with which the bearing is sheared by the friction force F; `None` for
     /// a rigid bearing.
     pub stiffness: Option<f64>,
@@ -41,7 +41,7 @@ pub struct Bearing {
     pub offset: f64,
 }
 
-impl Bearing {
+impl SensorBearing {
     /// The reading z at displacement x and friction force F.
     pub fn displacement(&self, x: f64, friction: f64) -> f64 {
         self.offset + x + self.stiffness.map_or(0.0, |stiffness| friction / stiffness)

@@ -25,7 +25,7 @@ pub(crate) mod time;
 
 pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
-pub use measured::{Bearing, Measured};
+pub use measured::{Measured, SensorBearing};
 pub use time::Time;
 
 pub use crate::stats::Units;
@@ -47,7 +47,7 @@ pub struct Scenario {
     /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
     pub is_balanced: bool,
     /// How a sensor at the bearing sees the body, if there is one.
-    pub bearing: Option<Bearing>,
+    pub bearing: Option<SensorBearing>,
     /// Duration and output grid.
     pub time: Time,
     /// The scheme, with its step or its tolerance.

@@ -14,7 +14,7 @@ use std::path::Path;
 
 /// What lies under `NAME.partial`.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Unfinished {
+pub(super) enum Partial {
     /// Nothing.
     Nothing,
     /// The folder in which a file was being made.
@@ -33,24 +33,24 @@ pub(super) enum Unfinished {
 }
 
 /// Look at what lies under `NAME.partial`.
-pub(super) fn unfinished(target: &Path) -> Unfinished {
+pub(super) fn unfinished(target: &Path) -> Partial {
     let partial = partial_path(target);
-    let Ok(there) = fs::symlink_metadata(&partial) else { return Unfinished::Nothing };
+    let Ok(there) = fs::symlink_metadata(&partial) else { return Partial::Nothing };
     match () {
         () if there.is_dir() && folder::is_ours(&partial) => match has_name(&partial.join(RESULTS), target) {
-            true => Unfinished::Named,
-            false => Unfinished::Folder { is_saved: fs::exists(partial.join(STATE)).unwrap_or(true) },
+            true => Partial::Named,
+            false => Partial::Folder { is_saved: fs::exists(partial.join(STATE)).unwrap_or(true) },
         },
-        () if there.is_file() && has_name(&partial, target) => Unfinished::Named,
-        () if there.is_file() && seal::has_mark(&partial) => Unfinished::File,
-        () if there.is_file() && reader::check_file(&partial).is_ok() => Unfinished::Unsealed,
-        () => Unfinished::Foreign,
+        () if there.is_file() && has_name(&partial, target) => Partial::Named,
+        () if there.is_file() && seal::has_mark(&partial) => Partial::File,
+        () if there.is_file() && reader::check_file(&partial).is_ok() => Partial::Unsealed,
+        () => Partial::Foreign,
     }
 }
 
 /// Whether `NAME.partial` holds a sweep that is not finished.
 pub fn is_unfinished_sweep(target: &Path) -> bool {
-    unfinished(target) == Unfinished::File
+    unfinished(target) == Partial::File
 }
 
 /// Remove what lies under `NAME.partial`, so that something new is begun there. Without `force`, a
@@ -59,11 +59,11 @@ pub(super) fn make_room(target: &Path, force: bool) -> Result<(), StoreError> {
     let partial = partial_path(target);
     let left_over = || StoreError::LeftOver { partial: partial.clone(), target: target.to_owned() };
     match unfinished(target) {
-        Unfinished::Folder { is_saved: true } | Unfinished::File if !force => Err(left_over()),
-        Unfinished::Unsealed => Err(StoreError::NotSealed { path: partial }),
-        Unfinished::Foreign => Err(StoreError::InTheWay { path: partial }),
-        Unfinished::Nothing => Ok(()),
-        Unfinished::Folder { .. } | Unfinished::File | Unfinished::Named => clear(target),
+        Partial::Folder { is_saved: true } | Partial::File if !force => Err(left_over()),
+        Partial::Unsealed => Err(StoreError::NotSealed { path: partial }),
+        Partial::Foreign => Err(StoreError::InTheWay { path: partial }),
+        Partial::Nothing => Ok(()),
+        Partial::Folder { .. } | Partial::File | Partial::Named => clear(target),
     }
 }
 

@@ -101,23 +101,23 @@ impl FileSink {
         let is_there = target.symlink_metadata().is_ok();
         let nothing = || StoreError::NothingToResume { target: target.to_owned(), partial: partial.clone() };
         let is_ours = |found| {
-            use found::Unfinished::{Foreign, Nothing, Unsealed};
+            use found::Partial::{Foreign, Nothing, Unsealed};
             !matches!(found, Nothing | Foreign | Unsealed)
         };
         if !is_there && !is_ours(found::unfinished(target)) {
             return Err(match found::unfinished(target) {
-                found::Unfinished::Unsealed => StoreError::NotSealed { path: partial },
+                found::Partial::Unsealed => StoreError::NotSealed { path: partial },
                 _ => nothing(),
             });
         }
         // A lock file that a killed process has left is removed together with this lock.
         let lock = lock(target)?;
         match found::unfinished(target) {
-            found::Unfinished::Folder { is_saved: true } if is_there && !force => {
+            found::Partial::Folder { is_saved: true } if is_there && !force => {
                 return Err(StoreError::Appeared { partial, target: target.to_owned() });
             }
-            found::Unfinished::Folder { is_saved: true } => {}
-            found::Unfinished::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
+            found::Partial::Folder { is_saved: true } => {}
+            found::Partial::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
             // The run was finished, and at most its folder was left to be removed.
             found if is_there => {
                 finished::check_finished(target)?;
@@ -126,7 +126,7 @@ impl FileSink {
                 }
                 return Ok(None);
             }
-            found::Unfinished::Folder { is_saved: false } => {
+            found::Partial::Folder { is_saved: false } => {
                 found::clear(target)?;
                 return Err(nothing());
             }

@@ -10,7 +10,7 @@ use super::{StoreError, own};
 use crate::dataset::rows::{self, Along};
 use crate::dataset::{Destination as _, Rows, header, layout, run};
 use crate::engine::{Part, Provenance, Status};
-use crate::scenario::Bearing;
+use crate::scenario::SensorBearing;
 use crate::stats::{BlockResult, Record, Summary};
 use std::path::Path;
 
@@ -27,7 +27,7 @@ pub struct Writer {
     workshop: Workshop,
     draft: Draft,
     tables: Vec<(Along, GrowingTable)>,
-    bearing: Option<Bearing>,
+    bearing: Option<SensorBearing>,
     /// Why nothing can be written any more.
     failure: Option<Failure>,
     /// Number of paths appended.

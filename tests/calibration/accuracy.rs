@@ -1,7 +1,7 @@
 //! The accuracy of estimates, and how often their intervals hold the truth.
 
 use crate::bridge::{BRIDGE, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of};
-use stick_slip::bearing::calibration::{Method, Misfit, Motion, Quantity, Record, values};
+use stick_slip::bearing::calibration::{CalibrationMethod, FitObjective, MeasuredRecord, Motion, Quantity, values};
 
 const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 
@@ -75,7 +75,7 @@ fn widening() {
 fn starts_of_the_least_squares_agree() {
     for seed in 300..306 {
         let (twin, truth) = twin_of(&BRIDGE, &RED_CAMPAIGN, seed);
-        let fit = ask(&record(&twin), &question(Method::Both));
+        let fit = ask(&record(&twin), &question(CalibrationMethod::Both));
         assert_eq!(fit.starts.len(), 10);
         let best = fit.starts.iter().map(|start| start.err).fold(f64::INFINITY, f64::min);
         for start in &fit.starts {
@@ -86,7 +86,7 @@ fn starts_of_the_least_squares_agree() {
                 assert!(off.abs() < 0.01, "seed {seed}, {quantity:?}: {off}");
             }
         }
-        let misfit = Misfit::new(&record(&twin));
+        let misfit = FitObjective::new(&record(&twin));
         let motion = Motion {
             reach: truth[Quantity::Reach as usize],
             jump: truth[Quantity::Jump as usize],
@@ -107,7 +107,7 @@ fn cpu() -> f64 {
 #[ignore = "prints times"]
 fn times() {
     let (twin, truth) = twin_of(&BRIDGE, &RED_CAMPAIGN, 1);
-    let misfit = Misfit::new(&record(&twin));
+    let misfit = FitObjective::new(&record(&twin));
     let start = truth[Quantity::Displacement as usize] / BRIDGE.dilatation;
     let seconds = |reach: f64, jump: f64| {
         let begin = cpu();
@@ -118,7 +118,7 @@ fn times() {
     for (reach, jump) in [(8.11, 1.63), (4.0, 0.4), (2.0, 0.1), (0.5, 0.01), (8.11, 0.0)] {
         println!("A {reach}, G {jump}: {:.1} us for {} samples", 1e6 * seconds(reach, jump), twin.times.len());
     }
-    for method in [Method::Slips, Method::Both] {
+    for method in [CalibrationMethod::Slips, CalibrationMethod::Both] {
         let begin = cpu();
         let fit = ask(&record(&twin), &question(method));
         println!("{method:?}, {} starts: {:.2} s", fit.starts.len(), cpu() - begin);
@@ -134,12 +134,12 @@ fn the_twin_of_another_program_is_fitted() {
     let text = std::fs::read_to_string("examples/bridge/twin.csv").expect("the example");
     let cell = |line: &str, column: usize| line.split(',').nth(column).and_then(|cell| cell.parse::<f64>().ok());
     let lines: Vec<&str> = text.lines().skip(1).collect();
-    let record = Record {
+    let record = MeasuredRecord {
         times: (0..lines.len()).map(|i| 600.0 * i as f64).collect(),
         temperatures: lines.iter().map(|line| cell(line, 1).expect("a number")).collect(),
         readings: lines.iter().map(|line| 1e-3 * cell(line, 2).expect("a number")).collect(),
     };
-    let fit = ask(&record, &question(Method::Both));
+    let fit = ask(&record, &question(CalibrationMethod::Both));
     let truth = [1.89e8, 3.06e-4, 4.69e5, 4.22e5, 4.70e4, -9.67e-3, 3.821_051_6e-3];
     let mut held = 0;
     for (quantity, truth) in PARAMETERS.iter().zip(truth) {

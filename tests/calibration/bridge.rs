@@ -3,7 +3,8 @@
 
 use std::f64::consts::TAU;
 use stick_slip::bearing::calibration::{
-    Bearing, Calibration, Flaws, Lag, Method, Motion, Quantity, Question, Record, Twin, Values, calibrate, twin, values,
+    Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity, Twin,
+    Values, calibrate, twin, values,
 };
 use stick_slip::noise::{Stream, Transition};
 
@@ -68,15 +69,19 @@ pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Valu
 }
 
 /// The part of them that a user has.
-pub fn record(twin: &Twin) -> Record {
-    Record { times: twin.times.clone(), temperatures: twin.temperatures.clone(), readings: twin.readings.clone() }
+pub fn record(twin: &Twin) -> MeasuredRecord {
+    MeasuredRecord {
+        times: twin.times.clone(),
+        temperatures: twin.temperatures.clone(),
+        readings: twin.readings.clone(),
+    }
 }
 
 /// The question that `mc calibrate` asks without options, for a bearing with a shear stiffness of
 /// 2.0e9 N/m.
-pub fn question(method: Method) -> Question {
+pub fn question(method: CalibrationMethod) -> CalibrationQuestion {
     let guess = Motion { reach: 9.0, jump: 1.2, start: 15.0 };
-    Question {
+    CalibrationQuestion {
         method,
         shear_stiffness: Some(2.0e9),
         starts: 10,
@@ -94,7 +99,7 @@ pub fn warns(fit: &Calibration, name: &str) -> bool {
 }
 
 /// Calibrates on two threads.
-pub fn ask(record: &Record, question: &Question) -> Calibration {
+pub fn ask(record: &MeasuredRecord, question: &CalibrationQuestion) -> Calibration {
     calibrate(record, question, 2, &Default::default()).expect("a record with slips")
 }
 
@@ -103,7 +108,7 @@ pub fn ask(record: &Record, question: &Question) -> Calibration {
 pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibration, Values)> {
     let one = |seed| {
         let (twin, truth) = twin_of(&BRIDGE, campaign, seed);
-        (ask(&record(&twin), &question(Method::Slips)), truth)
+        (ask(&record(&twin), &question(CalibrationMethod::Slips)), truth)
     };
     seeds.map(one).collect()
 }

@@ -8,7 +8,7 @@
 use crate::bridge::{
     BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of, warns,
 };
-use stick_slip::bearing::calibration::{Flaws, Lag, Method, Quantity, Question, Record};
+use stick_slip::bearing::calibration::{CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Quantity};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
@@ -22,7 +22,7 @@ fn a_lag_is_found_and_allowed_for() {
     let mut unaware = 0.0;
     for seed in 500..503 {
         let (twin, truth) = twin_of(&BRIDGE, &lagging, seed);
-        let with = |lag: Lag| ask(&record(&twin), &Question { lag, ..question(Method::Slips) });
+        let with = |lag: Lag| ask(&record(&twin), &CalibrationQuestion { lag, ..question(CalibrationMethod::Slips) });
         let off =
             |lag: Lag| with(lag).estimate(Quantity::Stiffness).estimate / truth[Quantity::Stiffness as usize] - 1.0;
         assert!(off(Lag::Known(900.0)).abs() < 0.05);
@@ -148,15 +148,16 @@ fn table() {
 fn the_sign_of_the_sensor_and_holes_in_it_do_not_matter() {
     let (twin, _) = twin_of(&BRIDGE, &RED_CAMPAIGN, 77);
     let upright = record(&twin);
-    let mirrored = Record { readings: upright.readings.iter().map(|z| -z).collect(), ..upright.clone() };
-    let (a, b) = (ask(&upright, &question(Method::Slips)), ask(&mirrored, &question(Method::Slips)));
+    let mirrored = MeasuredRecord { readings: upright.readings.iter().map(|z| -z).collect(), ..upright.clone() };
+    let (a, b) =
+        (ask(&upright, &question(CalibrationMethod::Slips)), ask(&mirrored, &question(CalibrationMethod::Slips)));
     assert_eq!(a.estimates, b.estimates);
     assert!(warns(&b, "mirrored") && !warns(&a, "mirrored"));
     let mut holes = upright;
     for i in (0..holes.readings.len()).filter(|i| i / 1000 % 10 == 3) {
         holes.readings[i] = f64::NAN;
     }
-    let c = ask(&holes, &question(Method::Slips));
+    let c = ask(&holes, &question(CalibrationMethod::Slips));
     for quantity in FORCES {
         let off = c.estimate(quantity).estimate / a.estimate(quantity).estimate - 1.0;
         assert!(off.abs() < 0.03, "{quantity:?}: {off}");

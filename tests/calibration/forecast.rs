@@ -4,13 +4,13 @@
 use crate::bridge::{BRIDGE, DAY, RED_CAMPAIGN, question, record, twin_of};
 use std::f64::consts::TAU;
 use std::sync::atomic::AtomicBool;
-use stick_slip::bearing::calibration::{Method, Motion, calibrate};
-use stick_slip::bearing::forecast::{Forecast, Quantity, Question, forecast};
+use stick_slip::bearing::calibration::{CalibrationMethod, Motion, calibrate};
+use stick_slip::bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, forecast};
 use stick_slip::bearing::weather::fit;
 use stick_slip::noise::{Stream, Transition};
 
 const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
-const ASKED: Question = Question { draws: 20, years: 10, seed: 3, level: 0.9, share: 0.9 };
+const ASKED: ForecastQuestion = ForecastQuestion { draws: 20, years: 10, seed: 3, level: 0.9, share: 0.9 };
 
 /// Slips in a year of the true bearing under the true weather, by a loop that shares no code with
 /// the forecast. It is the recursion, sampled each half minute, with A reduced by 0.5826 s
@@ -50,7 +50,7 @@ fn true_slips() -> (f64, f64) {
 fn forecast_of(seed: u64, processes: usize) -> Forecast {
     let record = record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0);
     let stop = AtomicBool::new(false);
-    let found = calibrate(&record, &question(Method::Slips), 1, &stop).expect("slips");
+    let found = calibrate(&record, &question(CalibrationMethod::Slips), 1, &stop).expect("slips");
     let weather = fit(&found.record.times, &found.steel, &PERIODS, processes).expect("weather");
     forecast(&found, &weather, &ASKED, 2, &stop).expect("sound").expect("not stopped")
 }
@@ -65,7 +65,7 @@ fn forecast_of(seed: u64, processes: usize) -> Forecast {
 fn no_two_draws_see_the_same_weather() {
     let forecast = forecast_of(300, 2);
     let (draws, years) = (20.0, 10.0);
-    let slips = |draw: usize, year: usize| forecast.years[draw][year][Quantity::Slips as usize];
+    let slips = |draw: usize, year: usize| forecast.years[draw][year][ForecastQuantity::Slips as usize];
     let of_draw = |draw: usize| (0..10).map(|year| slips(draw, year)).sum::<f64>() / years;
     let of_year = |year: usize| (0..20).map(|draw| slips(draw, year)).sum::<f64>() / draws;
     let all = (0..10).map(of_year).sum::<f64>() / years;
@@ -89,12 +89,12 @@ fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
     let (truth, error) = true_slips();
     let [mut sum, mut held, mut of_one] = [0.0; 3];
     for seed in 300..312 {
-        let two = *forecast_of(seed, 2).level(Quantity::Slips).expect("slips");
+        let two = *forecast_of(seed, 2).level(ForecastQuantity::Slips).expect("slips");
         sum += two.expected / 12.0;
         let [low, high] = two.expected_interval;
         held += f64::from(u8::from((low..=high).contains(&truth)));
         if seed < 304 {
-            of_one += forecast_of(seed, 1).level(Quantity::Slips).expect("slips").expected / 4.0;
+            of_one += forecast_of(seed, 1).level(ForecastQuantity::Slips).expect("slips").expected / 4.0;
         }
         println!("{seed}: {:.0} [{low:.0}, {high:.0}]", two.expected);
     }

@@ -352,8 +352,8 @@ fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
     done(&sweep(folder.path(), &["--vary", "friction.static=log:1.2:2.4:3", "-o", "s.h5", "--no-bias"]));
     let size = std::fs::metadata(folder.path().join("s.h5")).expect("a file").len() as f64;
     let said = stick_slip::store::sweep_bytes(&{
-        use stick_slip::study::sweep::{Axis, Design};
-        let axes = ["a=a=1:6:6", "b=b=1:3:3"].map(|axis| Axis::parse(axis, |_| None).expect("an axis"));
+        use stick_slip::study::sweep::{Design, SweepAxis};
+        let axes = ["a=a=1:6:6", "b=b=1:3:3"].map(|axis| SweepAxis::parse(axis, |_| None).expect("an axis"));
         Design::of(axes.into(), false).expect("a grid")
     });
     assert!((0.8..1.25).contains(&(said as f64 / size)), "{said} said, {size} taken");

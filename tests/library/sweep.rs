@@ -6,7 +6,7 @@ use stick_slip::config::Override;
 use stick_slip::engine::Run;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Estimate, Statistic};
-use stick_slip::study::sweep::{Axis, Design, Point, Question, Seeds, Simulation, Sweep};
+use stick_slip::study::sweep::{Design, Point, Seeds, Sweep, SweepAxis, SweepQuestion, SweepSimulation};
 
 /// A shipped scenario with these keys set.
 fn scenario(name: &str, set: &[&str]) -> Scenario {
@@ -17,7 +17,7 @@ fn scenario(name: &str, set: &[&str]) -> Scenario {
 
 /// A sweep of a shipped scenario over some axes.
 fn sweep(name: &str, set: &[&str], axes: &[&str], seeds: Seeds) -> Sweep {
-    let axes = axes.iter().map(|axis| Axis::parse(axis, |_| None).expect("an axis")).collect();
+    let axes = axes.iter().map(|axis| SweepAxis::parse(axis, |_| None).expect("an axis")).collect();
     let design = Design::of(axes, false).expect("a design");
     question(name, set, design, seeds)
 }
@@ -28,13 +28,13 @@ fn question(name: &str, set: &[&str], design: Design, seeds: Seeds) -> Sweep {
         scenario(name, &set.iter().copied().chain(own.iter().map(String::as_str)).collect::<Vec<_>>())
     };
     let points = (0..design.points()).map(point).collect();
-    Sweep::new(Question::new(scenario(name, set), design, points, seeds, true))
+    Sweep::new(SweepQuestion::new(scenario(name, set), design, points, seeds, true))
 }
 
 /// Simulates a sweep to its end on so many threads.
 fn simulated(mut sweep: Sweep, threads: usize) -> Sweep {
     let stop = AtomicBool::new(false);
-    let simulation = Simulation { threads, stop: &stop, progress: &mut () };
+    let simulation = SweepSimulation { threads, stop: &stop, progress: &mut () };
     simulation.run(&mut sweep, |_| Ok::<_, Infallible>(())).expect("nobody fails");
     assert!(sweep.is_complete());
     sweep
@@ -95,7 +95,7 @@ fn no_bit_depends_on_threads_or_on_where_a_sweep_was_interrupted() {
     let mut stops = 0;
     while !parts.is_complete() {
         let stop = AtomicBool::new(false);
-        let simulation = Simulation { threads: 3, stop: &stop, progress: &mut () };
+        let simulation = SweepSimulation { threads: 3, stop: &stop, progress: &mut () };
         let tell = |_: &Sweep| {
             stop.store(true, Ordering::Relaxed);
             Ok::<_, Infallible>(())
@@ -263,11 +263,11 @@ fn paired_intervals_of_differences_and_elasticities_hold_what_many_seeds_show() 
 
 /// The sweep of a star of one key as a line.
 fn as_line(star: &Sweep) -> Sweep {
-    Sweep { question: Question { design: line(), ..star.question.clone() }, ..star.clone() }
+    Sweep { question: SweepQuestion { design: line(), ..star.question.clone() }, ..star.clone() }
 }
 
 /// The points of a star of one key as a line: the centre, below it, above it.
 fn line() -> Design {
-    let axis = Axis { name: "rho".into(), key: "rho".into(), values: vec![1.0, 2.0, 3.0] };
+    let axis = SweepAxis { name: "rho".into(), key: "rho".into(), values: vec![1.0, 2.0, 3.0] };
     Design::of(vec![axis], false).expect("a line")
 }

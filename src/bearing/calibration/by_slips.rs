@@ -3,7 +3,7 @@
 use super::bearing::Response;
 use super::hold::conditioned;
 use super::quantity::{Values, response_of, values};
-use super::question::Question;
+use super::question::CalibrationQuestion;
 use super::slips::Evidence;
 use super::uncertainty::{AroundLag, Replicates};
 
@@ -19,7 +19,7 @@ pub struct BySlips<'a> {
 
 impl<'a> BySlips<'a> {
     /// Estimate all quantities from the evidence, with some of them held.
-    pub fn of(around: &'a AroundLag, question: &Question) -> Self {
+    pub fn of(around: &'a AroundLag, question: &CalibrationQuestion) -> Self {
         let shear = question.shear_stiffness.unwrap_or(1.0);
         let evidence = &around.here;
         let mut replicates = Replicates::new(around, shear);

@@ -1,12 +1,12 @@
 //! The steps from a record to a calibration.
 
 use super::by_slips::BySlips;
-use super::misfit::Misfit;
+use super::misfit::FitObjective;
 use super::prepared::{Prepared, check};
 use super::quantity::Quantity;
-use super::question::{CalibrationError, Method, Question};
+use super::question::{CalibrationError, CalibrationMethod, CalibrationQuestion};
 use super::report::Calibration;
-use super::samples::Record;
+use super::samples::MeasuredRecord;
 use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
 use super::warnings::warnings;
@@ -19,8 +19,8 @@ use std::sync::atomic::AtomicBool;
 /// If the record is too short, if a number in it is absurdly large, if a column is constant, or if only the method by slips is asked for
 /// and no slips are visible.
 pub fn calibrate(
-    record: &Record,
-    question: &Question,
+    record: &MeasuredRecord,
+    question: &CalibrationQuestion,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
@@ -47,20 +47,22 @@ pub fn calibrate_again(
 /// Estimate by the slips and by the least squares, as the question asks.
 fn fit(
     prepared: Prepared,
-    question: &Question,
+    question: &CalibrationQuestion,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
     let steel = Steel::of(&prepared.record, prepared.resolution, question.lag);
     let by_slips = steel.around.as_ref().map(|around| BySlips::of(around, question));
     let evidence = by_slips.as_ref().and_then(BySlips::evidence);
-    if evidence.is_none() && question.method == Method::Slips {
+    if evidence.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
-    let misfit = Misfit::new(&steel.record);
+    let misfit = FitObjective::new(&steel.record);
     let starts = match question.method {
-        Method::Slips => Vec::new(),
-        Method::Err | Method::Both => starts(&misfit, &search(by_slips.as_ref(), question), question, threads, stop),
+        CalibrationMethod::Slips => Vec::new(),
+        CalibrationMethod::Err | CalibrationMethod::Both => {
+            starts(&misfit, &search(by_slips.as_ref(), question), question, threads, stop)
+        }
     };
     let mut calibration = Calibration::new(question, prepared, &steel, by_slips.as_ref(), &misfit, starts);
     calibration.warnings = warnings(&calibration, evidence);
@@ -68,7 +70,7 @@ fn fit(
 }
 
 /// The box of the least squares: around the response by slips, or around a guess if there is none.
-fn search(by_slips: Option<&BySlips>, question: &Question) -> Search {
+fn search(by_slips: Option<&BySlips>, question: &CalibrationQuestion) -> Search {
     let fitted = by_slips.and_then(|by_slips| Some((by_slips.response?, by_slips.deviations)));
     match fitted {
         Some((fit, sd)) => around(&fit.motion, [sd[Quantity::Reach as usize], sd[Quantity::Jump as usize]]),

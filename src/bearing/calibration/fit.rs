@@ -1,7 +1,7 @@
 //! The response of a bearing, computed from its slips.
 
 use super::bearing::{Response, Sensor};
-use super::level::Sums;
+use super::level::LevelSums;
 use super::motion::Motion;
 use super::samples::{median, spread};
 use super::slips::{Evidence, Slip};
@@ -25,7 +25,7 @@ impl Evidence {
     ///
     /// f_s may vary from slip to slip; the results are then right for its mean.
     pub fn fit(&self, weights: &[f64]) -> Option<Response> {
-        let still = Sums::weighted(&self.sums, weights).slope();
+        let still = LevelSums::weighted(&self.sums, weights).slope();
         let mean = |values: &mut dyn Iterator<Item = (f64, usize)>| {
             let [sum, weight] = values
                 .fold([0.0; 2], |[sum, all], (value, block)| [sum + weights[block] * value, all + weights[block]]);
@@ -75,7 +75,7 @@ impl Evidence {
     /// The standard deviation of the sizes of slips beyond the noise of the sensor, divided by
     /// their mean.
     pub fn excess_scatter(&self) -> f64 {
-        let still = Sums::weighted(&self.sums, &self.unweighted()).slope();
+        let still = LevelSums::weighted(&self.sums, &self.unweighted()).slope();
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
         let middle = median(&mut sizes.clone());
         // Two slips between two samples look like one of twice the size, and are left out.

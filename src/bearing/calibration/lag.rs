@@ -1,8 +1,8 @@
 //! The lag of the temperature of the steel behind that of the air.
 
-use super::level::{self, Sums};
+use super::level::{self, LevelSums};
 use super::lowest::golden_section_minimum;
-use super::samples::{HOUR, Record, Samples};
+use super::samples::{HOUR, MeasuredRecord, Samples};
 use super::slips::Evidence;
 use super::sticks::{bins, sticks};
 
@@ -31,14 +31,14 @@ pub struct LagProfile {
 }
 
 /// Compute the profile of the lag, given the slips that were found.
-pub fn lag_profile(record: &Record, evidence: &Evidence) -> LagProfile {
+pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
     let samples = record.samples();
     let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
     let binned = |samples: &Samples| bins(samples, &sticks, evidence.bin, 2);
     let walk = level::fitted_walk(&binned(&samples));
     let deviance = |lag: f64| {
         let steel = binned(&record.lagged(lag).samples());
-        Sums::weighted(&level::sums(&steel, walk, 1, |_| 0), &[1.0]).deviance()
+        LevelSums::weighted(&level::sums(&steel, walk, 1, |_| 0), &[1.0]).deviance()
     };
     let likeliest = golden_section_minimum(0.0, LONGEST, 20, deviance);
     let (at_best, without) = (deviance(likeliest), deviance(0.0));

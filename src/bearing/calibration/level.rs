@@ -25,7 +25,7 @@ pub struct Bin {
 
 /// Sums over the rows of one block of time, each row weighted with its inverse variance.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Sums {
+pub struct LevelSums {
     /// Number of rows.
     pub rows: f64,
     /// Sum of the squares of the temperature.
@@ -38,10 +38,10 @@ pub struct Sums {
     pub log_variance: f64,
 }
 
-impl Sums {
+impl LevelSums {
     /// The sum over blocks with these weights.
-    pub fn weighted(blocks: &[Sums], weights: &[f64]) -> Sums {
-        let mut sum = Sums::default();
+    pub fn weighted(blocks: &[LevelSums], weights: &[f64]) -> LevelSums {
+        let mut sum = LevelSums::default();
         for (block, weight) in blocks.iter().zip(weights) {
             sum.rows += weight * block.rows;
             sum.tt += weight * block.tt;
@@ -137,8 +137,8 @@ pub fn levels(bins: &[Bin], walk: f64) -> Vec<Level> {
 }
 
 /// The sums of each block; `block` gives the index of the block of a time.
-pub fn sums(bins: &[Bin], walk: f64, blocks: usize, block: impl Fn(f64) -> usize) -> Vec<Sums> {
-    let mut out = vec![Sums::default(); blocks];
+pub fn sums(bins: &[Bin], walk: f64, blocks: usize, block: impl Fn(f64) -> usize) -> Vec<LevelSums> {
+    let mut out = vec![LevelSums::default(); blocks];
     for (i, [t, z, variance]) in rows(bins, walk) {
         let sums = &mut out[block(bins[i].time)];
         sums.rows += 1.0;

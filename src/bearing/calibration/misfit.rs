@@ -8,7 +8,7 @@
 
 use super::bearing::Sensor;
 use super::motion::Motion;
-use super::samples::Record;
+use super::samples::MeasuredRecord;
 use crate::bearing::linear::Normal;
 
 /// Number of entries of one level that are combined to one entry of the next.
@@ -25,7 +25,7 @@ struct CumulativeSums {
 
 /// err as a function of A, G and xi(0).
 #[derive(Clone, Debug)]
-pub struct Misfit {
+pub struct FitObjective {
     temperatures: Vec<f64>,
     before: Vec<CumulativeSums>,
     /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on.
@@ -37,10 +37,10 @@ pub struct Misfit {
     products: [f64; 3],
 }
 
-impl Misfit {
+impl FitObjective {
     /// Prepare the evaluation for a record. Samples without a reading move the body, but are not
     /// compared.
-    pub fn new(record: &Record) -> Misfit {
+    pub fn new(record: &MeasuredRecord) -> FitObjective {
         let temperatures = &record.temperatures;
         let shares = record.shares();
         let readings: Vec<f64> = record.readings.iter().map(|z| if z.is_finite() { *z } else { 0.0 }).collect();
@@ -68,7 +68,7 @@ impl Misfit {
             level = level.chunks(RADIX).map(widest).collect();
             extremes.push(level.clone());
         }
-        Misfit { temperatures: temperatures.clone(), before, extremes, centre, products }
+        FitObjective { temperatures: temperatures.clone(), before, extremes, centre, products }
     }
 
     /// The index of the first sample, from `from` on, whose temperature is not between `low` and
@@ -230,8 +230,8 @@ mod tests {
         let mut random = Stream::new(6, 0);
         let readings =
             positions.iter().zip(&temperatures).map(|(x, t)| 2.0 + 0.9 * x + 0.1 * t + 0.2 * random.normal()).collect();
-        let record = Record { times: (0..3000).map(f64::from).collect(), temperatures, readings };
-        let misfit = Misfit::new(&record);
+        let record = MeasuredRecord { times: (0..3000).map(f64::from).collect(), temperatures, readings };
+        let misfit = FitObjective::new(&record);
         let (least, best) = misfit.of(&motion);
         let at = |sensor: Sensor| values(&crate::bearing::calibration::Response { motion, sensor }, Some(1e3));
         for quantity in [Quantity::Dilatation, Quantity::Offset, Quantity::Stiffness, Quantity::Static, Quantity::Gap] {
@@ -267,8 +267,8 @@ mod tests {
         };
         let readings = hidden.iter().zip(&temperatures).enumerate().map(noisy).collect();
         let times = (0..5000).map(|i| 60.0 * (i + i / 900) as f64).collect();
-        let record = Record { times, temperatures, readings };
-        let misfit = Misfit::new(&record);
+        let record = MeasuredRecord { times, temperatures, readings };
+        let misfit = FitObjective::new(&record);
         let shares = record.shares();
         for (reach, jump) in [(3.0, 0.8), (2.0, 4.0), (0.4, 0.01), (0.01, 0.003), (1.0, 0.0), (1e3, 1.0)] {
             let motion = Motion { reach, jump, start: 9.3 };

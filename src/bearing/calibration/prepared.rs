@@ -1,14 +1,14 @@
 //! A record as it is fitted.
 
 use super::question::{CalibrationError, LEAST};
-use super::samples::Record;
+use super::samples::MeasuredRecord;
 use super::spikes::{self, Spikes};
 use crate::bearing::moments::mean;
 use crate::data::{absurd, is_constant};
 
 /// A record without spikes, and with the sign with which displacements grow with temperature.
 pub struct Prepared {
-    pub record: Record,
+    pub record: MeasuredRecord,
     /// The resolution of the thermometer before spikes were taken out.
     pub resolution: f64,
     pub spikes: Spikes,
@@ -17,7 +17,7 @@ pub struct Prepared {
 
 impl Prepared {
     /// Prepare a record; an error if it cannot be calibrated.
-    pub fn of(record: &Record) -> Result<Self, CalibrationError> {
+    pub fn of(record: &MeasuredRecord) -> Result<Self, CalibrationError> {
         check(record)?;
         let (clean, spikes) = spikes::without_spikes(record);
         let (clean, is_mirrored) = upright(clean);
@@ -26,7 +26,7 @@ impl Prepared {
 }
 
 /// Check that the record is long enough, and that its numbers are sound and not all the same.
-pub fn check(record: &Record) -> Result<(), CalibrationError> {
+pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
     let seen = record.samples();
     if seen.times.len() < LEAST {
         return Err(CalibrationError::TooShort(seen.times.len()));
@@ -47,7 +47,7 @@ pub fn check(record: &Record) -> Result<(), CalibrationError> {
 
 /// Change the sign of the displacements if they fall as the temperature rises, because a sensor may
 /// count in the other direction. The flag is true if the sign was changed.
-fn upright(record: Record) -> (Record, bool) {
+fn upright(record: MeasuredRecord) -> (MeasuredRecord, bool) {
     let seen = record.samples();
     let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
     let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();
@@ -55,5 +55,5 @@ fn upright(record: Record) -> (Record, bool) {
         return (record, false);
     }
     let readings = record.readings.iter().map(|reading| -reading).collect();
-    (Record { readings, ..record }, true)
+    (MeasuredRecord { readings, ..record }, true)
 }

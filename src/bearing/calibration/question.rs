@@ -4,12 +4,12 @@ use super::bearing::Bearing;
 use super::hold::Held;
 use super::motion::Motion;
 use super::quantity::Quantity;
-use super::samples::Record;
+use super::samples::MeasuredRecord;
 use crate::scenario::BridgeScene;
 
 /// How the parameters are found.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Method {
+pub enum CalibrationMethod {
     /// From the slips alone.
     #[default]
     Slips,
@@ -19,19 +19,21 @@ pub enum Method {
     Both,
 }
 
-impl Method {
+impl CalibrationMethod {
     /// The name on the command line and in files.
     pub fn name(self) -> &'static str {
         match self {
-            Method::Slips => "slips",
-            Method::Err => "err",
-            Method::Both => "both",
+            CalibrationMethod::Slips => "slips",
+            CalibrationMethod::Err => "err",
+            CalibrationMethod::Both => "both",
         }
     }
 
     /// The method with this name.
     pub fn from_name(name: &str) -> Option<Self> {
-        [Method::Slips, Method::Err, Method::Both].into_iter().find(|method| method.name() == name)
+        [CalibrationMethod::Slips, CalibrationMethod::Err, CalibrationMethod::Both]
+            .into_iter()
+            .find(|method| method.name() == name)
     }
 }
 
@@ -47,9 +49,9 @@ pub enum Lag {
 
 /// What is asked of a record.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Question {
+pub struct CalibrationQuestion {
     /// How the parameters are found.
-    pub method: Method,
+    pub method: CalibrationMethod,
     /// K_BP, if it is known; without it no force can be determined.
     pub shear_stiffness: Option<f64>,
     /// Number of starts of the least squares.
@@ -67,12 +69,12 @@ pub struct Question {
     pub guess: Motion,
 }
 
-impl Question {
+impl CalibrationQuestion {
     /// The default question for a bearing: all parameters are fitted, by both methods.
-    pub fn of(scene: &BridgeScene, record: &Record) -> Self {
+    pub fn of(scene: &BridgeScene, record: &MeasuredRecord) -> Self {
         let first = record.temperatures.first().copied().unwrap_or(0.0);
-        Question {
-            method: Method::Both,
+        CalibrationQuestion {
+            method: CalibrationMethod::Both,
             shear_stiffness: scene.shear_stiffness,
             starts: 10,
             lag: Lag::Auto,
@@ -104,7 +106,7 @@ impl Question {
             held.iter().map(|(quantity, _)| *quantity).chain(self.bounds.iter().map(|(quantity, _)| *quantity));
         match named.find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none()) {
             Some(quantity) => Err(NotHeld::TakesShearStiffness(quantity)),
-            None => Ok(Question { held, ..self }),
+            None => Ok(CalibrationQuestion { held, ..self }),
         }
     }
 }

@@ -3,23 +3,23 @@
 use super::bearing::Response;
 use super::by_slips::BySlips;
 use super::lag::LagProfile;
-use super::misfit::Misfit;
+use super::misfit::FitObjective;
 use super::prepared::Prepared;
 use super::quantity::{Quantity, Values, values};
-use super::question::{Lag, Method, Question};
-use super::samples::{HOUR, Record};
+use super::question::{CalibrationMethod, CalibrationQuestion, Lag};
+use super::samples::{HOUR, MeasuredRecord};
 use super::slips::Slip;
 use super::spikes::Spikes;
-use super::starts::Start;
+use super::starts::SearchStart;
 use super::steel::Steel;
 use super::uncertainty::Replicates;
-use super::warning::Warning;
+use super::warning::CalibrationWarning;
 use crate::bearing::moments::mean;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
 /// An estimate with its interval. Values that are not known are NaN.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Estimate {
+pub struct ParameterEstimate {
     /// The most likely value.
     pub estimate: f64,
     /// Lower end of the interval.
@@ -28,7 +28,7 @@ pub struct Estimate {
     pub high: f64,
 }
 
-impl Estimate {
+impl ParameterEstimate {
     /// Whether the interval contains a value.
     pub fn holds(&self, value: f64) -> bool {
         (self.low..=self.high).contains(&value)
@@ -77,9 +77,9 @@ pub struct Residuals {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Calibration {
     /// What was asked.
-    pub question: Question,
+    pub question: CalibrationQuestion,
     /// The record without spikes, and with the sign with which displacements grow with temperature.
-    pub record: Record,
+    pub record: MeasuredRecord,
     /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
     /// The resolution of the thermometer, in kelvin.
@@ -91,43 +91,43 @@ pub struct Calibration {
     /// The response from which the estimates are computed.
     pub response: Response,
     /// One estimate for each of [`Quantity::ALL`].
-    pub estimates: [Estimate; Quantity::ALL.len()],
+    pub estimates: [ParameterEstimate; Quantity::ALL.len()],
     /// The same by the least squares, from the best of its starts; `None` if it was not asked for.
-    pub least_squares: Option<[Estimate; Quantity::ALL.len()]>,
+    pub least_squares: Option<[ParameterEstimate; Quantity::ALL.len()]>,
     /// Correlations of the errors of the estimates, one row for each quantity; empty if there are
     /// no slips.
     pub correlations: Vec<Values>,
     /// The slips in order of time.
     pub slips: Vec<SeenSlip>,
     /// The lag that was used, in seconds. Its interval is a single point if the lag was given.
-    pub lag: Estimate,
+    pub lag: ParameterEstimate,
     /// The likelihood as a function of the lag; `None` if there are no slips.
     pub lag_profile: Option<LagProfile>,
     /// The result of each start of the least squares.
-    pub starts: Vec<Start>,
+    pub starts: Vec<SearchStart>,
     /// The reading z of the model at each sample.
     pub modelled: Vec<f64>,
     /// The difference between measurement and model.
     pub residuals: Residuals,
     /// Reasons to be careful with the result.
-    pub warnings: Vec<Warning>,
+    pub warnings: Vec<CalibrationWarning>,
 }
 
 impl Calibration {
     /// The result of the steps, without warnings.
     pub(super) fn new(
-        question: &Question,
+        question: &CalibrationQuestion,
         prepared: Prepared,
         steel: &Steel,
         by_slips: Option<&BySlips>,
-        misfit: &Misfit,
-        starts: Vec<Start>,
+        misfit: &FitObjective,
+        starts: Vec<SearchStart>,
     ) -> Calibration {
         let best = starts.iter().min_by(|a, b| a.err.total_cmp(&b.err)).map(|start| start.response);
         let motion = question.guess;
         let guess = Response { motion, sensor: misfit.of(&motion).1 };
         let fitted = by_slips.and_then(|by_slips| by_slips.response);
-        let wanted = fitted.filter(|_| question.method != Method::Err);
+        let wanted = fitted.filter(|_| question.method != CalibrationMethod::Err);
         let response = wanted.or(best).or(fitted).unwrap_or(guess);
         let sides = normal_quantile(question.level);
         let deviations = by_slips.map_or([f64::NAN; Quantity::ALL.len()], |by_slips| by_slips.deviations);
@@ -135,7 +135,7 @@ impl Calibration {
             let at = values(response, question.shear_stiffness);
             std::array::from_fn(|i| {
                 let half = sides * widening[i] * deviations[i];
-                Estimate { estimate: at[i], low: at[i] - half, high: at[i] + half }
+                ParameterEstimate { estimate: at[i], low: at[i] - half, high: at[i] + half }
             })
         };
         let least_squares = best.map(|best| with_intervals(&best, &WIDENING_ERR));
@@ -171,7 +171,7 @@ impl Calibration {
             least_squares,
             correlations: replicates.map_or_else(Vec::new, Replicates::correlations),
             slips: evidence.map_or_else(Vec::new, |evidence| evidence.slips.iter().map(seen).collect()),
-            lag: Estimate { estimate: steel.lag, low: (steel.lag - half).max(0.0), high: steel.lag + half },
+            lag: ParameterEstimate { estimate: steel.lag, low: (steel.lag - half).max(0.0), high: steel.lag + half },
             lag_profile: steel.profile.clone(),
             starts,
             residuals: residuals(&record, &modelled),
@@ -182,13 +182,13 @@ impl Calibration {
     }
 
     /// The estimate of a quantity.
-    pub fn estimate(&self, quantity: Quantity) -> Estimate {
+    pub fn estimate(&self, quantity: Quantity) -> ParameterEstimate {
         self.estimates[quantity as usize]
     }
 
     /// The standard error of a quantity, from its interval; NaN if it has none.
     pub fn standard_error(&self, quantity: Quantity) -> f64 {
-        let Estimate { low, high, .. } = self.estimate(quantity);
+        let ParameterEstimate { low, high, .. } = self.estimate(quantity);
         0.5 * (high - low) / normal_quantile(self.question.level)
     }
 
@@ -206,7 +206,7 @@ fn normal_quantile(level: f64) -> f64 {
 /// Delays of the autocorrelation, in hours.
 const DELAYS: [f64; 14] = [0.0, 1.0, 2.0, 3.0, 6.0, 9.0, 12.0, 18.0, 24.0, 36.0, 48.0, 72.0, 96.0, 120.0];
 
-fn residuals(record: &Record, modelled: &[f64]) -> Residuals {
+fn residuals(record: &MeasuredRecord, modelled: &[f64]) -> Residuals {
     let samples = record.samples();
     let left: Vec<f64> = record.readings.iter().zip(modelled).map(|(z, model)| z - model).collect();
     let seen: Vec<f64> = left.iter().copied().filter(|left| left.is_finite()).collect();

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Record {
+pub struct MeasuredRecord {
     /// Times, in seconds.
     pub times: Vec<f64>,
     /// Temperatures in kelvin or degrees Celsius; none is missing.
@@ -19,13 +19,13 @@ pub const HOUR: f64 = 3600.0;
 /// A pause longer than this many sampling intervals is a gap.
 const GAP: f64 = 3.5;
 
-impl Record {
+impl MeasuredRecord {
     /// A record from temperatures and displacements, each as times and values in order of time. It
     /// has a sample at each time of the temperatures. A displacement at another time gets the
     /// temperature interpolated between its neighbours, unless they are separated by a gap.
-    pub fn of([times, temperatures]: [&[f64]; 2], [when, readings]: [&[f64]; 2]) -> Record {
+    pub fn of([times, temperatures]: [&[f64]; 2], [when, readings]: [&[f64]; 2]) -> MeasuredRecord {
         let gap = GAP * interval(times);
-        let mut record = Record { times: Vec::new(), temperatures: Vec::new(), readings: Vec::new() };
+        let mut record = MeasuredRecord { times: Vec::new(), temperatures: Vec::new(), readings: Vec::new() };
         let mut push = |time: f64, temperature: f64, reading: f64| {
             record.times.push(time);
             record.temperatures.push(temperature);
@@ -65,7 +65,7 @@ impl Record {
     ///
     /// dS/dt = (T - S)/lag, with T linear from sample to sample, for which the solution is exact.
     /// At the start and after each gap, S is T.
-    pub fn lagged(&self, lag: f64) -> Record {
+    pub fn lagged(&self, lag: f64) -> MeasuredRecord {
         let mut steel = self.temperatures.clone();
         if lag > 0.0 {
             let starts = starts(&self.times);
@@ -78,7 +78,7 @@ impl Record {
                 }
             }
         }
-        Record { temperatures: steel, ..self.clone() }
+        MeasuredRecord { temperatures: steel, ..self.clone() }
     }
 
     /// The time that each sample stands for, in seconds: half of the distance to each of its
@@ -189,8 +189,8 @@ pub fn correlation(pairs: &[[f64; 2]]) -> f64 {
 mod tests {
     use super::*;
 
-    fn record(times: &[f64], readings: &[f64]) -> Record {
-        Record { times: times.to_vec(), temperatures: times.to_vec(), readings: readings.to_vec() }
+    fn record(times: &[f64], readings: &[f64]) -> MeasuredRecord {
+        MeasuredRecord { times: times.to_vec(), temperatures: times.to_vec(), readings: readings.to_vec() }
     }
 
     #[test]
@@ -203,7 +203,7 @@ mod tests {
 
     #[test]
     fn two_columns_become_one_record() {
-        let both = Record::of(
+        let both = MeasuredRecord::of(
             [&[0.0, 10.0, 20.0, 100.0], &[1.0, 2.0, 3.0, 4.0]],
             [&[0.0, 15.0, 60.0, 100.0], &[5.0, 6.0, 7.0, 8.0]],
         );
@@ -217,7 +217,8 @@ mod tests {
     #[test]
     fn steel_follows_air_exactly() {
         let times = [0.0, 600.0, 1300.0, 1800.0];
-        let record = Record { times: times.to_vec(), temperatures: vec![3.0, 5.0, 1.0, 1.0], readings: vec![0.0; 4] };
+        let record =
+            MeasuredRecord { times: times.to_vec(), temperatures: vec![3.0, 5.0, 1.0, 1.0], readings: vec![0.0; 4] };
         let (lag, h) = (900.0, 0.01);
         let (mut steel, mut expected) = (3.0, vec![3.0]);
         for i in 1..4 {

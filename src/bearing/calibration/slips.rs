@@ -1,7 +1,7 @@
 //! The slips that are visible in a record: their times, temperatures and sizes.
 
 use super::detect::{self, Jumps, trimmed_slope};
-use super::level::{Level, Sums};
+use super::level::{Level, LevelSums};
 use super::samples::{Samples, median, spread};
 use super::stick_analysis::{StickAnalysis, block};
 use super::sticks::bin_length;
@@ -48,7 +48,7 @@ pub struct Evidence {
     /// and the index of its block.
     pub reversals: Vec<(f64, usize)>,
     /// Sums for the regression of z on T during sticks, for each block.
-    pub sums: Vec<Sums>,
+    pub sums: Vec<LevelSums>,
     /// The size of a usual jump divided by the standard deviation of the noise.
     pub contrast: f64,
     /// Length of the bins of that regression, in seconds.

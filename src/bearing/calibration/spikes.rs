@@ -1,6 +1,6 @@
 //! Wrong samples: a few in a row that differ strongly from those around them.
 
-use super::samples::{Record, median, spread};
+use super::samples::{MeasuredRecord, median, spread};
 
 /// Number of samples on each side that a sample is compared with. A change of level, as in a slip,
 /// is not a spike, because such a sample agrees with the majority of its window.
@@ -20,7 +20,7 @@ pub struct Spikes {
 
 /// A record without spikes, and their number. A reading is then missing, and a temperature is
 /// interpolated between its neighbours.
-pub fn without_spikes(record: &Record) -> (Record, Spikes) {
+pub fn without_spikes(record: &MeasuredRecord) -> (MeasuredRecord, Spikes) {
     let seen: Vec<usize> = (0..record.times.len()).filter(|i| record.readings[*i].is_finite()).collect();
     let readings: Vec<f64> = seen.iter().map(|i| record.readings[*i]).collect();
     let mut clean = record.clone();
@@ -71,7 +71,7 @@ mod tests {
         let mut temperatures = readings.clone();
         (readings[10], readings[45], readings[46]) = (9.0, -3.0, -3.1);
         temperatures[20] = 40.0;
-        let (clean, counts) = without_spikes(&Record { times, temperatures, readings });
+        let (clean, counts) = without_spikes(&MeasuredRecord { times, temperatures, readings });
         assert_eq!(counts, Spikes { readings: 3, temperatures: 1 });
         let missing: Vec<usize> = (0..60).filter(|i| clean.readings[*i].is_nan()).collect();
         assert_eq!(missing, [10, 45, 46]);

@@ -3,10 +3,10 @@
 use super::bearing::Response;
 use super::evolve;
 use super::hold::row;
-use super::misfit::Misfit;
+use super::misfit::FitObjective;
 use super::motion::Motion;
 use super::quantity::{Quantity, values};
-use super::question::Question;
+use super::question::CalibrationQuestion;
 use crate::ensemble::in_order;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -37,7 +37,7 @@ pub fn around_guess(motion: &Motion) -> Search {
 
 /// The result of one start.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Start {
+pub struct SearchStart {
     /// err divided by the measured time: the mean square of model minus measurement.
     pub err: f64,
     /// The response at that minimum.
@@ -46,7 +46,13 @@ pub struct Start {
 
 /// Run all starts of a question on these threads. Each is a search of its own, with its own random
 /// numbers.
-pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: usize, stop: &AtomicBool) -> Vec<Start> {
+pub fn starts(
+    misfit: &FitObjective,
+    search: &Search,
+    question: &CalibrationQuestion,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Vec<SearchStart> {
     let motion = |[reach, jump, start]: [f64; 3]| Motion { reach, jump: jump.min(2.0 * reach), start };
     let shear = question.shear_stiffness.unwrap_or(1.0);
     let best = |motion: &Motion| {
@@ -75,10 +81,10 @@ pub fn starts(misfit: &Misfit, search: &Search, question: &Question, threads: us
     let make = |number: u64| {
         let (at, _) = evolve::lowest(search, number, leap, value);
         let (err, sensor) = best(&motion(at));
-        Start { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } }
+        SearchStart { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } }
     };
     let mut all = Vec::new();
-    let deliver = |start: Start| {
+    let deliver = |start: SearchStart| {
         all.push(start);
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };

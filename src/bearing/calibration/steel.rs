@@ -2,7 +2,7 @@
 
 use super::lag::{CONVINCING, LagProfile, lag_profile};
 use super::question::Lag;
-use super::samples::Record;
+use super::samples::MeasuredRecord;
 use super::slips::Evidence;
 use super::uncertainty::AroundLag;
 
@@ -11,7 +11,7 @@ const FEWEST_SLIPS: usize = 6;
 
 /// A record with the temperature of the steel in place of that of the air.
 pub struct Steel {
-    pub record: Record,
+    pub record: MeasuredRecord,
     /// The lag that was used, in seconds.
     pub lag: f64,
     /// The likelihood as a function of the lag; `None` if there are no slips.
@@ -23,7 +23,7 @@ pub struct Steel {
 impl Steel {
     /// Use the lag that is known, or estimate it from the slips. An estimate is used only if the
     /// data clearly show a lag.
-    pub fn of(air: &Record, resolution: f64, lag: Lag) -> Self {
+    pub fn of(air: &MeasuredRecord, resolution: f64, lag: Lag) -> Self {
         let given = match lag {
             Lag::Known(lag) => lag,
             Lag::Auto => 0.0,

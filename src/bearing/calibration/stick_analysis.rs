@@ -2,7 +2,7 @@
 //! the first search missed.
 
 use super::detect::{Jump, Jumps};
-use super::level::{self, Bin, Level, Sums};
+use super::level::{self, Bin, Level, LevelSums};
 use super::samples::{HOUR, Samples, median};
 use super::sticks::{bin, bins, sticks};
 use std::ops::Range;
@@ -19,7 +19,7 @@ pub fn block(start: f64, time: f64) -> usize {
 /// The results from the sticks between jumps.
 pub struct StickAnalysis {
     /// Sums for the regression of z on T during sticks, for each block.
-    pub sums: Vec<Sums>,
+    pub sums: Vec<LevelSums>,
     /// Length of the bins of that regression, in seconds.
     pub bin: f64,
     /// The level at each sample, from the samples of its stick up to it.
@@ -67,7 +67,7 @@ impl StickAnalysis {
 
     /// The slope of z against T.
     pub fn still(&self) -> f64 {
-        Sums::weighted(&self.sums, &vec![1.0; self.sums.len()]).slope()
+        LevelSums::weighted(&self.sums, &vec![1.0; self.sums.len()]).slope()
     }
 
     /// For each sample, the jump of the level before it, and that jump divided by its standard

@@ -1,7 +1,7 @@
 //! Synthetic records: the model, seen by an imperfect sensor and thermometer.
 
 use super::bearing::Response;
-use super::samples::Record;
+use super::samples::MeasuredRecord;
 use crate::noise::{Stream, Transition};
 
 /// The imperfections of a measurement.
@@ -53,7 +53,7 @@ pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Fl
     // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
     // others as they are.
     let [mut sensor, mut friction, mut spikes, mut gaps] = std::array::from_fn(|i| Stream::new(seed, i as u64));
-    let air = Record { times: times.to_vec(), temperatures: temperatures.to_vec(), readings: Vec::new() };
+    let air = MeasuredRecord { times: times.to_vec(), temperatures: temperatures.to_vec(), readings: Vec::new() };
     let steel = air.lagged(flaws.lag).temperatures;
     let (mut positions, mut slips) = (Vec::with_capacity(times.len()), 0);
     let (mut xi, mut reach) = (response.motion.start, response.motion.reach);

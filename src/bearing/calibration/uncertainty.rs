@@ -4,9 +4,9 @@
 //! the Bayesian bootstrap (Rubin, *Annals of Statistics* 9, 1981) of blocks. No block is cut out,
 //! so the history of the temperature, on which a body with friction depends, stays complete.
 
-use super::level::Sums;
+use super::level::LevelSums;
 use super::quantity::{Quantity, Values, values};
-use super::samples::{Record, correlation};
+use super::samples::{MeasuredRecord, correlation};
 use super::slips::Evidence;
 use crate::bearing::moments::variance;
 use crate::noise::Stream;
@@ -28,7 +28,7 @@ pub struct AroundLag {
 
 impl AroundLag {
     /// Compute the evidence around a lag that was estimated.
-    pub fn lag(here: Evidence, record: &Record, lag: f64) -> AroundLag {
+    pub fn lag(here: Evidence, record: &MeasuredRecord, lag: f64) -> AroundLag {
         let step = (0.2 * lag).max(60.0).min(lag);
         let at = |lag: f64| here.with_temperatures(&record.lagged(lag).samples());
         let beside = at(lag - step).zip(at(lag + step)).map(|(less, more)| ([less, more], step));
@@ -41,7 +41,7 @@ impl AroundLag {
         let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?, Some(shear_stiffness)));
         let here = at(&self.here)?;
         let Some(([less, more], step)) = &self.beside else { return Some((0.0, here)) };
-        let deviance = |evidence: &Evidence| Sums::weighted(&evidence.sums, weights).deviance();
+        let deviance = |evidence: &Evidence| LevelSums::weighted(&evidence.sums, weights).deviance();
         let [low, middle, high] = [deviance(less), deviance(&self.here), deviance(more)];
         // The vertex of the parabola through the three deviances, limited to the range in which a
         // parabola is a good approximation.

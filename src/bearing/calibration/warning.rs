@@ -4,12 +4,12 @@ use std::fmt;
 
 /// A reason why a result means less than it seems to.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Warning {
+pub struct CalibrationWarning {
     pub(super) name: &'static str,
     pub(super) text: String,
 }
 
-impl Warning {
+impl CalibrationWarning {
     /// The name in files and for programs.
     pub fn name(&self) -> &'static str {
         self.name
@@ -17,7 +17,7 @@ impl Warning {
 }
 
 /// The warning in a sentence or two, for people.
-impl fmt::Display for Warning {
+impl fmt::Display for CalibrationWarning {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         f.write_str(&self.text)
     }

@@ -4,11 +4,11 @@
 
 use super::lag::CONVINCING;
 use super::quantity::Quantity;
-use super::question::{Lag, Method};
-use super::report::{Calibration, Estimate};
+use super::question::{CalibrationMethod, Lag};
+use super::report::{Calibration, ParameterEstimate};
 use super::slips::Evidence;
 use super::spikes::Spikes;
-use super::warning::Warning;
+use super::warning::CalibrationWarning;
 
 /// A calibration, and the slips from which it was computed, if any were seen.
 struct Case<'a> {
@@ -36,13 +36,13 @@ const ALL: [(&str, Says); 12] = [
 ];
 
 /// The warnings of a calibration. `evidence` is given if slips were seen.
-pub(super) fn warnings(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<Warning> {
+pub(super) fn warnings(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<CalibrationWarning> {
     let case = Case { calibration, evidence };
-    ALL.iter().filter_map(|(name, says)| Some(Warning { name, text: says(&case)? })).collect()
+    ALL.iter().filter_map(|(name, says)| Some(CalibrationWarning { name, text: says(&case)? })).collect()
 }
 
 impl Case<'_> {
-    fn estimate(&self, quantity: Quantity) -> Estimate {
+    fn estimate(&self, quantity: Quantity) -> ParameterEstimate {
         self.calibration.estimate(quantity)
     }
 }
@@ -116,7 +116,7 @@ fn other_lag(case: &Case) -> Option<String> {
 /// The intervals by slips and by least squares do not overlap for some parameters.
 fn methods_apart(case: &Case) -> Option<String> {
     let others = case.calibration.least_squares.as_ref()?;
-    case.evidence.filter(|_| case.calibration.question.method == Method::Both)?;
+    case.evidence.filter(|_| case.calibration.question.method == CalibrationMethod::Both)?;
     let is_apart = |quantity: &&Quantity| {
         let [a, b] = [case.estimate(**quantity), others[**quantity as usize]];
         a.high < b.low || b.high < a.low
@@ -183,7 +183,9 @@ fn unphysical(quantity: Quantity, is_due: bool) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bearing::calibration::{Estimate, Flaws, Motion, Question, Record, Response, Sensor, calibrate, twin};
+    use crate::bearing::calibration::{
+        CalibrationQuestion, Flaws, MeasuredRecord, Motion, ParameterEstimate, Response, Sensor, calibrate, twin,
+    };
 
     /// f_s - f_d with a standard error of 20 % of it is identified, and with one of 30 % it is not,
     /// whether the intervals have 50 %, 90 % or 99.9 %.
@@ -194,9 +196,9 @@ mod tests {
         let times: Vec<f64> = (0..3000).map(|i| 600.0 * f64::from(i)).collect();
         let temperatures: Vec<f64> = times.iter().map(|t| 15.0 + 12.0 * libm::sin(4e-5 * t)).collect();
         let twin = twin(&response, &times, &temperatures, &Flaws { white: 1e-5, ..Flaws::NONE }, 1);
-        let record = Record { times, temperatures, readings: twin.readings };
-        let question = Question {
-            method: Method::Slips,
+        let record = MeasuredRecord { times, temperatures, readings: twin.readings };
+        let question = CalibrationQuestion {
+            method: CalibrationMethod::Slips,
             shear_stiffness: Some(2e9),
             starts: 1,
             lag: Lag::Known(0.0),
@@ -210,7 +212,7 @@ mod tests {
             calibration.question.level = level;
             let mut is_identified = |error: f64| {
                 let [low, high] = [1.0 - quantile * error, 1.0 + quantile * error];
-                calibration.estimates[Quantity::Jump as usize] = Estimate { estimate: 1.0, low, high };
+                calibration.estimates[Quantity::Jump as usize] = ParameterEstimate { estimate: 1.0, low, high };
                 warnings(&calibration, None).iter().all(|warning| warning.name() != "gap_not_identified")
             };
             assert_eq!([0.2, 0.3].map(&mut is_identified), [true, false], "{level}");

@@ -20,10 +20,10 @@ mod summary;
 mod year;
 
 use question::LIKELIEST;
-pub use question::{ForecastError, Question};
+pub use question::{ForecastError, ForecastQuestion};
 use summary::SimulatedDraw;
-pub use summary::{Forecast, Level, ReturnLevel};
-pub use year::{Quantity, Year};
+pub use summary::{Forecast, ForecastLevel, ReturnLevel};
+pub use year::{ForecastQuantity, Year};
 
 use super::calibration::Calibration;
 use super::weather::WeatherFit;
@@ -61,7 +61,7 @@ const PIECE: u64 = 10;
 pub fn forecast(
     calibration: &Calibration,
     weather: &WeatherFit,
-    question: &Question,
+    question: &ForecastQuestion,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Option<Forecast>, ForecastError> {

@@ -4,7 +4,7 @@ use crate::scheme::Misfit;
 
 /// What is asked of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Question {
+pub struct ForecastQuestion {
     /// Number of draws of the parameters of bearing and weather.
     pub draws: u64,
     /// Number of years for each draw.

@@ -1,15 +1,15 @@
 //! Expected values and their intervals from simulated years.
 
-use super::question::{ForecastError, GIVEN_UP, LIKELIEST, Question};
-use super::year::{Quantity, Year};
+use super::question::{ForecastError, ForecastQuestion, GIVEN_UP, LIKELIEST};
+use super::year::{ForecastQuantity, Year};
 use crate::bearing::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
 /// The forecast of one quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Level {
+pub struct ForecastLevel {
     /// The quantity.
-    pub quantity: Quantity,
+    pub quantity: ForecastQuantity,
     /// The mean over years with the most likely parameters.
     pub expected: f64,
     /// The interval of that mean, which allows for the errors of the parameters.
@@ -34,13 +34,13 @@ pub struct ReturnLevel {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
     /// What was asked.
-    pub question: Question,
+    pub question: ForecastQuestion,
     /// The years with the most likely parameters.
     pub likeliest: Vec<Year>,
     /// All other years, one list for each draw of the parameters.
     pub years: Vec<Vec<Year>>,
     /// One for each quantity that can be known; forces need K_BP.
-    pub levels: Vec<Level>,
+    pub levels: Vec<ForecastLevel>,
     /// Return levels of the largest |z| of a year.
     pub return_levels: Vec<ReturnLevel>,
     /// Number of draws that are left out, because years with them were given up.
@@ -71,7 +71,7 @@ impl Forecast {
     /// the forecast was stopped before two draws were simulated.
     pub(super) fn of(
         draws: Vec<SimulatedDraw>,
-        question: &Question,
+        question: &ForecastQuestion,
         knows_forces: bool,
     ) -> Result<Option<Forecast>, ForecastError> {
         let mut draws = draws.into_iter();
@@ -90,8 +90,8 @@ impl Forecast {
             return Err(ForecastError::GivenUp(draws_left_out + u64::from(likeliest_given_up > 0), count + 1));
         }
         let years: Vec<Vec<Year>> = whole.into_iter().map(|draw| draw.years).collect();
-        let known = |quantity: &Quantity| knows_forces || *quantity != Quantity::Force;
-        let levels = Quantity::ALL
+        let known = |quantity: &ForecastQuantity| knows_forces || *quantity != ForecastQuantity::Force;
+        let levels = ForecastQuantity::ALL
             .into_iter()
             .filter(known)
             .map(|quantity| level(&likeliest, &years, quantity, question))
@@ -122,12 +122,17 @@ impl Forecast {
     }
 
     /// The forecast of a quantity, if it can be known.
-    pub fn level(&self, quantity: Quantity) -> Option<&Level> {
+    pub fn level(&self, quantity: ForecastQuantity) -> Option<&ForecastLevel> {
         self.levels.iter().find(|level| level.quantity == quantity)
     }
 }
 
-fn level(likeliest: &[Year], years: &[Vec<Year>], quantity: Quantity, question: &Question) -> Level {
+fn level(
+    likeliest: &[Year],
+    years: &[Vec<Year>],
+    quantity: ForecastQuantity,
+    question: &ForecastQuestion,
+) -> ForecastLevel {
     let of = |year: &Year| year[quantity as usize];
     let draws: Vec<Vec<f64>> = years.iter().map(|years| years.iter().map(of).collect()).collect();
     let mut all: Vec<f64> = draws.iter().flatten().copied().collect();
@@ -136,7 +141,7 @@ fn level(likeliest: &[Year], years: &[Vec<Year>], quantity: Quantity, question: 
     let within = draws.iter().map(|years| variance(years) / years.len() as f64).sum::<f64>() / draws.len() as f64;
     let expected = mean(&likeliest.iter().map(of).collect::<Vec<_>>());
     let half = half_width(&means, within, question.level);
-    Level {
+    ForecastLevel {
         quantity,
         expected,
         expected_interval: [expected - half, expected + half],
@@ -156,8 +161,8 @@ fn half_width(means: &[f64], within: f64, level: f64) -> f64 {
 /// The largest value of a year nearly has a Gumbel distribution, which gives a return level for
 /// each draw from few years, and so the interval. The expected return level is the quantile of all
 /// years, without this assumption.
-fn return_level(years: &[Vec<Year>], period: f64, question: &Question) -> ReturnLevel {
-    let greatest = |year: &Year| year[Quantity::Greatest as usize];
+fn return_level(years: &[Vec<Year>], period: f64, question: &ForecastQuestion) -> ReturnLevel {
+    let greatest = |year: &Year| year[ForecastQuantity::Greatest as usize];
     let mut all: Vec<f64> = years.iter().flatten().map(greatest).collect();
     all.sort_by(f64::total_cmp);
     let expected = quantile(&all, 1.0 - 1.0 / period);
@@ -191,7 +196,7 @@ mod tests {
     use super::*;
     use crate::noise::Stream;
 
-    const QUESTION: Question = Question { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
+    const QUESTION: ForecastQuestion = ForecastQuestion { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
 
     /// The means of draws scatter with sd 1 around 5, and years with sd 3 around each mean. The
     /// interval of the expected value is +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 +
@@ -216,8 +221,8 @@ mod tests {
             let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years);
             let draws = years.map(|years| SimulatedDraw { years, given_up: 0 }).collect();
             let forecast = Forecast::of(draws, &QUESTION, false).expect("no year is given up").expect("enough");
-            assert_eq!(forecast.level(Quantity::Force), None);
-            let level = forecast.level(Quantity::SlidingPath).expect("known");
+            assert_eq!(forecast.level(ForecastQuantity::Force), None);
+            let level = forecast.level(ForecastQuantity::SlidingPath).expect("known");
             let half = |interval: [f64; 2]| 0.5 * (interval[1] - interval[0]) / f64::from(times);
             expected += half(level.expected_interval);
             year += half(level.year_interval);
@@ -250,7 +255,7 @@ mod tests {
     /// 14 % too wide.
     #[test]
     fn a_return_level_is_as_uncertain_as_the_location_and_the_scale_make_it() {
-        let question = Question { draws: 4000, years: 400, ..QUESTION };
+        let question = ForecastQuestion { draws: 4000, years: 400, ..QUESTION };
         let mut random = Stream::new(5, 0);
         let y = [2.250_367, 3.901_939];
         for (of_location, of_scale) in [(0.2, 0.0), (0.0, 0.1)] {
@@ -259,9 +264,9 @@ mod tests {
                 let mut draw = || {
                     let [location, scale] = [of_location * random.normal(), 1.0 + of_scale * random.normal()];
                     let mut year = || {
-                        let mut year = [0.0; Quantity::ALL.len()];
+                        let mut year = [0.0; ForecastQuantity::ALL.len()];
                         let gumbel = -libm::log(-libm::log(random.uniform()));
-                        year[Quantity::Greatest as usize] = 10.0 + location + scale * gumbel;
+                        year[ForecastQuantity::Greatest as usize] = 10.0 + location + scale * gumbel;
                         year
                     };
                     (0..question.years).map(|_| year()).collect::<Vec<Year>>()
@@ -285,7 +290,7 @@ mod tests {
     /// with the likeliest parameters, 25 slips, also if some of those are given up.
     #[test]
     fn a_draw_that_loses_a_year_is_left_out_and_said() {
-        let question = Question { draws: 4, years: 3, ..QUESTION };
+        let question = ForecastQuestion { draws: 4, years: 3, ..QUESTION };
         let draw = |slips: f64, years: usize, given_up: u64| SimulatedDraw {
             years: vec![[0.0, slips, 0.0, 0.0, 0.0, 0.0]; years],
             given_up,
@@ -294,14 +299,14 @@ mod tests {
             let draws = vec![likeliest, draw(10.0, 3, 0), second, draw(30.0, 3, 0), draw(40.0, 3, 0)];
             Forecast::of(draws, &question, false).map(|found| found.expect("not stopped"))
         };
-        let slips = |forecast: &Forecast| forecast.level(Quantity::Slips).expect("known").expected;
+        let slips = |forecast: &Forecast| forecast.level(ForecastQuantity::Slips).expect("known").expected;
 
         let whole = of(draw(25.0, 30, 0), draw(20.0, 3, 0)).expect("sound");
         assert_eq!((whole.years.len(), whole.draws_left_out, whole.warnings()), (4, 0, vec![]));
 
         let lossy = of(draw(25.0, 30, 0), draw(20.0, 2, 1)).expect("sound");
         assert_eq!((lossy.years.len(), lossy.draws_left_out, slips(&lossy)), (3, 1, 25.0));
-        assert!(lossy.years.iter().flatten().all(|year| year[Quantity::Slips as usize] != 20.0));
+        assert!(lossy.years.iter().flatten().all(|year| year[ForecastQuantity::Slips as usize] != 20.0));
         let said = lossy.warnings().join("\n");
         assert!(said.starts_with("1 of 4 draws") && said.contains("more slips than can be simulated"), "{said}");
 
@@ -315,7 +320,7 @@ mod tests {
     /// was stopped early has no result. Losses that leave one draw are an error.
     #[test]
     fn a_stop_is_no_loss() {
-        let question = Question { draws: 3, years: 2, ..QUESTION };
+        let question = ForecastQuestion { draws: 3, years: 2, ..QUESTION };
         let draw = |years: usize, given_up: u64| SimulatedDraw { years: vec![[1.0; 6]; years], given_up };
         let of = |draws: &[SimulatedDraw]| Forecast::of(draws.to_vec(), &question, false);
         let stopped = of(&[draw(20, 0), draw(2, 0), draw(2, 0), draw(1, 0)]).expect("sound").expect("two draws");

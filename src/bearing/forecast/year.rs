@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// A quantity that is kept of a simulated year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
+pub enum ForecastQuantity {
     /// The sum of the distances of all slips.
     SlidingPath,
     /// The number of slips.
@@ -22,15 +22,15 @@ pub enum Quantity {
     Force,
 }
 
-impl Quantity {
+impl ForecastQuantity {
     /// All of them.
-    pub const ALL: [Quantity; 6] = [
-        Quantity::SlidingPath,
-        Quantity::Slips,
-        Quantity::Range,
-        Quantity::Greatest,
-        Quantity::Loaded,
-        Quantity::Force,
+    pub const ALL: [ForecastQuantity; 6] = [
+        ForecastQuantity::SlidingPath,
+        ForecastQuantity::Slips,
+        ForecastQuantity::Range,
+        ForecastQuantity::Greatest,
+        ForecastQuantity::Loaded,
+        ForecastQuantity::Force,
     ];
 
     /// The name in files and for programs.
@@ -44,8 +44,8 @@ impl Quantity {
     }
 }
 
-/// The name and the unit of each of [`Quantity::ALL`].
-const NAMES_AND_UNITS: [(&str, &str); Quantity::ALL.len()] = [
+/// The name and the unit of each of [`ForecastQuantity::ALL`].
+const NAMES_AND_UNITS: [(&str, &str); ForecastQuantity::ALL.len()] = [
     ("sliding_path", "m"),
     ("slips", "1"),
     ("displacement_range", "m"),
@@ -54,8 +54,8 @@ const NAMES_AND_UNITS: [(&str, &str); Quantity::ALL.len()] = [
     ("force_abs_max", "N"),
 ];
 
-/// One value for each of [`Quantity::ALL`].
-pub type Year = [f64; Quantity::ALL.len()];
+/// One value for each of [`ForecastQuantity::ALL`].
+pub type Year = [f64; ForecastQuantity::ALL.len()];
 
 /// What was seen of a year so far.
 #[derive(Clone, Copy, Debug)]
@@ -199,7 +199,7 @@ mod tests {
         // The way, the slips, the range of z, the largest |z|, the share above 8, the largest |F|.
         let expected = [2.0, 1.0, 3.5, 2.4, 0.5, 16.0];
         assert_eq!(years.len(), 1);
-        for (quantity, (found, expected)) in Quantity::ALL.iter().zip(years[0].iter().zip(expected)) {
+        for (quantity, (found, expected)) in ForecastQuantity::ALL.iter().zip(years[0].iter().zip(expected)) {
             assert!((found - expected).abs() < 1e-12, "{quantity:?}: {found}, expected {expected}");
         }
         stop.store(true, Ordering::Relaxed);

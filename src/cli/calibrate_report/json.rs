@@ -3,7 +3,7 @@
 use crate::cli::document::{JsonWarning, document};
 use serde_json::{Value, json};
 use std::collections::BTreeMap;
-use stick_slip::bearing::calibration::{Calibration, Estimate, Lag, Quantity};
+use stick_slip::bearing::calibration::{Calibration, Lag, ParameterEstimate, Quantity};
 
 /// The object as text with a line break at its end. Each warning is a name and a sentence. Numbers
 /// that are not known are null.
@@ -45,6 +45,6 @@ pub fn json(calibration: &Calibration, warnings: &[(String, String)]) -> String 
     document("calibration", object)
 }
 
-fn estimate(Estimate { estimate, low, high }: Estimate) -> Value {
+fn estimate(ParameterEstimate { estimate, low, high }: ParameterEstimate) -> Value {
     json!({ "estimate": estimate, "low": low, "high": high })
 }

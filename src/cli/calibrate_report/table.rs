@@ -2,7 +2,7 @@
 
 use crate::cli::numbers::{Digits, grouped, percent, significant, time, wrapped};
 use crate::cli::table::{Row, aligned};
-use stick_slip::bearing::calibration::{Calibration, Estimate, Lag, Method, Quantity, Start};
+use stick_slip::bearing::calibration::{Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart};
 
 const GAP: &str = "  ";
 
@@ -18,7 +18,7 @@ pub fn table(title: &str, calibration: &Calibration) -> String {
     parts.join("\n")
 }
 
-fn row(quantity: Quantity, Estimate { estimate, low, high }: Estimate) -> Row {
+fn row(quantity: Quantity, ParameterEstimate { estimate, low, high }: ParameterEstimate) -> Row {
     let numbers = Digits::of(estimate, (high - low) / 4.0).show_all([estimate, low, high]);
     let cells = std::iter::once(quantity.symbol().to_string()).chain(numbers);
     Row::labelled(quantity.key(), cells).noted(quantity.unit())
@@ -32,12 +32,12 @@ fn sources(calibration: &Calibration) -> String {
     let slips = calibration.slips.len();
     let usual = calibration.slips.iter().filter(|slip| slip.is_usual).count();
     let method = match calibration.question.method {
-        Method::Err => "least squares",
+        CalibrationMethod::Err => "least squares",
         _ if calibration.slips.is_empty() => "least squares",
         _ => "slips",
     };
     let minutes = |seconds: f64| significant(seconds / 60.0, 3);
-    let Estimate { estimate, low, high } = calibration.lag;
+    let ParameterEstimate { estimate, low, high } = calibration.lag;
     let lag = match (calibration.question.lag, &calibration.lag_profile) {
         (Lag::Known(known), _) => format!("{} min, as given", minutes(known)),
         (Lag::Auto, Some(_)) if estimate > 0.0 => {
@@ -81,7 +81,7 @@ fn starts(calibration: &Calibration) -> String {
     let values = calibration.start_values();
     let column = |quantity: &Quantity| values.iter().map(|values| values[*quantity as usize]).collect::<Vec<f64>>();
     let cell = |x: f64| if x.is_finite() { format!("{x:.5e}") } else { "none".to_string() };
-    for (i, (values, Start { err, .. })) in values.iter().zip(&calibration.starts).enumerate() {
+    for (i, (values, SearchStart { err, .. })) in values.iter().zip(&calibration.starts).enumerate() {
         let cells = COLUMNS.iter().map(|quantity| cell(values[*quantity as usize])).chain([cell(*err)]);
         rows.push(Row::labelled((i + 1).to_string(), cells));
     }

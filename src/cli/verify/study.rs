@@ -12,7 +12,7 @@ use stick_slip::bearing::calibration::calibrate_again;
 use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
-use stick_slip::study::sweep::{Simulation, Sweep};
+use stick_slip::study::sweep::{Sweep, SweepSimulation};
 
 impl Verify {
     /// Check a sweep: points are simulated again, and all comparisons are computed again.
@@ -52,7 +52,7 @@ impl Verify {
     fn simulate_point(&self, sweep: &mut Sweep, point: usize) -> Result<(), Failure> {
         let Some(stored) = sweep.points[point].take() else { return Ok(()) };
         let simulation =
-            Simulation { threads: self.threads.number(), stop: &AtomicBool::new(false), progress: &mut () };
+            SweepSimulation { threads: self.threads.number(), stop: &AtomicBool::new(false), progress: &mut () };
         simulation.run(sweep, |_| Ok::<_, StoreError>(())).map_err(|end| Failure::Run(end.to_string()))?;
         if let Some(again) = &mut sweep.points[point] {
             again.seconds = stored.seconds;

@@ -23,5 +23,5 @@ pub use escape::escaped;
 pub use label::Label;
 pub use pdf::pdf;
 pub use png::png;
-pub use scene::{Align, Colour, Item, Path, Rect, Scene, Stroke};
+pub use scene::{Align, Colour, Drawing, Item, Outline, Rect, Stroke};
 pub use svg::svg;

@@ -2,7 +2,7 @@
 
 use super::face::Face;
 use super::label::Run;
-use super::scene::{Colour, Item, Path, Scene, Step, Stroke};
+use super::scene::{Colour, Drawing, Item, Outline, Step, Stroke};
 use krilla::color::rgb;
 use krilla::geom::{PathBuilder, Point, Transform};
 use krilla::metadata::Metadata;
@@ -15,7 +15,7 @@ use krilla::{Data, Document};
 
 /// The scene as a document of one page. Equal scenes give equal documents. None if PDF does not
 /// allow a page of this size.
-pub fn pdf(scene: &Scene) -> Option<Vec<u8>> {
+pub fn pdf(scene: &Drawing) -> Option<Vec<u8>> {
     let fonts: Vec<Font> =
         Face::ALL.iter().filter_map(|face| Font::new(Data::from(face.bytes().to_vec()), 0)).collect();
     let mut document = Document::new();
@@ -23,7 +23,7 @@ pub fn pdf(scene: &Scene) -> Option<Vec<u8>> {
     let mut page = document.start_page_with(PageSettings::from_wh(scene.width as f32, scene.height as f32)?);
     let mut surface = page.surface();
     let corners = [[0.0, 0.0], [scene.width, 0.0], [scene.width, scene.height], [0.0, scene.height]];
-    draw(&mut surface, &Item::filled(Path::polygon(&corners), scene.background), &fonts);
+    draw(&mut surface, &Item::filled(Outline::polygon(&corners), scene.background), &fonts);
     scene.items.iter().for_each(|item| draw(&mut surface, item, &fonts));
     surface.finish();
     page.finish();
@@ -52,7 +52,7 @@ fn draw(surface: &mut Surface, item: &Item, fonts: &[Font]) {
             surface.pop();
         }
         Item::Clipped { inside, items } => {
-            let Some(clip) = outline(&Path::rect(*inside)) else { return };
+            let Some(clip) = outline(&Outline::rect(*inside)) else { return };
             surface.push_clip_path(&clip, &FillRule::NonZero);
             items.iter().for_each(|item| draw(surface, item, fonts));
             surface.pop();
@@ -79,7 +79,7 @@ fn draw_run(surface: &mut Surface, run: &Run, size: f64, fonts: &[Font]) {
     }
 }
 
-fn outline(path: &Path) -> Option<krilla::geom::Path> {
+fn outline(path: &Outline) -> Option<krilla::geom::Path> {
     let mut builder = PathBuilder::new();
     let single = |point: [f64; 2]| point.map(|x| x as f32);
     for step in &path.0 {

@@ -1,6 +1,6 @@
 //! A scene as PNG: its SVG, rasterised.
 
-use super::Scene;
+use super::Drawing;
 use super::svg::svg;
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree};
@@ -21,7 +21,7 @@ const MOST_PIXELS: u64 = 100_000_000;
 
 /// The scene as PNG with `per_inch` pixels to an inch. Equal scenes give equal pictures on one
 /// machine.
-pub fn png(scene: &Scene, per_inch: f64) -> Result<Vec<u8>, PngError> {
+pub fn png(scene: &Drawing, per_inch: f64) -> Result<Vec<u8>, PngError> {
     let flaw = |error: String| PngError::Flaw(error);
     let tree = Tree::from_str(&svg(scene), &Options::default()).map_err(|error| flaw(error.to_string()))?;
     let pixels = |points: f64| (points * per_inch / 72.0).round().clamp(1.0, f64::from(u32::MAX)) as u32;

@@ -71,7 +71,7 @@ impl Rect {
 
 /// Lines and curves, in the elements that SVG has.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Path(pub Vec<Step>);
+pub struct Outline(pub Vec<Step>);
 
 /// An element of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -86,16 +86,16 @@ pub enum Step {
     Close,
 }
 
-impl Path {
+impl Outline {
     /// Straight lines from point to point.
     pub fn line(points: &[[f64; 2]]) -> Self {
         let step = |(i, point): (usize, &[f64; 2])| if i == 0 { Step::Move(*point) } else { Step::Line(*point) };
-        Path(points.iter().enumerate().map(step).collect())
+        Outline(points.iter().enumerate().map(step).collect())
     }
 
     /// A closed shape with these corners.
     pub fn polygon(points: &[[f64; 2]]) -> Self {
-        let mut path = Path::line(points);
+        let mut path = Outline::line(points);
         path.0.push(Step::Close);
         path
     }
@@ -103,14 +103,14 @@ impl Path {
     /// A rectangle.
     pub fn rect(rect: Rect) -> Self {
         let Rect { x, y, .. } = rect;
-        Path::polygon(&[[x, y], [rect.right(), y], [rect.right(), rect.bottom()], [x, rect.bottom()]])
+        Outline::polygon(&[[x, y], [rect.right(), y], [rect.right(), rect.bottom()], [x, rect.bottom()]])
     }
 
     /// A circle.
     pub fn circle([x, y]: [f64; 2], radius: f64) -> Self {
         // Four cubic curves approximate the circle to 3e-4 of its radius.
         let (r, k) = (radius, 0.552_284_75 * radius);
-        Path(vec![
+        Outline(vec![
             Step::Move([x + r, y]),
             Step::Curve([x + r, y + k], [x + k, y + r], [x, y + r]),
             Step::Curve([x - k, y + r], [x - r, y + k], [x - r, y]),
@@ -161,7 +161,7 @@ pub enum Item {
     /// A shape.
     Shape {
         /// Its outline.
-        path: Path,
+        path: Outline,
         /// The colour it is filled with; none for an outline only.
         fill: Option<Colour>,
         /// How its outline is drawn; none for an area only.
@@ -198,7 +198,7 @@ pub enum Item {
 
 /// A sheet.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Scene {
+pub struct Drawing {
     /// Its width.
     pub width: f64,
     /// Its height.
@@ -213,12 +213,12 @@ pub struct Scene {
 
 impl Item {
     /// An outline without a filled area.
-    pub fn stroked(path: Path, stroke: Stroke) -> Self {
+    pub fn stroked(path: Outline, stroke: Stroke) -> Self {
         Item::Shape { path, fill: None, stroke: Some(stroke) }
     }
 
     /// A filled area without an outline.
-    pub fn filled(path: Path, fill: Colour) -> Self {
+    pub fn filled(path: Outline, fill: Colour) -> Self {
         Item::Shape { path, fill: Some(fill), stroke: None }
     }
 

@@ -4,12 +4,12 @@
 use super::escape::escaped;
 use super::face::Face;
 use super::label::{Label, Run};
-use super::scene::{Colour, Item, Path, Rect, Scene, Step, Stroke};
+use super::scene::{Colour, Drawing, Item, Outline, Rect, Step, Stroke};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// The scene as the text of an SVG file. Equal scenes give equal files.
-pub fn svg(scene: &Scene) -> String {
+pub fn svg(scene: &Drawing) -> String {
     let mut writer = Writer::default();
     writer.items(&scene.items);
     let (width, height) = (scene.width, scene.height);
@@ -129,7 +129,7 @@ fn name(face: Face, glyph: u32) -> String {
     format!("{}{glyph}", ['r', 'i', 'b'][face as usize])
 }
 
-fn data(path: &Path) -> String {
+fn data(path: &Outline) -> String {
     let pair = |[x, y]: [f64; 2]| format!("{} {}", number(x), number(y));
     let step = |step: &Step| match step {
         Step::Move(to) => format!("M{}", pair(*to)),

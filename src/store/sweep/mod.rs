@@ -16,7 +16,7 @@ pub use read::read_sweep;
 
 use super::at_once::write_at_once;
 use super::error::StoreError;
-use super::found::{self, Unfinished};
+use super::found::{self, Partial};
 use super::lock::Lock;
 use super::naming::{give_name, parent};
 use super::own::{self, identity};
@@ -25,7 +25,7 @@ use super::{check_space, partial_path, remains, workshop};
 use crate::dataset;
 use crate::engine::Provenance;
 use crate::stats::{GROUPS, Statistic};
-use crate::study::sweep::{Design, Point, Question, Sweep};
+use crate::study::sweep::{Design, Point, Sweep, SweepQuestion};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
@@ -61,11 +61,11 @@ impl SweepFile {
     pub fn open(
         target: &Path,
         header: &Provenance,
-        question: &Question,
+        question: &SweepQuestion,
         force: bool,
     ) -> Result<(SweepFile, Vec<Option<Point>>), StoreError> {
         let lock = workshop::lock(target)?;
-        if found::unfinished(target) == Unfinished::Named {
+        if found::unfinished(target) == Partial::Named {
             found::clear(target)?;
         }
         let is_there = target.symlink_metadata().is_ok() && !force;
@@ -142,10 +142,10 @@ impl SweepFile {
 fn known(
     target: &Path,
     header: &Provenance,
-    question: &Question,
+    question: &SweepQuestion,
     force: bool,
 ) -> Result<Option<Vec<Option<Point>>>, StoreError> {
-    if found::unfinished(target) == Unfinished::File {
+    if found::unfinished(target) == Partial::File {
         match same_question(&partial_path(target), header, question) {
             Err(_) if force => {}
             points => return points.map(Some),
@@ -156,7 +156,7 @@ fn known(
 
 /// The points in a file, if it is of this question and was written by this program; an error
 /// otherwise.
-fn same_question(path: &Path, header: &Provenance, question: &Question) -> Result<Vec<Option<Point>>, StoreError> {
+fn same_question(path: &Path, header: &Provenance, question: &SweepQuestion) -> Result<Vec<Option<Point>>, StoreError> {
     if !check_file(path)? {
         return Err(StoreError::NotSealed { path: path.to_owned() });
     }

@@ -5,12 +5,12 @@ use crate::dataset::{StoredSweep, read_attribute};
 use crate::engine::Provenance;
 use crate::store::StoreError;
 use crate::store::reader::{check_file, damaged, open};
-use crate::study::sweep::{Design, Question};
+use crate::study::sweep::{Design, SweepQuestion};
 use std::path::Path;
 
 /// The first difference between a stored sweep and this question, in words; `None` if there is
 /// none.
-pub(super) fn difference(stored: &StoredSweep, header: &Provenance, question: &Question) -> Option<String> {
+pub(super) fn difference(stored: &StoredSweep, header: &Provenance, question: &SweepQuestion) -> Option<String> {
     let Provenance { program_version, git_hash, generator, block_size, .. } = header;
     let mine = program(program_version, git_hash, generator, *block_size);
     let parts = |design: &Design| -> Vec<String> {

@@ -9,7 +9,7 @@ use crate::dataset::{ColumnView, Destination as _, Kind, Rows, run, summary};
 use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::saved::{RowSource as _, of_bytes};
-use crate::scenario::Bearing;
+use crate::scenario::SensorBearing;
 use crate::stats::column::FirstDifference;
 use crate::stats::{BlockResult, EVENT_COUNT, Record, Summary};
 use crate::store::reader::damaged;
@@ -64,7 +64,7 @@ pub struct Verification {
     path: PathBuf,
     /// The number of the first path in the file.
     origin: u64,
-    bearing: Option<Bearing>,
+    bearing: Option<SensorBearing>,
     /// The first path whose events are not counted yet, and the number of events before it.
     counted: (u64, usize),
 }

@@ -21,7 +21,7 @@ pub const MOST_POINTS: usize = 100_000;
 /// # Ok::<(), stick_slip::study::sweep::AxisError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub struct SweepAxis {
     /// The name of its dimension in the file: a letter, then letters, digits and underscores.
     pub name: String,
     /// The dotted key of the scenario.
@@ -61,13 +61,13 @@ impl fmt::Display for AxisError {
 /// The forms that values may have.
 const VALUES: &str = "write START:STOP:COUNT, log:START:STOP:COUNT, or values such as 0.1,0.2,0.5";
 
-impl Axis {
+impl SweepAxis {
     /// Read `[NAME=]KEY=VALUES`. The values are `START:STOP:COUNT` (evenly spaced),
     /// `log:START:STOP:COUNT` (evenly spaced in the logarithm) or a list. Without a name, the axis
     /// is called by the `symbol` of its key, or by the key with underscores in place of dots. The
     /// values of a grid are rounded to twelve digits, so that they are short enough to type.
-    pub fn parse(text: &str, symbol: impl Fn(&str) -> Option<String>) -> Result<Axis, AxisError> {
-        let whole = Piece { whole: text, at: 0..text.len() };
+    pub fn parse(text: &str, symbol: impl Fn(&str) -> Option<String>) -> Result<SweepAxis, AxisError> {
+        let whole = TextPart { whole: text, at: 0..text.len() };
         let parts = whole.split('=');
         let (name, key, values) = match parts.as_slice() {
             [key, values] => (None, key.trimmed(), values.trimmed()),
@@ -86,7 +86,7 @@ impl Axis {
         let key = key.text().to_string();
         let own = || symbol(&key).filter(|symbol| is_name(symbol)).unwrap_or_else(|| plain(&key));
         let name = name.map_or_else(own, |name| name.text().to_string());
-        Ok(Axis { name, key, values: numbers })
+        Ok(SweepAxis { name, key, values: numbers })
     }
 }
 
@@ -106,30 +106,30 @@ fn plain(key: &str) -> String {
 
 /// A part of the text, as a range of bytes.
 #[derive(Clone, Debug)]
-struct Piece<'a> {
+struct TextPart<'a> {
     whole: &'a str,
     at: Range<usize>,
 }
 
-impl<'a> Piece<'a> {
+impl<'a> TextPart<'a> {
     fn text(&self) -> &'a str {
         &self.whole[self.at.clone()]
     }
 
-    fn split(&self, by: char) -> Vec<Piece<'a>> {
+    fn split(&self, by: char) -> Vec<TextPart<'a>> {
         let mut start = self.at.start;
         let piece = |part: &str| {
             let at = start..start + part.len();
             start = at.end + by.len_utf8();
-            Piece { whole: self.whole, at }
+            TextPart { whole: self.whole, at }
         };
         self.text().split(by).map(piece).collect()
     }
 
-    fn trimmed(&self) -> Piece<'a> {
+    fn trimmed(&self) -> TextPart<'a> {
         let text = self.text();
         let start = self.at.start + (text.len() - text.trim_start().len());
-        Piece { whole: self.whole, at: start..start + text.trim().len() }
+        TextPart { whole: self.whole, at: start..start + text.trim().len() }
     }
 
     fn wrong(&self, problem: &str, remedy: &str) -> AxisError {
@@ -150,7 +150,7 @@ impl<'a> Piece<'a> {
     }
 }
 
-fn numbers(values: &Piece<'_>) -> Result<Vec<f64>, AxisError> {
+fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
     if values.text().is_empty() {
         return Err(values.wrong("there are no values", VALUES));
     }
@@ -171,7 +171,7 @@ fn numbers(values: &Piece<'_>) -> Result<Vec<f64>, AxisError> {
     }
 }
 
-fn list(values: &Piece<'_>) -> Result<Vec<f64>, AxisError> {
+fn list(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
     let mut list: Vec<f64> = Vec::new();
     for piece in values.split(',') {
         let number = piece.number()?;
@@ -185,9 +185,9 @@ fn list(values: &Piece<'_>) -> Result<Vec<f64>, AxisError> {
 }
 
 fn grid(
-    start: &Piece<'_>,
-    stop: &Piece<'_>,
-    count: &Piece<'_>,
+    start: &TextPart<'_>,
+    stop: &TextPart<'_>,
+    count: &TextPart<'_>,
     between: fn(f64, f64, f64) -> f64,
 ) -> Result<Vec<f64>, AxisError> {
     let (a, b) = (start.number()?, stop.number()?);
@@ -209,7 +209,7 @@ fn grid(
     if values.windows(2).all(|pair| (pair[0] < pair[1]) == (a < b) && pair[0] != pair[1]) {
         return Ok(values);
     }
-    let ends = Piece { whole: start.whole, at: start.at.start..stop.at.end };
+    let ends = TextPart { whole: start.whole, at: start.at.start..stop.at.end };
     Err(ends.wrong("the ends are too close for so many values", "give ends that differ, or fewer values"))
 }
 
@@ -231,7 +231,7 @@ mod tests {
     use proptest::prelude::*;
 
     fn values(text: &str) -> Vec<f64> {
-        Axis::parse(&format!("k={text}"), |_| None).expect(text).values
+        SweepAxis::parse(&format!("k={text}"), |_| None).expect(text).values
     }
 
     #[test]
@@ -247,7 +247,7 @@ mod tests {
     #[test]
     fn a_name_is_the_one_given_or_the_symbol_or_the_key() {
         let name = |text: &str, symbol: Option<&str>| {
-            let axis = Axis::parse(text, |key| symbol.filter(|_| key == "a.0.b").map(String::from)).expect(text);
+            let axis = SweepAxis::parse(text, |key| symbol.filter(|_| key == "a.0.b").map(String::from)).expect(text);
             assert_eq!(axis.key, "a.0.b");
             axis.name
         };
@@ -278,7 +278,7 @@ mod tests {
             ("k=1:2", "1:2", "no values"),
         ];
         for (text, wrong, problem) in cases {
-            let error = Axis::parse(text, |_| None).expect_err(text);
+            let error = SweepAxis::parse(text, |_| None).expect_err(text);
             assert_eq!(&text[error.at.clone()], wrong, "{text}: {error}");
             assert!(error.problem.contains(problem) && !error.remedy.is_empty(), "{text}: {error}");
             let shown = error.to_string();
@@ -290,7 +290,7 @@ mod tests {
     proptest! {
         #[test]
         fn any_text_is_an_axis_or_a_mistake_that_can_be_shown(text in "\\PC{0,40}|[a-z.=:,0-9 -]{0,24}") {
-            match Axis::parse(&text, |_| None) {
+            match SweepAxis::parse(&text, |_| None) {
                 Ok(axis) => prop_assert!(!axis.values.is_empty() && axis.values.iter().all(|x| x.is_finite())),
                 Err(error) => prop_assert!(error.to_string().contains("fix: ")),
             }

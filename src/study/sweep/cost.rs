@@ -1,6 +1,6 @@
 //! A rough prediction of the time that a sweep takes, from a few paths at a few of its points.
 
-use super::Question;
+use super::SweepQuestion;
 use crate::ensemble::BLOCK_SIZE;
 use crate::study::pace::seconds_per_path;
 use std::time::Duration;
@@ -16,7 +16,7 @@ const BIAS_SHARE: f64 = 0.125;
 
 /// Rough number of wall-clock seconds that a sweep takes on so many threads of an idle machine;
 /// `None` if no path came far enough to tell.
-pub fn estimated_seconds(question: &Question, threads: usize) -> Option<f64> {
+pub fn estimated_seconds(question: &SweepQuestion, threads: usize) -> Option<f64> {
     let points = &question.points;
     let timed = TIMED.min(points.len());
     let scenarios = (0..timed).map(|k| &points[(2 * k + 1) * points.len() / (2 * timed)]);

@@ -1,15 +1,15 @@
 //! The points of a sweep, and which of them are compared.
 
-use super::axis::{Axis, MOST_POINTS};
+use super::axis::{MOST_POINTS, SweepAxis};
 use crate::numbers::tidy;
 
 /// The points of a sweep.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Design {
     /// All combinations of the values of the axes; the last axis varies fastest.
-    Grid(Vec<Axis>),
+    Grid(Vec<SweepAxis>),
     /// The first values of all axes together, then the second values, and so on.
-    Zip(Vec<Axis>),
+    Zip(Vec<SweepAxis>),
     /// The scenario itself, and for each key one point with a smaller and one with a larger value.
     Star {
         /// The keys with their values in the scenario, all keys different and no value zero.
@@ -105,7 +105,7 @@ pub const RELATIVE_STEPS: std::ops::RangeInclusive<f64> = 1e-6..=0.5;
 
 impl Design {
     /// A grid of all combinations of axes, or, with `is_zipped`, their values in parallel.
-    pub fn of(axes: Vec<Axis>, is_zipped: bool) -> Result<Design, DesignError> {
+    pub fn of(axes: Vec<SweepAxis>, is_zipped: bool) -> Result<Design, DesignError> {
         for (i, axis) in axes.iter().enumerate() {
             if RESERVED.contains(&axis.name.as_str()) || axes[..i].iter().any(|other| other.name == axis.name) {
                 return Err(DesignError::Name(axis.name.clone()));
@@ -151,7 +151,7 @@ impl Design {
     }
 
     /// The axes; none for a star.
-    pub fn axes(&self) -> &[Axis] {
+    pub fn axes(&self) -> &[SweepAxis] {
         match self {
             Design::Grid(axes) | Design::Zip(axes) => axes,
             Design::Star { .. } => &[],
@@ -174,7 +174,7 @@ impl Design {
 
     /// The settings of a point; none at the centre of a star.
     pub fn settings(&self, point: usize) -> Vec<Setting> {
-        let setting = |axis: &Axis, i: usize| Setting { key: axis.key.clone(), value: axis.values[i] };
+        let setting = |axis: &SweepAxis, i: usize| Setting { key: axis.key.clone(), value: axis.values[i] };
         match self {
             Design::Grid(axes) => {
                 let places = self.places(point);
@@ -227,8 +227,8 @@ impl Design {
 mod tests {
     use super::*;
 
-    fn axis(name: &str, values: &[f64]) -> Axis {
-        Axis { name: name.into(), key: format!("key.{name}"), values: values.to_vec() }
+    fn axis(name: &str, values: &[f64]) -> SweepAxis {
+        SweepAxis { name: name.into(), key: format!("key.{name}"), values: values.to_vec() }
     }
 
     fn values(design: &Design) -> Vec<Vec<f64>> {
@@ -265,10 +265,10 @@ mod tests {
         assert_eq!(refused(vec![a.clone(), b.clone()], true), DesignError::Lengths("a".into(), 2, "b".into(), 1));
         assert_eq!(refused(vec![a.clone(), a.clone()], false), DesignError::Name("a".into()));
         assert_eq!(refused(vec![axis("group", &[1.0])], false), DesignError::Name("group".into()));
-        let twice = Axis { key: a.key.clone(), ..b };
+        let twice = SweepAxis { key: a.key.clone(), ..b };
         assert_eq!(refused(vec![a, twice], false), DesignError::Key("key.a".into()));
         let long = axis("c", &(0..1000).map(f64::from).collect::<Vec<_>>());
-        let many = vec![long.clone(), Axis { name: "d".into(), key: "d".into(), ..long }];
+        let many = vec![long.clone(), SweepAxis { name: "d".into(), key: "d".into(), ..long }];
         assert_eq!(refused(many, false), DesignError::Points(1e6));
     }
 }

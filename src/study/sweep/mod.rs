@@ -20,12 +20,12 @@ mod paired;
 mod point;
 mod simulate;
 
-pub use axis::{Axis, AxisError, MOST_POINTS};
+pub use axis::{AxisError, MOST_POINTS, SweepAxis};
 pub use cost::estimated_seconds;
 pub use design::{Design, DesignError, RELATIVE_STEPS, RESERVED, Setting, StarError};
 pub use paired::Paired;
 pub use point::Point;
-pub use simulate::{Simulation, SweepEnd};
+pub use simulate::{SweepEnd, SweepSimulation};
 
 use crate::scenario::Scenario;
 use crate::stats::Statistic;
@@ -51,7 +51,7 @@ impl Seeds {
 
 /// A sweep as it was asked for.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Question {
+pub struct SweepQuestion {
     /// The scenario that is varied.
     pub scenario: Scenario,
     /// The points.
@@ -64,7 +64,7 @@ pub struct Question {
     pub with_bias: bool,
 }
 
-impl Question {
+impl SweepQuestion {
     /// A question from the scenario and the scenarios of the points, in the order of the design.
     /// With independent seeds, the seed of each point is changed here.
     pub fn new(scenario: Scenario, design: Design, mut points: Vec<Scenario>, seeds: Seeds, with_bias: bool) -> Self {
@@ -73,7 +73,7 @@ impl Question {
                 point.ensemble.seed = point.ensemble.seed.wrapping_add(i);
             }
         }
-        Question { scenario, design, points, seeds, with_bias }
+        SweepQuestion { scenario, design, points, seeds, with_bias }
     }
 
     /// The same, with each scenario made from the settings of its point; the scenario that is
@@ -85,7 +85,7 @@ impl Question {
         scenario_at: impl Fn(&[Setting]) -> Result<Scenario, E>,
     ) -> Result<Self, E> {
         let points = (0..design.points()).map(|i| scenario_at(&design.settings(i))).collect::<Result<_, E>>()?;
-        Ok(Question::new(scenario_at(&[])?, design, points, seeds, with_bias))
+        Ok(SweepQuestion::new(scenario_at(&[])?, design, points, seeds, with_bias))
     }
 
     /// Whether the paths of any point are random.
@@ -98,14 +98,14 @@ impl Question {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sweep {
     /// What was asked.
-    pub question: Question,
+    pub question: SweepQuestion,
     /// The results in the order of the design; `None` for a point that is not done.
     pub points: Vec<Option<Point>>,
 }
 
 impl Sweep {
     /// A sweep without results.
-    pub fn new(question: Question) -> Self {
+    pub fn new(question: SweepQuestion) -> Self {
         let points = vec![None; question.points.len()];
         Sweep { question, points }
     }

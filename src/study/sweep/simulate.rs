@@ -5,7 +5,7 @@
 //! point with few paths or at the end of a point. Pieces are delivered in order, and the sums of a
 //! point are formed along the same tree as in a run.
 
-use super::{Point, Question, Sweep};
+use super::{Point, Sweep, SweepQuestion};
 use crate::bias::{BesideRun, NoBias};
 use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
@@ -18,8 +18,8 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Simulates a sweep. Set its fields, then call [`Simulation::run`].
-pub struct Simulation<'a> {
+/// Simulates a sweep. Set its fields, then call [`SweepSimulation::run`].
+pub struct SweepSimulation<'a> {
     /// Number of threads; no bit of the results depends on it.
     pub threads: usize,
     /// When raised, no further pieces are begun. A point that is not complete by then is left out.
@@ -81,7 +81,7 @@ impl Job<'_> {
 }
 
 /// The points that are not done, and the number of their pieces.
-fn jobs<'a>(question: &'a Question, done: &[Option<Point>]) -> (Vec<Job<'a>>, u64) {
+fn jobs<'a>(question: &'a SweepQuestion, done: &[Option<Point>]) -> (Vec<Job<'a>>, u64) {
     let mut jobs: Vec<Job> = Vec::new();
     let mut pieces = 0;
     for (point, scenario) in question.points.iter().enumerate().filter(|(i, _)| done[*i].is_none()) {
@@ -129,7 +129,7 @@ struct Growing {
     seconds: f64,
 }
 
-impl Simulation<'_> {
+impl SweepSimulation<'_> {
     /// Simulate all points of a sweep that are not done, and call `receive` after each point.
     /// Fails if `receive` fails.
     pub fn run<E: Send>(
@@ -137,7 +137,7 @@ impl Simulation<'_> {
         sweep: &mut Sweep,
         mut receive: impl FnMut(&Sweep) -> Result<(), E> + Send,
     ) -> Result<(), SweepEnd<E>> {
-        let Simulation { threads, stop, progress } = self;
+        let SweepSimulation { threads, stop, progress } = self;
         let question = sweep.question.clone();
         let (jobs, pieces) = jobs(&question, &sweep.points);
         let paths = jobs.iter().map(|job| job.scenario.ensemble.paths).sum();
