@@ -2,10 +2,10 @@
 //! in the paper's section on the experimental campaign.
 //!
 //! ```text
-//! Record         a thermometer and a displacement sensor (spikes, samples)
-//!   -> Evidence    slips: jumps of z that temperature does not explain (detect,
+//! Record         a thermometer and a displacement sensor (prepared, spikes, samples)
+//!   -> Evidence    slips: jumps of z that temperature does not explain (steel, detect,
 //!                  stick_analysis, slips)
-//!     -> Response    A, G, xi(0), z0 and two slopes, computed from the slips (fit) ...
+//!     -> Response    A, G, xi(0), z0 and two slopes, computed from the slips (by_slips, fit) ...
 //!     -> Start       ... or by the paper's least squares, in a box around those (misfit, starts)
 //!       -> Estimate    each quantity with an interval (quantity, uncertainty)
 //! ```
