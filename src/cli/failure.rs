@@ -46,7 +46,7 @@ impl Failure {
         Failure::Run(with_remedy(problem, remedy))
     }
 
-    /// The same where a file is what the work came to nothing with.
+    /// The same about a file, which the message names.
     pub fn run_of(file: &Path, problem: impl Display, remedy: impl Display) -> Self {
         Failure::run(format!("{}: {problem}", file.display()), remedy)
     }
