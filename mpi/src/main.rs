@@ -1,5 +1,6 @@
 //! The command `mc` as one of several processes that make one run, on one machine or on many, by
-//! MPI. It is the command of the package `stick-slip`, which gets a [`Crew`](stick_slip::engine::Crew).
+//! MPI. It is the command of the package `stick-slip`, which gets a
+//! [`Crew`](stick_slip::engine::Crew).
 //!
 //! Rank 0 is the coordinator: only it reads arguments and files, and prints. It gives leases to all
 //! ranks, among them its own threads ([`leases::Leases`]). A lease is a sequence of

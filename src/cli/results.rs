@@ -40,8 +40,8 @@ pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<S
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
 }
 
-/// Checks that the ensemble of a file has a path of this number. Any number names a path that can be
-/// simulated, but one outside the ensemble is most likely a typing error.
+/// Checks that the ensemble of a file has a path of this number. Any number names a path that can
+/// be simulated, but one outside the ensemble is most likely a typing error.
 pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
     let paths = stored.header.paths;
     if path < paths {

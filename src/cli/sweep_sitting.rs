@@ -1,4 +1,5 @@
-//! One sitting of a sweep: from the start or a continuation to its table, or to the next interruption.
+//! One sitting of a sweep: from the start or a continuation to its table, or to the next
+//! interruption.
 
 use super::numbers::wrapped;
 use super::progress::Progress;

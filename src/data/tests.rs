@@ -133,7 +133,8 @@ fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
     let half_hours: Vec<f64> = samples(&table).iter().map(|sample| sample.0 / 1800.0).collect();
     assert_eq!(half_hours, [0.0, 1.0, 2.0, 3.0, 4.0, 5.0]);
     assert_eq!(table.repairs.folds, 4);
-    // A record that begins in such an hour begins with the first of the two, an hour before the second.
+    // A record that begins in such an hour begins with the first of the two, an hour before the
+    // second.
     let late = "time,T\n2015-10-25 02:30,1\n2015-10-25 03:00,2\n";
     assert_eq!(samples(&in_zone("Europe/Paris", late).unwrap())[1].0, 5400.0);
     // In UTC the stamps repeat two times with different values.

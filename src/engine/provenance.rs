@@ -11,9 +11,9 @@ use std::sync::Arc;
 /// Version of the program.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Commit that the program was built from, or `unknown` outside a repository. Where that does not say
-/// what it was built from, a fingerprint of the sources follows, as in `0123456789ab-dirty-` and 16
-/// hexadecimal digits.
+/// Commit that the program was built from, or `unknown` outside a repository. Where that does not
+/// say what it was built from, a fingerprint of the sources follows, as in `0123456789ab-dirty-`
+/// and 16 hexadecimal digits.
 pub const GIT_HASH: &str = env!("MC_GIT_HASH");
 
 /// Says which program has written a file, and that its numbers may therefore differ. None if it was

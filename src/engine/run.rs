@@ -1,5 +1,5 @@
-//! The run itself: what is asked of it, its beginning and its end. [`super::course`] is what happens
-//! in between.
+//! The run itself: what is asked of it, its beginning and its end. [`super::course`] is what
+//! happens in between.
 
 use super::alarm::Alarm;
 use super::course::{Clock, Course};

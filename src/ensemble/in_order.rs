@@ -11,8 +11,8 @@ use std::sync::{Condvar, Mutex, MutexGuard, PoisonError};
 pub(super) const PIECES_AHEAD: u64 = 8;
 
 /// Make the pieces `0 .. count` on `threads` threads, [`MOST_THREADS`] at most, and deliver each in
-/// order, until all are delivered, `deliver` breaks or fails, or `stop` is set. Returns the number of
-/// delivered pieces. The only errors are those of `deliver`.
+/// order, until all are delivered, `deliver` breaks or fails, or `stop` is set. Returns the number
+/// of delivered pieces. The only errors are those of `deliver`.
 ///
 /// When `deliver` breaks, the piece that it was given is the last one, although other pieces may be
 /// finished too: the end of a run is then as reproducible as the pieces themselves. When the caller

@@ -156,8 +156,9 @@ impl Plan {
         Some(delivered)
     }
 
-    /// How many blocks are in memory at a time, at most: those that are simulated, and finished ones
-    /// that wait to be delivered in order. Where each thread has a processor, none waits for long.
+    /// How many blocks are in memory at a time, at most: those that are simulated, and finished
+    /// ones that wait to be delivered in order. Where each thread has a processor, none waits for
+    /// long.
     pub fn blocks_held(&self, threads: usize) -> u64 {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
         let pieces = if threads > cores { PIECES_AHEAD } else { PIECES_AHEAD.min(5) };

@@ -42,8 +42,9 @@ pub struct BentThreshold<L> {
 }
 
 /// The probability of acceptance is the ratio of the densities, divided by a bound of the ratio.
-/// Where the ratio is smallest at the typical place, it has no bound. It is then divided by a number
-/// that is larger by this many times |b|/sqrt S, which it exceeds only where places are rare.
+/// Where the ratio is smallest at the typical place, it has no bound. It is then divided by a
+/// number that is larger by this many times |b|/sqrt S, which it exceeds only where places are
+/// rare.
 const MARGIN: f64 = 0.3;
 
 /// The square of the distance at the end is moved by this factor at most.

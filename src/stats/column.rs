@@ -250,8 +250,8 @@ impl ColumnView<'_> {
         }
     }
 
-    /// The first value that differs from a computed one. Reals are compared bit for bit, except that
-    /// all NaN are equal, since NaN means a missing value.
+    /// The first value that differs from a computed one. Reals are compared bit for bit, except
+    /// that all NaN are equal, since NaN means a missing value.
     pub(crate) fn first_difference(self, computed: ColumnView) -> Option<FirstDifference> {
         let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
         match (self, computed) {

@@ -4,8 +4,8 @@
 //! In every run, a path is in the group of its number modulo [`GROUPS`], and an antithetic pair in
 //! that of the pair's number. Where path n of two runs sees the same noise, so do all paths of a
 //! group, and the effects of a group on both runs are kept together. The errors of differences and
-//! ratios of runs then follow by the jackknife ([`crate::sums::jackknife`]). Groups hold whole paths, so
-//! the phases of a path may depend on each other in any way.
+//! ratios of runs then follow by the jackknife ([`crate::sums::jackknife`]). Groups hold whole
+//! paths, so the phases of a path may depend on each other in any way.
 //!
 //! A group holds moments alone. The median comes from the durations of the run, which are kept in
 //! the same groups.

@@ -329,8 +329,8 @@ mod tests {
 
     /// The error of a standard deviation has the degrees of freedom that the tails of the law leave
     /// ([`crate::sums::spread`]), and those are the tails of all paths. So the interval is as wide
-    /// from eight blocks as from the same paths in one block, up to what is taken about the means of
-    /// blocks (1 %). With the tails of the first block alone it would be wider by 6 to 13 %.
+    /// from eight blocks as from the same paths in one block, up to what is taken about the means
+    /// of blocks (1 %). With the tails of the first block alone it would be wider by 6 to 13 %.
     #[test]
     fn the_interval_of_a_standard_deviation_is_as_wide_from_many_blocks_as_from_one() {
         let timeline = Timeline { end: 1e3, output_step: 1e3, period: Some(300.0), after: 0.0 };

@@ -8,10 +8,10 @@
 //! ```
 //!
 //! the last three over n = 1..M-1. In terms of the means of these over paths, the mean of u is a
-//! and its variance is b - a^2. The correlation of neighbours is that of the pairs: their covariance
-//! c - d^2 over the variance e - d^2 of their members, both about the mean d of the members. So it
-//! lies between -1 and 1, and u_1 and u_M, which are in one pair only, count half in it. Errors
-//! follow from the scatter of a to e from path to path.
+//! and its variance is b - a^2. The correlation of neighbours is that of the pairs: their
+//! covariance c - d^2 over the variance e - d^2 of their members, both about the mean d of the
+//! members. So it lies between -1 and 1, and u_1 and u_M, which are in one pair only, count half in
+//! it. Errors follow from the scatter of a to e from path to path.
 
 use crate::scheme::Timeline;
 use crate::sums::Unit;

@@ -972,8 +972,8 @@ mod tests {
     }
 
     /// The interval of a standard deviation is that of Student's t for its reciprocal, 1/sd -+ t
-    /// error/sd^2. The influences are e, the squares of the paths less their mean, and the others of
-    /// `all` paths have none.
+    /// error/sd^2. The influences are e, the squares of the paths less their mean, and the others
+    /// of `all` paths have none.
     fn check_spread(e: Estimate, sd: f64, error: f64, squares: &[f64], all: usize) {
         assert!((e.estimate - sd).abs() < 1e-9 && (e.standard_error - error).abs() < 1e-9, "{e:?} {sd} {error}");
         let t = cautious_t(squares, squares.len(), squares.len(), all);
@@ -1251,8 +1251,8 @@ mod tests {
         }
     }
 
-    /// Four of twenty paths have a stick and a slip, which says nothing about the largest of others.
-    /// Four of five paths are what there is.
+    /// Four of twenty paths have a stick and a slip, which says nothing about the largest of
+    /// others. Four of five paths are what there is.
     #[test]
     fn a_number_that_too_few_of_the_paths_carry_has_no_interval() {
         let summary = |sticking: usize, all: usize| {

@@ -1,8 +1,8 @@
 //! Means of positive numbers that may rest on few events.
 //!
-//! Where events are rare and come in clusters, a few paths hold most of them. The estimate of a mean
-//! and that of its error then rise and fall together: if the large paths are missing, both are too
-//! small, and an interval with equal arms ends below the truth in 10 to 15 % of all runs. On a
+//! Where events are rare and come in clusters, a few paths hold most of them. The estimate of a
+//! mean and that of its error then rise and fall together: if the large paths are missing, both are
+//! too small, and an interval with equal arms ends below the truth in 10 to 15 % of all runs. On a
 //! logarithmic scale of d, the excess of the mean over the least value that it can have, the error
 //! depends less on the estimate:
 //!
@@ -11,9 +11,9 @@
 //! ```
 //!
 //! The error itself is known only as well as the tails of the influences of paths allow
-//! ([`super::spread`]), with f degrees of freedom. Where only m of n paths have any events, f is too
-//! large, because the paths that would show how long the tails are may be missing as well. So t is
-//! that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom. Where all paths contribute
+//! ([`super::spread`]), with f degrees of freedom. Where only m of n paths have any events, f is
+//! too large, because the paths that would show how long the tails are may be missing as well. So t
+//! is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom. Where all paths contribute
 //! alike, none of this changes the interval much: the ends move by half of s/d of its width.
 //!
 //! docs/statistics.md says how often these intervals hold the truth.
@@ -95,10 +95,10 @@ impl Fourths {
 mod tests {
     use super::*;
 
-    /// y = 2, 5, 5 over x = 1, 2, 3 has the ratio 2 and the influences 0, 1 and -1: the sum of their
-    /// squares is 2, that of their fourth powers too, and 2/f = 2/4 - 1/3. So f is 12, but no more
-    /// than 2. Ten numbers of which one is 10 and the others are 0 have the influences 9 and -1,
-    /// the squares 90 and the fourth powers 6570, and f is 2/(6570/8100 - 1/10) = 2.8.
+    /// y = 2, 5, 5 over x = 1, 2, 3 has the ratio 2 and the influences 0, 1 and -1: the sum of
+    /// their squares is 2, that of their fourth powers too, and 2/f = 2/4 - 1/3. So f is 12, but no
+    /// more than 2. Ten numbers of which one is 10 and the others are 0 have the influences 9 and
+    /// -1, the squares 90 and the fourth powers 6570, and f is 2/(6570/8100 - 1/10) = 2.8.
     #[test]
     fn the_freedom_of_a_ratio_is_that_of_the_fourth_powers_of_its_influences() {
         let few = Fourths::of(&[2.0, 5.0, 5.0], &[1.0, 2.0, 3.0]);

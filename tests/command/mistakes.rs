@@ -1,5 +1,5 @@
-//! What a user sees after a typical mistake. `cargo test --release --test command mistakes:: -- --nocapture`
-//! prints all answers, for reading.
+//! What a user sees after a typical mistake. `cargo test --release --test command mistakes:: --
+//! --nocapture` prints all answers, for reading.
 //!
 //! Each answer names the cause, the place and the remedy, in lines that fit a terminal. Nothing is
 //! written. The exit code is 2, or 1 if some work had begun.

@@ -187,8 +187,8 @@ fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
 }
 
 /// The renames, links and removals of a sweep fail, one in each try. Either it succeeds, or it says
-/// what failed; the command that it advises then finishes it. A link that fails is no failure of the
-/// sweep, because the file is renamed instead.
+/// what failed; the command that it advises then finishes it. A link that fails is no failure of
+/// the sweep, because the file is renamed instead.
 #[test]
 fn a_sweep_of_which_a_link_or_a_removal_fails_is_right_or_finished_by_the_command_that_it_advises() {
     let expected = undisturbed();

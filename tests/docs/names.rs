@@ -174,7 +174,8 @@ fn declared_type(line: &str) -> Option<(String, bool)> {
 }
 
 /// The types of which there are several under one key, with their files. The key follows from the
-/// room, the name of the type, and whether it is declared `pub`; a type without a key does not count.
+/// room, the name of the type, and whether it is declared `pub`; a type without a key does not
+/// count.
 fn several(key: impl Fn(&str, &str, bool) -> Option<String>) -> BTreeMap<String, Vec<String>> {
     let mut files: BTreeMap<String, Vec<String>> = BTreeMap::new();
     for (place, code) in compiled() {

@@ -237,8 +237,8 @@ impl Watch {
         ensure(x.is_finite() && v.is_finite() && g.is_finite(), || "not a number".into())?;
         ensure(t >= lane.since && t >= lane.looked, || "looked at out of order".into())?;
         lane.looked = t;
-        // At the row at which a stick ends, a scheme with a step does not hold the body any more, and
-        // tells of the event with the next step.
+        // At the row at which a stick ends, a scheme with a step does not hold the body any more,
+        // and tells of the event with the next step.
         let has_step = matches!(self.scheme, Kind::DiscreteVi | Kind::CorrectedVi);
         let pull = (g - self.model.oscillator.stiffness * x).abs();
         let leaves = has_step && pull >= self.exit_force - self.rounding(lane, t, x, pull);

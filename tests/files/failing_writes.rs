@@ -1,8 +1,9 @@
-//! A change of the disk that fails once, while all later ones succeed: the command reports an error,
-//! or has written what it writes otherwise. The next command finishes in either case.
+//! A change of the disk that fails once, while all later ones succeed: the command reports an
+//! error, or has written what it writes otherwise. The next command finishes in either case.
 //!
 //! `tests/shim/kill.c` lets one write, sync, rename, link, removal or creation fail, with an error
-//! of a disk (no space, a quota, an error of the device), with an interruption, or as a short write.
+//! of a disk (no space, a quota, an error of the device), with an interruption, or as a short
+//! write.
 
 use crate::command::{self, text};
 use crate::shim::{Fault, faulty, folders, traced};
@@ -82,8 +83,8 @@ struct Counts {
 }
 
 impl Writes {
-    /// Lets every change of the disk whose number leaves `first` when it is divided by `stride` fail
-    /// with each of these faults, and sees what becomes of it.
+    /// Lets every change of the disk whose number leaves `first` when it is divided by `stride`
+    /// fail with each of these faults, and sees what becomes of it.
     fn survive(&self, first: u64, stride: u64, faults: &[Fault]) -> Counts {
         let (_keep, prepared) = folders();
         for arguments in &self.before {

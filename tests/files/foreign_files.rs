@@ -225,7 +225,8 @@ fn a_part_is_the_same_bytes_each_time() {
     assert!(part("b.h5", "1") == first && part("c.h5", "2") == first);
 }
 
-/// The removal of a lock or of the folder fails. The file is there, and the command says what stays.
+/// The removal of a lock or of the folder fails. The file is there, and the command says what
+/// stays.
 #[test]
 fn what_could_not_be_removed_is_said() {
     let (_outer, here) = folders();

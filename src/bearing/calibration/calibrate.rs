@@ -16,8 +16,8 @@ use std::sync::atomic::AtomicBool;
 ///
 /// # Errors
 ///
-/// If the record is too short, if a number in it is absurdly large, if a column is constant, or if only the method by slips is asked for
-/// and no slips are visible.
+/// If the record is too short, if a number in it is absurdly large, if a column is constant, or if
+/// only the method by slips is asked for and no slips are visible.
 pub fn calibrate(
     record: &MeasuredRecord,
     question: &CalibrationQuestion,

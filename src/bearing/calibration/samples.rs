@@ -129,8 +129,8 @@ impl Samples {
         stretches(&self.starts, self.times.len())
     }
 
-    /// The indices of pairs of samples that are this many seconds apart, rounded to whole intervals,
-    /// without a gap between them.
+    /// The indices of pairs of samples that are this many seconds apart, rounded to whole
+    /// intervals, without a gap between them.
     pub fn pairs(&self, seconds: f64) -> impl Iterator<Item = [usize; 2]> {
         let step = (seconds / self.interval()).round() as usize;
         let later = self.stretches().flat_map(move |stretch| stretch.start + step..stretch.end);

@@ -140,8 +140,8 @@ const ENOUGH: f64 = 1e-6;
 ///
 /// # Errors
 ///
-/// If the record is too short, a number in it is too large, all temperatures are equal, a period is named twice, or the samples do not determine the
-/// processes.
+/// If the record is too short, a number in it is too large, all temperatures are equal, a period is
+/// named twice, or the samples do not determine the processes.
 pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usize) -> Result<WeatherFit, WeatherError> {
     let n = times.len();
     if n < LEAST {

@@ -3,8 +3,8 @@
 //! Nelder and Mead, *A simplex method for function minimization*, Computer Journal 7 (1965).
 
 /// The lowest point found, and its value. The search begins at `start` with steps of length `step`,
-/// and ends when the values of the simplex agree within `enough`. Where the function is not a number
-/// it counts as infinite, and where its lowest value is infinite the search ends as well.
+/// and ends when the values of the simplex agree within `enough`. Where the function is not a
+/// number it counts as infinite, and where its lowest value is infinite the search ends as well.
 pub fn lowest(start: &[f64], step: f64, enough: f64, mut f: impl FnMut(&[f64]) -> f64) -> (Vec<f64>, f64) {
     let n = start.len();
     let mut f = |x: &[f64]| Some(f(x)).filter(|value| !value.is_nan()).unwrap_or(f64::INFINITY);
@@ -62,7 +62,8 @@ const MOST_STEPS: usize = 2000;
 mod tests {
     use super::*;
 
-    /// Infinity less infinity is not a number, and no step would make the values of the simplex agree.
+    /// Infinity less infinity is not a number, and no step would make the values of the simplex
+    /// agree.
     #[test]
     fn a_function_without_finite_values_is_given_up_at_once() {
         for nowhere in [f64::INFINITY, f64::NEG_INFINITY, f64::NAN] {

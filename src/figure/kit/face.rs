@@ -29,8 +29,8 @@ static BOLD: &[u8] = include_bytes!("../../../assets/inter/Inter-Bold.ttf");
 
 static PARSED: LazyLock<[Parsed; 3]> = LazyLock::new(|| {
     [REGULAR, ITALIC, BOLD].map(|bytes| {
-        // This cannot fail: tests/command/assets.rs compares the bytes with their hash, and a test below
-        // reads every typeface.
+        // This cannot fail: tests/command/assets.rs compares the bytes with their hash, and a test
+        // below reads every typeface.
         let font = FontRef::new(bytes).expect("a vendored font is sound");
         let em = f64::from(font.head().map_or(1000, |head| head.units_per_em()));
         Parsed { font, em }

@@ -5,8 +5,9 @@
 //! |b(X_{n+1}, 0, t_{n+1})| <= f_s. A zero that does not begin a static phase, or V_n V_{n+1} < 0,
 //! is a sub-phase boundary at t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0;
 //! this is the paper's convention (its tau_{3/2} = 14.86). So a path that is observed at t_n is
-//! static if and only if V_n = V_{n+1} = 0, in its rows as in its events. If every zero counted as a stick, sticks
-//! would be 23 % shorter at h = 0.01 (docs/model.md), and their duration would not converge.
+//! static if and only if V_n = V_{n+1} = 0, in its rows as in its events. If every zero counted as
+//! a stick, sticks would be 23 % shorter at h = 0.01 (docs/model.md), and their duration would not
+//! converge.
 
 use super::kernel::{Coefficients, Kernel, Paths, Point, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
@@ -41,9 +42,9 @@ impl Reader {
         Reader { phases: phases.collect() }
     }
 
-    /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static phase
-    /// ends at the last instant with V = 0, so that this instant belongs to the slip. It is the one
-    /// at which the force no longer holds, and its event is found in the next step.
+    /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static
+    /// phase ends at the last instant with V = 0, so that this instant belongs to the slip. It is
+    /// the one at which the force no longer holds, and its event is found in the next step.
     pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64) -> impl Iterator<Item = bool> {
         let c = &kernel.coefficients;
         self.phases.iter().enumerate().map(move |(lane, phase)| {

@@ -173,8 +173,8 @@ impl Verification {
         Ok(())
     }
 
-    /// The state from which a part is joined to the others must have the scenario and the statistics
-    /// of the part.
+    /// The state from which a part is joined to the others must have the scenario and the
+    /// statistics of the part.
     fn part_state(&mut self, expected: &Expected) -> std::result::Result<(), StoreError> {
         let bytes: Vec<u8> = read_variable(&self.against.file, &layout::PART_STATE).map_err(damaged(&self.path))?;
         let state = of_bytes(&bytes, &self.path)?;

@@ -91,8 +91,8 @@ impl Budget {
         self.time.as_secs_f64() * self.threads as f64
     }
 
-    /// The number of steps of the ladder, and of paths, of the schemes with a step. If no steps fit,
-    /// these schemes are removed from the ladder.
+    /// The number of steps of the ladder, and of paths, of the schemes with a step. If no steps
+    /// fit, these schemes are removed from the ladder.
     fn stepping(&self, scenario: &Scenario, ladder: &mut Ladder) -> Result<(usize, u64), Misfit> {
         if ladder.stepping.is_empty() {
             return Ok((0, 0));
@@ -123,8 +123,8 @@ impl Budget {
         Ok((0, 0))
     }
 
-    /// The number of paths of each setting without a step, of which a path takes `each` seconds. The
-    /// `capacity` that is left is shared out, each share times `more`.
+    /// The number of paths of each setting without a step, of which a path takes `each` seconds.
+    /// The `capacity` that is left is shared out, each share times `more`.
     fn free(&self, ladder: &mut Ladder, each: &[f64], more: f64, capacity: f64) -> Result<Vec<u64>, TradeError> {
         let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;
         let too_small = |i: usize| TradeError::BudgetTooSmall { path_seconds: each[i], least: LEAST_FREE };

@@ -98,7 +98,8 @@ impl Trade {
     /// The settings compared are the measured rungs and further halvings of the finest step, whose
     /// bias follows from the fitted law. Steps in between would save little. With bias C h^p and
     /// cost 1/h, the cost is least where bias^2 = target^2/(2p + 1). The better of two steps, one
-    /// twice the other, costs at most 13 % more than this minimum at p = 1/2, and 19 % more at p = 1.
+    /// twice the other, costs at most 13 % more than this minimum at p = 1/2, and 19 % more at p =
+    /// 1.
     ///
     /// If antithetic pairs were measured in addition to independent paths, they are chosen if they
     /// make the run at least a fifth cheaper.

@@ -194,7 +194,8 @@ impl Abreast<'_> {
         odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
     }
 
-    /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell alone.
+    /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell
+    /// alone.
     fn count_work(&mut self) {
         let Abreast { odd, swept, turned_odd, jobs, spent, count, .. } = self;
         for &lane in jobs.flagged() {
