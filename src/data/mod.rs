@@ -77,11 +77,11 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
 /// Read columns of a CSV text; messages call it `name`.
 ///
 /// ```
-/// use stick_slip::data::{Name, Quantity, TimeColumn, Wanted, parse};
+/// use stick_slip::data::{Name, ColumnQuantity, TimeColumn, Wanted, parse};
 ///
 /// let text = b"time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";
 /// let temperature =
-///     Wanted { column: Name::Exactly("temperature_degC"), quantity: Quantity::Temperature, unit: None, max_gap: None };
+///     Wanted { column: Name::Exactly("temperature_degC"), quantity: ColumnQuantity::Temperature, unit: None, max_gap: None };
 /// let table = parse("t.csv", text, TimeColumn { name: "time", zone: Some("UTC") }, &[temperature])?;
 /// assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, 1200.0][..], &[15.5, 14.8][..]));
 /// let repairs = ["left out 1 cell without a value in `temperature_degC`", "read 2 decimal commas"];

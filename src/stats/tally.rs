@@ -53,7 +53,8 @@ impl PathState {
 /// use stick_slip::engine::Run;
 /// use stick_slip::model::{Event, EventKind};
 /// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::{Measurement, PathMeans, PathState, Tally};
+/// use stick_slip::stats::{PathMeans, PathState, Tally};
+/// use stick_slip::sums::Measurement;
 ///
 /// /// The mean number of slips to the right, per path.
 /// struct SlipsToTheRight;

@@ -11,11 +11,11 @@ pub const MOST_POINTS: usize = 100_000;
 /// A key of the scenario with the values that it takes.
 ///
 /// ```
-/// use stick_slip::study::sweep::Axis;
+/// use stick_slip::study::sweep::SweepAxis;
 ///
-/// let rho = Axis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
+/// let rho = SweepAxis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
 /// assert_eq!((rho.name.as_str(), rho.values), ("rho", vec![0.0, 0.25, 0.5, 0.75, 1.0]));
-/// let thresholds = Axis::parse("friction.static=log:1:100:3", |_| Some("f_s".to_string()))?;
+/// let thresholds = SweepAxis::parse("friction.static=log:1:100:3", |_| Some("f_s".to_string()))?;
 /// assert_eq!((thresholds.name.as_str(), thresholds.values), ("f_s", vec![1.0, 10.0, 100.0]));
 /// assert!(Axis::parse("friction.static=1:2", |_| None).is_err());
 /// # Ok::<(), stick_slip::study::sweep::AxisError>(())
