@@ -77,7 +77,7 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
 /// Read columns of a CSV text; messages call it `name`.
 ///
 /// ```
-/// use stick_slip::data::{Name, ColumnQuantity, TimeColumn, Wanted, parse};
+/// use stick_slip::data::{ColumnQuantity, Name, TimeColumn, Wanted, parse};
 ///
 /// let text = b"time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";
 /// let temperature =
