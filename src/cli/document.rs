@@ -5,6 +5,7 @@ use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use stick_slip::advice::Warning;
 use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
+use stick_slip::stats::Estimate;
 
 /// The schema version, one for all objects together (docs/json.md). It rises where a key changes
 /// its meaning or is removed, and not where a key is added.
@@ -33,6 +34,18 @@ pub fn document(kind: &str, body: Value) -> String {
         document.extend(body);
     }
     format!("{document:#}\n")
+}
+
+/// A statistic with its interval and the bias of the step. Numbers that do not exist are null.
+pub fn estimate(e: &Estimate) -> Value {
+    json!({
+        "estimate": e.estimate,
+        "standard_error": e.standard_error,
+        "low": e.low,
+        "high": e.high,
+        "bias": e.bias.map(|bias| bias.estimate),
+        "bias_uncertainty": e.bias.map(|bias| bias.uncertainty),
+    })
 }
 
 /// The SHA-256 of a text in hexadecimal digits, as `sha256sum` prints it.

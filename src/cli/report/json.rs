@@ -1,7 +1,7 @@
 //! The report for programs: one JSON object.
 
 use super::RunInfo;
-use crate::cli::document::{JsonWarning, document, sha256};
+use crate::cli::document::{JsonWarning, document, estimate, sha256};
 use serde_json::{Map, Value, json};
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
@@ -11,7 +11,7 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
     let (sticks, run) = (&summary.stick_durations, &info.provenance);
     let Units { time, length, force, temperature } = &run.units;
     let unsettled = summary.unsettled().map(|unsettled| unsettled.into_iter().map(Statistic::name).collect::<Vec<_>>());
-    let statistics = summary.estimates.iter().map(|e| (e.statistic.name().to_string(), estimate(e)));
+    let statistics = summary.estimates.iter().map(|e| (e.statistic.name().to_string(), corrected_estimate(e)));
     let report = json!({
         "scenario": info.scenario,
         "title": run.title,
@@ -68,20 +68,14 @@ fn start(Transient { end, sticks, slips, displacement, .. }: Transient) -> Value
     })
 }
 
-fn estimate(e: &Estimate) -> Value {
-    let corrected = e.corrected();
-    json!({
-        "estimate": e.estimate,
-        "standard_error": e.standard_error,
-        "low": e.low,
-        "high": e.high,
-        "bias": e.bias.map(|bias| bias.estimate),
-        "bias_uncertainty": e.bias.map(|bias| bias.uncertainty),
-        "bias_order": e.bias.and_then(|bias| bias.order),
-        "estimate_corrected": corrected.map(|corrected| corrected.estimate),
-        "estimate_corrected_low": corrected.map(|corrected| corrected.low),
-        "estimate_corrected_high": corrected.map(|corrected| corrected.high),
-    })
+/// A statistic with its bias taken off.
+fn corrected_estimate(e: &Estimate) -> Value {
+    let (mut known, corrected) = (estimate(e), e.corrected());
+    known["bias_order"] = json!(e.bias.and_then(|bias| bias.order));
+    known["estimate_corrected"] = json!(corrected.map(|corrected| corrected.estimate));
+    known["estimate_corrected_low"] = json!(corrected.map(|corrected| corrected.low));
+    known["estimate_corrected_high"] = json!(corrected.map(|corrected| corrected.high));
+    known
 }
 
 #[cfg(test)]

@@ -1,9 +1,9 @@
 //! The report of a sweep for programs: one JSON object.
 
-use crate::cli::document::document;
+use crate::cli::document::{document, estimate};
 use serde_json::{Map, Value, json};
 use std::path::Path;
-use stick_slip::stats::{Estimate, Statistic};
+use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Design, Paired, Point, Sweep};
 
 /// The report as one JSON object. A number that does not exist is null.
@@ -56,17 +56,6 @@ fn point(sweep: &Sweep, p: usize) -> Value {
 fn statistics(of: impl Fn(Statistic) -> Option<Value>) -> Value {
     let each = Statistic::ALL.into_iter().map(|statistic| (statistic.name().to_string(), of(statistic).into()));
     Value::Object(each.collect())
-}
-
-fn estimate(e: &Estimate) -> Value {
-    json!({
-        "estimate": e.estimate,
-        "standard_error": e.standard_error,
-        "low": e.low,
-        "high": e.high,
-        "bias": e.bias.map(|bias| bias.estimate),
-        "bias_uncertainty": e.bias.map(|bias| bias.uncertainty),
-    })
 }
 
 fn paired(Paired { measurement: m, gain }: Paired) -> Value {
