@@ -1,14 +1,12 @@
 //! A run that is cut into parts and joined again gives the same file as the whole run, byte for
 //! byte. Parts that do not belong together are refused by name.
 
-use crate::command;
+use crate::command::{self, RHO025, SCENE};
 use crate::edit::edited;
 use std::fs;
 use std::path::Path;
 use std::process::Output;
 use tempfile::TempDir;
-
-const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
 
 fn mc(folder: &TempDir, arguments: &[&str]) -> Output {
     command::mc(folder.path(), arguments)
@@ -27,24 +25,6 @@ fn text(bytes: &[u8]) -> String {
 fn folder() -> TempDir {
     tempfile::tempdir().expect("a folder")
 }
-
-/// A run with rows of every kind, a last block that is not full, trajectories that end within a
-/// part, and a bias of the step.
-const SCENE: &[&str] = &[
-    "run",
-    RHO025,
-    "--step",
-    "0.05",
-    "--paths",
-    "2900",
-    "--quiet",
-    "--set",
-    "record.events=true",
-    "--set",
-    "record.trajectories=1300",
-    "--set",
-    "time.output_step=5",
-];
 
 fn run(more: &[&'static str]) -> Vec<&'static str> {
     [SCENE, more].concat()

@@ -12,6 +12,26 @@ use std::time::{Duration, Instant};
 /// command that takes longer than this is not merely slow but hangs.
 pub const LONGEST: Duration = Duration::from_secs(300);
 
+pub const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
+
+/// A run with rows of every kind, a last block that is not full, trajectories that end within a
+/// part, and a bias of the step.
+pub const SCENE: &[&str] = &[
+    "run",
+    RHO025,
+    "--step",
+    "0.05",
+    "--paths",
+    "2900",
+    "--quiet",
+    "--set",
+    "record.events=true",
+    "--set",
+    "record.trajectories=1300",
+    "--set",
+    "time.output_step=5",
+];
+
 /// How often a condition is checked.
 const LOOK: Duration = Duration::from_millis(20);
 

@@ -1,33 +1,15 @@
 //! `mc verify`: a file is as it was written, and contains what its scenario gives. Every number
 //! that was changed is named, even if the checksum was made to fit.
 
-use crate::command;
+use crate::command::{self, RHO025, SCENE};
 use crate::edit::edited;
 use hdf5::types::VarLenUnicode;
 use std::fs;
 use std::process::Output;
 use tempfile::TempDir;
 
-const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
 const SHAW: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/shaw.toml");
 const BRIDGE: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/viaduct.toml");
-
-/// A run with rows of every kind, whose last block is not full.
-const SCENE: &[&str] = &[
-    "run",
-    RHO025,
-    "--step",
-    "0.05",
-    "--paths",
-    "2900",
-    "--quiet",
-    "--set",
-    "record.events=true",
-    "--set",
-    "record.trajectories=1300",
-    "--set",
-    "time.output_step=5",
-];
 
 fn text(bytes: &[u8]) -> String {
     String::from_utf8_lossy(bytes).into_owned()
