@@ -27,9 +27,16 @@ const TYPICAL_SD: f64 = 3.0;
 pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, temperature, initial_displacement: x0 } = model;
     let w0 = oscillator.natural_frequency();
-    if model.force_bound(NEVER_SD) <= friction.static_force {
+    let force = model.force_bound(NEVER_SD, end);
+    if force <= friction.static_force {
         return x0.abs();
     }
+    if oscillator.stiffness == 0.0 {
+        // Without a spring, what is left of the force accelerates the body throughout.
+        return x0.abs() + (force - friction.dynamic_force) / oscillator.mass * end * end / 2.0;
+    }
+    // The displacement per unit of temperature at which the spring balances it.
+    let dilatation = oscillator.rest_position(1.0);
     // At resonance without damping the amplitude grows by w0/2 per unit of time, so that the end of
     // the run bounds it.
     let most = 1.0 + w0 * end / 2.0;
@@ -46,7 +53,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     let (mut x, mut y, mut most_x, mut most_y) = (0.0, 0.0, 0.0, 0.0);
     for (amplitude, s) in harmonics.chain(relaxing) {
         let p = step.map_or(s, |h| (s * h).exp_m1() * (1.0 / h)) * (1.0 / w0);
-        let moved = response(oscillator, p, most) * amplitude * oscillator.dilatation;
+        let moved = response(oscillator, p, most) * amplitude * dilatation;
         let passing = moved * p;
         (x, y) = (x + moved.re, y + passing.re);
         (most_x, most_y) = (most_x + moved.abs(), most_y + passing.abs());
@@ -55,9 +62,14 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     // oscillate about it.
     if let Some(series) = &temperature.series {
         let (low, high) = series.range();
-        most_x += oscillator.dilatation.abs() * low.abs().max(high.abs());
-        (x, y) = (x + oscillator.dilatation * series.at(0.0), y + oscillator.dilatation * series.steepest() / w0);
-        most_y += oscillator.dilatation.abs() * series.steepest() / w0;
+        most_x += dilatation.abs() * low.abs().max(high.abs());
+        (x, y) = (x + dilatation * series.at(0.0), y + dilatation * series.steepest() / w0);
+        most_y += dilatation.abs() * series.steepest() / w0;
+    }
+    if temperature.has_line() {
+        most_x += dilatation.abs() * (temperature.offset.abs() + temperature.trend.abs() * end);
+        (x, y) = (x + dilatation * temperature.offset, y + dilatation * temperature.trend / w0);
+        most_y += dilatation.abs() * temperature.trend.abs() / w0;
     }
     let noise = temperature.noises().map(|noise| noise_amplitude(model, &noise, end, step)).sum::<f64>();
     most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + noise
@@ -83,7 +95,7 @@ fn response(oscillator: &Oscillator, p: Complex, most: f64) -> Complex {
 fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) -> f64 {
     let Model { oscillator, friction, .. } = model;
     let (w0, theta) = (oscillator.natural_frequency(), noise.relaxation_rate);
-    let sd = oscillator.dilatation.abs() * noise.intensity * noise.stationary_sd();
+    let sd = oscillator.rest_position(1.0).abs() * noise.intensity * noise.stationary_sd();
     // w0 S/sd^2, which is 2 theta w0/(theta^2 + w0^2) without a step.
     let spectrum = match step {
         Some(h) => {
@@ -92,7 +104,7 @@ fn noise_amplitude(model: &Model, noise: &Noise, end: f64, step: Option<f64>) ->
         }
         None => 2.0 / (theta / w0 + w0 / theta),
     };
-    let time = end.min(0.5 * oscillator.mass / oscillator.damping);
+    let time = end.min(0.5 * oscillator.mass / oscillator.damping.max(0.0));
     let without_loss = TYPICAL_SD * sd * (spectrum * w0 * time).sqrt();
     let with_friction =
         0.5 * 1000f64.ln() * sd * sd * spectrum * (0.5 * PI * oscillator.stiffness / friction.dynamic_force);

@@ -24,6 +24,8 @@ pub struct Derived {
     /// (f_s / (K beta rho sigma))^2: the time that the noise takes to cross that half-width by
     /// diffusion.
     pub corridor_time: Option<f64>,
+    /// A of [`Model::runaway_amplitude`], if the damping is negative.
+    pub runaway_amplitude: Option<f64>,
     /// Limits of the step, if the scheme has a step.
     pub stability: Option<Stability>,
     /// Shift 0.5826 K |beta| rho sigma sqrt(h) by which the corrected scheme lowers f_s; none for
@@ -76,10 +78,12 @@ impl From<Option<f64>> for DerivedQuantity {
 
 impl Derived {
     /// All quantities with their names.
-    pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 21] {
+    pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 22] {
         let (critical_amplitude, largest_step) = match self.stability {
             None => (None, None),
-            Some(Stability::Undamped { critical_amplitude }) => (Some(critical_amplitude), None),
+            Some(Stability::Undamped { critical_amplitude } | Stability::Growing { critical_amplitude }) => {
+                (Some(critical_amplitude), None)
+            }
             Some(
                 Stability::Underdamped { largest_step }
                 | Stability::Overdamped { largest_step }
@@ -93,6 +97,7 @@ impl Derived {
             ("noise_force", self.noise_force.into()),
             ("corridor_half_width", self.corridor_half_width.into()),
             ("corridor_time", self.corridor_time.into()),
+            ("runaway_amplitude", self.runaway_amplitude.into()),
             ("critical_amplitude", critical_amplitude.into()),
             ("largest_step", largest_step.into()),
             ("monitoring_shift", self.monitoring_shift.into()),
@@ -138,6 +143,7 @@ impl Scenario {
             noise_force,
             corridor_half_width: noise_force.filter(|c| *c > 0.0).map(|c| friction.static_force / c),
             corridor_time: diffusive.map(|c| (friction.static_force / c).powi(2)),
+            runaway_amplitude: self.model.runaway_amplitude(0.0),
             stability: self.scheme.stability(&self.model),
             monitoring_shift: match self.scheme.discretisation() {
                 Discretisation::CorrectedStep { h } => Some(monitoring_shift(&self.model, h)),

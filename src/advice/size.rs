@@ -90,8 +90,11 @@ fn events(scenario: &Scenario) -> f64 {
     let gain = oscillator.force_per_temperature().abs();
     let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
     let measured = temperature.series.as_ref().map_or(0.0, |series| gain * series.variation() / series.end());
+    let trend = gain * temperature.trend.abs();
     let noise = temperature.noises().map(|noise| gain * noise.intensity * noise.diffusion).fold(0.0, f64::hypot);
-    let slips = end * (2.0 / PI * harmonic / gap + measured / gap + (noise / gap).powi(2));
-    // Without a gap the number of slips is infinite or 0/0, and the half-cycles count.
-    2.0 * if slips < half_cycles { slips } else { half_cycles }
+    let slips = end * (2.0 / PI * harmonic / gap + measured / gap + trend / gap + (noise / gap).powi(2));
+    // Without a gap the number of slips is infinite or 0/0, and the half-cycles count. Without a
+    // spring there are none.
+    let has_spring = oscillator.stiffness > 0.0;
+    2.0 * if slips < half_cycles || (!has_spring && slips.is_finite()) { slips } else { half_cycles }
 }

@@ -103,6 +103,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         noise_force,
         corridor_half_width,
         corridor_time,
+        runaway_amplitude,
         stability,
         monitoring_shift,
         resolution,
@@ -118,11 +119,15 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         output_bytes,
     } = scenario.derived();
     let mut lines = vec![("w0 = sqrt(K/m), natural frequency", number(natural_frequency))];
-    lines.extend(frequency_ratios.iter().map(|ratio| ("w/w0, forcing", number(*ratio))));
+    if natural_frequency > 0.0 {
+        lines.extend(frequency_ratios.iter().map(|ratio| ("w/w0, forcing", number(*ratio))));
+    }
     let body = scenario.model.oscillator;
     let amplitudes = scenario.model.temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs());
-    let forcing = body.stiffness * body.dilatation.abs() * amplitudes.sum::<f64>();
-    lines.push(("alpha/(m w0), damping ratio", number(body.damping / (body.mass * natural_frequency))));
+    let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
+    if body.stiffness > 0.0 {
+        lines.push(("alpha/(m w0), damping ratio", number(body.damping / (body.mass * natural_frequency))));
+    }
     lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
     lines.push(("f_d/f_s, friction ratio", optional(friction_ratio, "none: f_s = 0")));
     lines.push(("K beta rho sigma/sqrt(2 theta), noise in b", optional(noise_force, "no noise")));
@@ -130,7 +135,11 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         lines.push(("f_s/(K beta rho), corridor, half width in v", optional(corridor_half_width, "unbounded")));
         lines.push(("(f_s/(K beta rho sigma))^2, time to cross it", optional(corridor_time, "unbounded")));
     }
+    lines.extend(runaway_amplitude.map(|amplitude| ("amplitude beyond which the body runs away", number(amplitude))));
     lines.extend(stability.map(|stability| match stability {
+        Stability::Growing { critical_amplitude } => {
+            ("the same with what the step adds", format!("{} (negative damping)", number(critical_amplitude)))
+        }
         Stability::Undamped { critical_amplitude } => {
             ("A_c = 4 f_d/(pi w0 h K), critical amplitude", format!("{} (no damping)", number(critical_amplitude)))
         }

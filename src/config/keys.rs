@@ -103,15 +103,19 @@ keys! {
     }
     "oscillator" {
         MASS = number("mass", "m", "mass", Range::Positive);
-        STIFFNESS = number("stiffness", "K", "stiffness of the spring", Range::Positive);
-        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'", Range::NonNegative);
+        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", Range::NonNegative);
+        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'; below 0 it drives the body", Range::Any);
         DILATATION = number("dilatation", "beta", "the rest position is beta T", Range::Any);
+        FORCE_PER_TEMPERATURE = number(
+            "force_per_temperature", "c", "the force c T acts on the body, in place of a dilatation", Range::Any);
     }
     "friction" {
         STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Range::Threshold);
         DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Range::Threshold);
     }
     "temperature" {
+        TEMPERATURE_OFFSET = number("offset", "", "a constant", Range::Any);
+        TREND = number("trend", "", "slope of a straight line: a belt, a pulled spring", Range::Any);
         HARMONICS = table("harmonics");
         SERIES = table("series");
         NOISE = table("noise");
@@ -195,12 +199,18 @@ pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
 }
 
 /// Other names that users write for a key: the symbols of the paper and common synonyms.
-const SYNONYMS: [(&str, &str); 32] = [
+const SYNONYMS: [(&str, &str); 38] = [
     ("m", "oscillator.mass"),
     ("k", "oscillator.stiffness"),
     ("alpha", "oscillator.damping"),
     ("beta", "oscillator.dilatation"),
     ("dilation", "oscillator.dilatation"),
+    ("c", "oscillator.force_per_temperature"),
+    ("gain", "oscillator.force_per_temperature"),
+    ("belt", "temperature.trend"),
+    ("slope", "temperature.trend"),
+    ("speed", "temperature.trend"),
+    ("constant", "temperature.offset"),
     ("f_s", "friction.static"),
     ("fs", "friction.static"),
     ("f_d", "friction.dynamic"),

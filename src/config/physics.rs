@@ -4,7 +4,7 @@ use super::fields::Fields;
 use super::keys;
 use super::series;
 use super::source::Sources;
-use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scenario::{Measured, SensorBearing};
 
 /// The model, and where parts of it come from.
@@ -22,7 +22,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         mass: table.number(keys::MASS),
         stiffness: table.number(keys::STIFFNESS),
         damping: table.number_or(keys::DAMPING, 0.0),
-        dilatation: table.number(keys::DILATATION),
+        drive: drive(sources, &table),
     };
 
     let table = root.table("friction");
@@ -50,18 +50,44 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     for table in &noises {
         is_pinned |= table.flag_or(keys::PINNED, false);
     }
-    let temperature = Temperature { harmonics, series, is_pinned, noise, second_noise };
+    let (offset, trend) = (table.number_or(keys::TEMPERATURE_OFFSET, 0.0), table.number_or(keys::TREND, 0.0));
+    let temperature = Temperature { offset, trend, harmonics, series, is_pinned, noise, second_noise };
 
     let table = root.table("initial");
     let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"]);
     let is_balanced = matches!(given, Some(Err(_)));
     let initial_displacement = match given {
         Some(Ok(x0)) => x0,
-        Some(Err(_balanced)) => oscillator.dilatation * temperature.mean(0.0),
+        Some(Err(_balanced)) => balanced(sources, &table, &oscillator, temperature.mean(0.0)),
         None => table.number(keys::DISPLACEMENT),
     };
     let model = Model { oscillator, friction, temperature, initial_displacement };
     Physics { model, measured, is_balanced }
+}
+
+/// The rest position at this temperature, which a body without a spring does not have.
+fn balanced(sources: &Sources<'_>, table: &Fields<'_>, oscillator: &Oscillator, temperature: f64) -> f64 {
+    let at_rest = oscillator.rest_position(temperature);
+    if at_rest.is_finite() {
+        return at_rest;
+    }
+    let problem = "`initial.displacement` = \"balanced\" is where no spring force acts, and there is no spring";
+    let place = table.place_of(keys::DISPLACEMENT.name);
+    sources.report(sources.fault(place, problem.into(), "write a number, e.g. `displacement = 0`".into()));
+    0.0
+}
+
+/// How the temperature drives the body: by a dilatation or by a force, whichever is given.
+fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
+    let Some(force) = table.number_if_present(keys::FORCE_PER_TEMPERATURE) else {
+        return Drive::Dilatation(table.number(keys::DILATATION));
+    };
+    if let Some(beta) = table.number_if_present(keys::DILATATION) {
+        let problem = "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given".to_string();
+        let remedy = "keep one: the rest position of the spring is beta T, or the force c T acts on the body";
+        sources.report(sources.fault(force.place.or(beta.place), problem, remedy.into()));
+    }
+    Drive::Force(force.value)
 }
 
 /// Read `[bearing]`.

@@ -4,7 +4,7 @@
 use super::*;
 use crate::advice::Warning;
 use crate::model::paper::paper;
-use crate::model::{InitialNoise, Noise, Temperature};
+use crate::model::{Drive, InitialNoise, Noise, Temperature};
 use crate::scenario::arbitrary::scenario;
 use crate::scenario::{Ensemble, MAX_PERIODS, MAX_ROWS, Time, Units};
 use crate::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Kind};
@@ -349,7 +349,7 @@ fn data_are_refused_for_the_same_reasons_as_a_file() {
         (|s| s.model.friction.dynamic_force = 2.0, "friction.dynamic", "is above `friction.static`"),
         (|s| s.model.oscillator.mass = 1e-310, "oscillator.stiffness", "K/m = inf"),
         (|s| s.model.oscillator.damping = 1e101, "oscillator.damping", "alpha/m"),
-        (|s| s.model.oscillator.dilatation = 5e99, "oscillator.dilatation", "reach 4"),
+        (|s| s.model.oscillator.drive = Drive::Dilatation(5e99), "oscillator.dilatation", "reach 4"),
         (|s| s.time.end = 1e101, "time.step", "2^53"),
         (slow_and_endless, "time.end", "lets |x| grow"),
         (|s| s.time.output_step = 0.007, "time.output_step", "is not a whole number of steps"),

@@ -1,7 +1,7 @@
 //! A scenario as TOML, with every default and with the symbol of the paper beside every number.
 
 use super::keys::{self, Key};
-use crate::model::{InitialNoise, Noise, Series, Temperature};
+use crate::model::{Drive, InitialNoise, Noise, Series, Temperature};
 use crate::scenario::{Measured, Scenario, SensorBearing, Time, Units};
 use crate::stats::Record;
 use std::fmt::Write as _;
@@ -103,7 +103,10 @@ fn physics(text: &mut String, scenario: &Scenario) {
     number(text, keys::MASS, model.oscillator.mass);
     number(text, keys::STIFFNESS, model.oscillator.stiffness);
     number(text, keys::DAMPING, model.oscillator.damping);
-    number(text, keys::DILATATION, model.oscillator.dilatation);
+    match model.oscillator.drive {
+        Drive::Dilatation(beta) => number(text, keys::DILATATION, beta),
+        Drive::Force(c) => number(text, keys::FORCE_PER_TEMPERATURE, c),
+    }
     table(text, "friction");
     number(text, keys::STATIC, model.friction.static_force);
     number(text, keys::DYNAMIC, model.friction.dynamic_force);
@@ -130,9 +133,16 @@ pub(super) fn of_temperature(temperature: &Temperature) -> String {
 }
 
 fn temperature(text: &mut String, of: &Temperature, measured: Option<&Measured>) {
-    if of.harmonics.is_empty() {
+    if of.has_line() || of.harmonics.is_empty() {
         table(text, "temperature");
-        line(text, keys::HARMONICS.name, "[]", "no deterministic part");
+    }
+    if of.has_line() {
+        number(text, keys::TEMPERATURE_OFFSET, of.offset);
+        number(text, keys::TREND, of.trend);
+    }
+    if of.harmonics.is_empty() {
+        let meaning = if of.has_line() { "no harmonics" } else { "no deterministic part" };
+        line(text, keys::HARMONICS.name, "[]", meaning);
     }
     for harmonic in &of.harmonics {
         text.push_str("\n[[temperature.harmonics]]  # a cos(w t + phi)\n");

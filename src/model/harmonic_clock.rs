@@ -24,6 +24,8 @@ pub struct HarmonicClock {
     harmonics: Vec<HarmonicTable>,
     /// The measured temperature, and h.
     series: Option<(Arc<Series>, f64)>,
+    /// The constant, and the change of the trend in a step.
+    line: Option<[f64; 2]>,
 }
 
 /// One harmonic, with its table.
@@ -50,13 +52,14 @@ impl HarmonicClock {
             table.ahead = (0..RUN).map(|j| libm::sincos(table.angle(j))).map(|(s, c)| (c, s)).collect();
             table
         };
-        HarmonicClock { harmonics: harmonics.iter().map(table).collect(), series: None }
+        HarmonicClock { harmonics: harmonics.iter().map(table).collect(), series: None, line: None }
     }
 
-    /// The values of the harmonics and the series of a temperature, for steps of length `h`.
+    /// The values of the line, the harmonics and the series of a temperature, for steps of length `h`.
     pub fn of(temperature: &Temperature, h: f64) -> Self {
         let series = temperature.series.clone().map(|series| (series, h));
-        HarmonicClock { series, ..Self::new(&temperature.harmonics, h) }
+        let line = temperature.has_line().then_some([temperature.offset, temperature.trend * h]);
+        HarmonicClock { series, line, ..Self::new(&temperature.harmonics, h) }
     }
 
     /// Writes the values at t_n, t_{n+1}, ... into `values`.
@@ -76,6 +79,11 @@ impl HarmonicClock {
             let (s, c) = (table.amplitude * s, table.amplitude * c);
             for (value, (cos, sin)) in values.iter_mut().zip(&table.ahead[(n % RUN) as usize..]) {
                 *value += c * cos - s * sin;
+            }
+        }
+        if let Some([offset, change]) = self.line {
+            for (n, value) in (n..).zip(values.iter_mut()) {
+                *value += change.mul_add(n as f64, offset);
             }
         }
         if let Some((series, h)) = &self.series {

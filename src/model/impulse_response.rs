@@ -18,9 +18,8 @@
 //! - otherwise as a difference quotient over the two roots farthest apart. The first-order
 //!   differences inside use sinh(q)/q where their own roots are close;
 //! - where all three roots are close together and away from 0, by the Taylor series of the same
-//!   difference about the centre of l1 and l2, because the quotient would be 0/0. For a
-//!   harmonic, z = i w, this cannot be, as w >= 0 and gamma >= 0. For z = -theta it can: theta =
-//!   gamma = w0.
+//!   difference about the centre of l1 and l2, because the quotient would be 0/0. It happens for
+//!   z = -theta, with theta = gamma = w0.
 
 use super::complex::Complex;
 
@@ -43,7 +42,7 @@ pub struct ImpulseResponse {
 }
 
 impl ImpulseResponse {
-    /// The oscillator with gamma = alpha/m >= 0 and w0 > 0.
+    /// The oscillator with gamma = alpha/m, which may be negative, and w0 >= 0.
     pub fn new(damping_rate: f64, natural_frequency: f64) -> Self {
         let (g, w0) = (damping_rate, natural_frequency);
         let discriminant = (g - w0) * (g + w0);
@@ -52,8 +51,9 @@ impl ImpulseResponse {
             [Complex::new(-g, root), Complex::new(-g, -root)]
         } else {
             // The slow root is w0^2 divided by the fast one, because gamma - root would cancel.
-            let fast = g + root;
-            [Complex::new(-w0 * (w0 / fast), 0.0), Complex::new(-fast, 0.0)]
+            let fast = g + root.copysign(g);
+            let slow = if w0 == 0.0 { 0.0 } else { w0 * (w0 / fast) };
+            [Complex::new(-slow, 0.0), Complex::new(-fast, 0.0)]
         };
         ImpulseResponse { damping_rate: g, stiffness_ratio: w0 * w0, roots }
     }
@@ -120,8 +120,16 @@ impl ImpulseResponse {
         if self.roots[0].abs().max(self.roots[1].abs()) * r <= TAYLOR_RADIUS {
             return self.taylor(Complex::ZERO, r, 3).re * (r * r * r);
         }
-        // The displacement follows from the equation of the oscillator.
+        let [slow, fast] = self.roots;
         let settled = self.exponential(Complex::ZERO, r).re;
+        if fast.im == 0.0 && slow.abs() * r <= TAYLOR_RADIUS {
+            // exp[0, 0, l1, l2] as a difference quotient over 0 and the fast root. The equation of the
+            // oscillator, which is used below, would be divided by a K that is nearly zero.
+            let without =
+                ImpulseResponse { damping_rate: -0.5 * slow.re, stiffness_ratio: 0.0, roots: [Complex::ZERO, slow] };
+            return (settled - without.exponential(Complex::ZERO, r).re) / fast.re;
+        }
+        // The displacement follows from the equation of the oscillator.
         (r - self.impulse(r) - 2.0 * self.damping_rate * settled) / self.stiffness_ratio
     }
 

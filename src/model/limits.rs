@@ -1,6 +1,7 @@
 //! The largest numbers that a model may contain or lead to.
 
-use super::Model;
+use super::{Friction, Model};
+use std::f64::consts::PI;
 
 /// The largest number that can be computed with: squares and products of two such numbers, summed
 /// over any run, fit in a double.
@@ -16,18 +17,31 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {
-    /// A bound of |b| = |K (beta T - x)| while x = x0, for practically every realisation of the
-    /// noise.
-    pub fn largest_force(&self) -> f64 {
-        self.force_bound(FARTHEST_SD)
+    /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken off
+    /// alpha; none where it does not oscillate or does not grow.
+    ///
+    /// In a half-cycle of the unforced body the amplitude grows by q = e^{-pi z/sqrt(1 - z^2)}, z =
+    /// alpha/(m w0) < 0, while friction takes (1 + q) f_d/K of it, so the two balance at
+    ///
+    /// ```text
+    /// A = (f_d/K) (q + 1)/(q - 1)
+    /// ```
+    pub fn runaway_amplitude(&self, added: f64) -> Option<f64> {
+        let Model { oscillator, friction: Friction { dynamic_force, .. }, .. } = self;
+        let z = (oscillator.damping - added) / (oscillator.mass * oscillator.natural_frequency());
+        let exponent = -PI * z / ((1.0 - z) * (1.0 + z)).sqrt();
+        (z < 0.0 && z > -1.0).then(|| dynamic_force / oscillator.stiffness / libm::tanh(0.5 * exponent))
     }
 
-    /// A bound of |b| while x = x0, where each noise is bounded by `sds` stationary standard
-    /// deviations.
-    pub fn force_bound(&self, sds: f64) -> f64 {
-        // The stiffness is multiplied by a length, as in the computation of b. With K beta as one
-        // factor the product would be rounded differently.
-        self.oscillator.stiffness
-            * (self.oscillator.dilatation.abs() * self.temperature.bound(sds) + self.initial_displacement.abs())
+    /// A bound of |b| = |K (beta T - x)| while x = x0, up to `end`, for practically every realisation
+    /// of the noise.
+    pub fn largest_force(&self, end: f64) -> f64 {
+        self.force_bound(FARTHEST_SD, end)
+    }
+
+    /// A bound of |b| while x = x0, up to `end`, where each noise is bounded by `sds` stationary
+    /// standard deviations.
+    pub fn force_bound(&self, sds: f64, end: f64) -> f64 {
+        self.oscillator.force_bound(self.temperature.bound(sds, end), self.initial_displacement.abs())
     }
 }

@@ -5,10 +5,10 @@
 //!
 //! ```text
 //! m x'' + F(x') = b(x, x', t),   b = K (beta T(t) - x) - 2 alpha x',   x(0) = x0, x'(0) = 0
-//! T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
+//! T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
 //! ```
 //!
-//! S is the measured temperature.
+//! S is the measured temperature. Where the temperature is a force, c T stands in place of K beta T.
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
@@ -35,7 +35,7 @@ pub use harmonic_clock::HarmonicClock;
 #[doc(hidden)]
 pub use impulse_response::ImpulseResponse;
 pub(crate) use limits::{LARGEST, can_be_computed_with};
-pub use oscillator::Oscillator;
+pub use oscillator::{Drive, Oscillator};
 pub use series::{NoSeries, Series};
 pub(crate) use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]
@@ -46,7 +46,7 @@ pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 /// The physical model: one oscillator, its friction, its temperature and its initial displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
-    /// Mass, stiffness, damping, dilatation.
+    /// Mass, stiffness, damping, and how the temperature drives the body.
     pub oscillator: Oscillator,
     /// The two Coulomb thresholds.
     pub friction: Friction,

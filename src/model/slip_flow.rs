@@ -19,7 +19,7 @@
 //! b   = m y'' + eps f_d
 //! ```
 //!
-//! A measured temperature adds a straight line of slope c to K beta T/m, and a sub-phase that
+//! A trend, or a measured temperature, adds a straight line of slope c to K beta T/m, and a sub-phase that
 //! continues after a sample begins there with a velocity v0. Both add
 //!
 //! ```text
@@ -103,8 +103,14 @@ impl ForcedOscillator {
         // The sum starts from +0, because the sum of no terms would be -0, and a distance divided
         // by -0 is -infinity.
         let forcing_curvature = terms.iter().fold(0.0, |sum, t| sum + t.amplitude.abs() * t.rate.abs() * t.rate.abs());
-        let free = ImpulseResponse::new(oscillator.damping / oscillator.mass, w0);
+        let free = ImpulseResponse::new(oscillator.damping_rate(), w0);
         ForcedOscillator { free, oscillator, terms, forcing_curvature }
+    }
+
+    /// The time for which a bound of [`SlipFlow::jerk_bound`] holds: infinite unless gamma < 0.
+    pub fn bounded_for(&self) -> f64 {
+        let rate = self.oscillator.damping_rate();
+        if rate < 0.0 { -0.5 / rate } else { f64::INFINITY }
     }
 
     /// F_j and z_j of each term.
@@ -195,15 +201,20 @@ impl SlipFlow<'_> {
     /// w0^2 q^2) >= |x'''| grows at most at the rate of the right-hand side, because damping only
     /// reduces it. This holds for any damping and across resonance, where bounds from the
     /// amplitudes of the modes would be useless.
+    ///
+    /// Negative damping, gamma < 0, lets the norm grow by the factor e^{2 |gamma| u}. The bounds then
+    /// hold for [`ForcedOscillator::bounded_for`], in which this factor is e.
     pub fn jerk_bound(&self, state: &SlipState) -> (f64, f64) {
         let w0 = self.body.oscillator.natural_frequency();
-        (libm::hypot(state.jerk, w0 * state.acceleration), self.body.forcing_curvature)
+        let growth = if self.body.oscillator.damping < 0.0 { std::f64::consts::E } else { 1.0 };
+        (growth * libm::hypot(state.jerk, w0 * state.acceleration), growth * self.body.forcing_curvature)
     }
 
     /// A bound of |x''''|, where `bend` bounds the energy norm of [`SlipFlow::jerk_bound`]. It
     /// follows from the equation of q, solved for q''.
     pub fn snap_bound(&self, bend: f64) -> f64 {
         let Oscillator { mass, damping, .. } = self.body.oscillator;
-        self.body.forcing_curvature + (2.0 * damping / mass + self.body.oscillator.natural_frequency()) * bend
+        let rate = 2.0 * damping.abs() / mass + self.body.oscillator.natural_frequency();
+        self.body.forcing_curvature + rate * bend
     }
 }

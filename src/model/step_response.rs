@@ -109,10 +109,11 @@ const NEWTON_STEPS: usize = 8;
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::model::Drive;
 
     fn response(zeta: f64) -> StepResponse {
         // w0 = 2, gamma = 2 zeta.
-        StepResponse::new(&Oscillator { mass: 0.5, stiffness: 2.0, damping: zeta, dilatation: 0.0 })
+        StepResponse::new(&Oscillator { mass: 0.5, stiffness: 2.0, damping: zeta, drive: Drive::Dilatation(0.0) })
     }
 
     /// The formulas at the head of this file in plain arithmetic, and for zeta > 1 the two

@@ -1,5 +1,5 @@
-//! The temperature that drives the oscillator: a sum of harmonics, a measured series, and one or
-//! two Ornstein-Uhlenbeck noises.
+//! The temperature that drives the oscillator: a straight line, a sum of harmonics, a measured
+//! series, and one or two Ornstein-Uhlenbeck noises.
 
 use super::Series;
 use std::f64::consts::TAU;
@@ -57,9 +57,15 @@ impl Noise {
     }
 }
 
-/// T(t) = sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one noise or two.
+/// T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one noise
+/// or two.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Temperature {
+    /// A constant, in units of temperature.
+    pub offset: f64,
+    /// The slope of a straight line, in units of temperature per time. Seen from a belt that moves at
+    /// a constant speed, the support of the spring moves along such a line.
+    pub trend: f64,
     /// The harmonics.
     pub harmonics: Vec<Harmonic>,
     /// S, the measured temperature, if there is one. Clones of a model share it.
@@ -106,14 +112,30 @@ impl Temperature {
         self.noises().count() == 2
     }
 
-    /// The harmonics and the series at time t, from their definition.
+    /// Whether there is a constant or a trend.
+    pub fn has_line(&self) -> bool {
+        self.offset != 0.0 || self.trend != 0.0
+    }
+
+    /// offset + trend t.
+    pub fn line(&self, t: f64) -> f64 {
+        self.offset + self.trend * t
+    }
+
+    /// The line and the series at time t, from their definition.
+    pub fn measured(&self, t: f64) -> f64 {
+        let line = self.line(t);
+        self.series.as_ref().map_or(line, |series| if self.has_line() { line + series.at(t) } else { series.at(t) })
+    }
+
+    /// The line, the harmonics and the series at time t, from their definition.
     pub fn deterministic(&self, t: f64) -> f64 {
         let harmonics: f64 =
             self.harmonics.iter().map(|h| h.amplitude * libm::cos(h.angular_frequency * t + h.phase)).sum();
-        self.series.as_ref().map_or(harmonics, |series| harmonics + series.at(t))
+        if self.has_line() || self.series.is_some() { harmonics + self.measured(t) } else { harmonics }
     }
 
-    /// E T(t), from its definition: the harmonics, the series, and the mean of each v, which
+    /// E T(t), from its definition: the line, the harmonics, the series, and the mean of each v, which
     /// relaxes from its start.
     pub fn mean(&self, t: f64) -> f64 {
         let relaxing = self.noises().map(|noise| match noise.initial {
@@ -123,14 +145,15 @@ impl Temperature {
         self.deterministic(t) + relaxing.sum::<f64>()
     }
 
-    /// A bound of |T|, where each noise is bounded by `sds` stationary standard deviations.
-    pub fn bound(&self, sds: f64) -> f64 {
+    /// A bound of |T| up to `end`, where each noise is bounded by `sds` stationary standard deviations.
+    pub fn bound(&self, sds: f64, end: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
         let noise = self.noises().map(|noise| {
             let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
             noise.intensity * (start + sds * noise.stationary_sd())
         });
-        harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise.sum::<f64>()
+        let line = self.offset.abs() + self.trend.abs() * end;
+        line + harmonics + self.series.as_ref().map_or(0.0, |series| series.bound()) + noise.sum::<f64>()
     }
 
     /// P, the forcing period: the shortest time after which every harmonic repeats itself.

@@ -2,7 +2,7 @@
 
 use super::limits::MAX_PHASE;
 use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time, Units};
-use crate::model::{Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
+use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scheme::{Kind, monitoring_shift};
 use crate::stats::Record;
 use proptest::prelude::*;
@@ -30,7 +30,9 @@ prop_compose! {
 
 prop_compose! {
     fn model()(
-        (mass, stiffness, damping, dilatation) in (size(), size(), prop_oneof![size(), Just(0.0)], signed()),
+        (mass, stiffness, damping) in (size(), prop_oneof![8 => size(), 1 => Just(0.0)], prop_oneof![4 => size(), 4 => Just(0.0), 1 => size().prop_map(|x| -x)]),
+        drive in prop_oneof![signed().prop_map(Drive::Dilatation), signed().prop_map(Drive::Force)],
+        (offset, trend) in prop_oneof![2 => Just((0.0, 0.0)), 1 => (signed(), signed())],
         (static_force, ratio) in (size(), 0.0..=1.0f64),
         harmonics in proptest::collection::vec((signed(), size(), signed()), 0..4),
         (noise, second_noise) in (proptest::option::of(noise()), proptest::option::of(noise())),
@@ -38,9 +40,9 @@ prop_compose! {
     ) -> Model {
         let harmonic = |(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase };
         Model {
-            oscillator: Oscillator { mass, stiffness, damping, dilatation },
+            oscillator: Oscillator { mass, stiffness, damping, drive },
             friction: Friction { static_force, dynamic_force: static_force * ratio },
-            temperature: Temperature { harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, second_noise: noise.and(second_noise), noise },
+            temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, second_noise: noise.and(second_noise), noise },
             initial_displacement,
         }
     }

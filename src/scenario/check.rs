@@ -4,7 +4,7 @@
 use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics};
-use crate::model::{Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
@@ -21,7 +21,7 @@ impl Scenario {
         found.note(|| friction(&model.friction));
         [first, second].into_iter().flatten().for_each(|one| found.note(|| noise(one)));
         found.note(|| pinned(&model.temperature));
-        found.note_if_sound(|| forces(model));
+        found.note_if_sound(|| forces(model, time.end));
         found.note(|| series(model, time.end));
         found.note(|| check_end(*scheme, time.end));
         // These use many values, so they mean something only if the values before them go together.
@@ -111,22 +111,22 @@ fn noise(noise: &Noise) -> Result<(), Misfit> {
 }
 
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
-fn forces(model: &Model) -> Result<(), Misfit> {
+fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
     let Model { oscillator, initial_displacement, .. } = model;
     let mass = ("oscillator.mass", oscillator.mass);
     let stiffness = ("oscillator.stiffness", oscillator.stiffness);
-    if !oscillator.natural_frequency().powi(2).is_normal() {
+    if oscillator.stiffness > 0.0 && !oscillator.natural_frequency().powi(2).is_normal() {
         let problem = format!("gives K/m = {:e}, which a double cannot hold", oscillator.stiffness / oscillator.mass);
         let remedy = "choose units in which mass and stiffness are closer to 1";
         return Err(Misfit::new(&[stiffness, mass], problem, remedy));
     }
-    let rate = oscillator.damping / oscillator.mass;
-    if rate > LARGEST {
+    let rate = oscillator.damping_rate();
+    if rate.abs() > LARGEST {
         let problem = format!("gives alpha/m = {rate:e}, too large to compute with");
         let remedy = "choose units in which mass and damping are closer to 1";
         return Err(Misfit::new(&[("oscillator.damping", oscillator.damping), mass], problem, remedy));
     }
-    let largest = model.largest_force();
+    let largest = model.largest_force(end);
     let acceleration = largest / oscillator.mass;
     if can_be_computed_with(&[largest, acceleration]) {
         return Ok(());
@@ -137,8 +137,11 @@ fn forces(model: &Model) -> Result<(), Misfit> {
     );
     let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
     // The largest factor is named first, because it is the one that is most probably wrong.
-    let dilatation = ("oscillator.dilatation", oscillator.dilatation);
-    let mut factors = [stiffness, dilatation, ("initial.displacement", *initial_displacement)];
+    let drive = match oscillator.drive {
+        Drive::Dilatation(beta) => ("oscillator.dilatation", beta),
+        Drive::Force(c) => ("oscillator.force_per_temperature", c),
+    };
+    let mut factors = [stiffness, drive, ("initial.displacement", *initial_displacement)];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
     Err(Misfit::new(&factors, problem, remedy))
 }
@@ -205,10 +208,14 @@ fn pinned(temperature: &Temperature) -> Result<(), Misfit> {
 /// |x| and |x'| stay small enough for a double up to `end`.
 fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
     // The bound is that of motion without friction, because friction does not drive the body.
+    // Negative damping does, but friction may confine what it drives, and paths that run away are
+    // counted.
     let mut free = model.clone();
     free.friction.static_force = 0.0;
+    free.oscillator.damping = free.oscillator.damping.max(0.0);
     let extent = divergence_bound(&free, end);
-    let speed = extent * model.oscillator.natural_frequency();
+    let rate = if model.oscillator.stiffness > 0.0 { model.oscillator.natural_frequency() } else { 2.0 / end.max(1.0) };
+    let speed = extent * rate;
     if can_be_computed_with(&[extent, speed]) {
         return Ok(());
     }

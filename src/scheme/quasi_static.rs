@@ -41,7 +41,7 @@ use super::event_driven::{
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
 use crate::lanes::InstructionSet;
-use crate::model::{Event, EventKind, Model, Phase, Sign, StepResponse};
+use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
 
 /// The quasi-static scheme with this tolerance.
@@ -76,7 +76,19 @@ impl Method for QuasiStatic {
         Discretisation::Approximation
     }
 
+    /// The recursion takes a slip for one swing of the spring, which ends at rest.
     fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
+        let Oscillator { stiffness, damping, .. } = model.oscillator;
+        let remedy = "choose `--scheme event-driven`, which follows every slip";
+        if stiffness == 0.0 {
+            let problem =
+                "leaves no spring to swing, and in the quasi-static recursion a slip is a swing of the spring";
+            return Err(Misfit::new(&[("oscillator.stiffness", stiffness)], problem, remedy));
+        }
+        if damping < 0.0 {
+            let problem = "lets a swing grow, and in the quasi-static recursion every slip ends with its first swing";
+            return Err(Misfit::new(&[("oscillator.damping", damping)], problem, remedy));
+        }
         check_friction(model, end)
     }
 }

@@ -9,6 +9,12 @@ pub enum Stability {
         /// A_c = 4 f_d / (pi w0 h K), a length.
         critical_amplitude: f64,
     },
+    /// The damping is negative, so the body grows above the amplitude at which friction takes what
+    /// the damping adds, and with it the explicit step.
+    Growing {
+        /// A of [`Model::runaway_amplitude`](crate::model::Model::runaway_amplitude), a length.
+        critical_amplitude: f64,
+    },
     /// The explicit step of an underdamped oscillator, alpha^2 < K m, is stable below a limit.
     Underdamped {
         /// The limit 2 alpha / K of the step, a time.

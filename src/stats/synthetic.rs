@@ -1,13 +1,13 @@
 //! Ensembles made by hand, whose statistics are known without the code under test.
 
 use super::{BlockObserver, BlockResult, Estimate, Record, Statistic, Summary};
-use crate::model::{Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
+use crate::model::{Drive, Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
 /// f_d = 2, x0 = 6, and no forcing. The tests prescribe the events themselves.
 pub fn model() -> Model {
     Model {
-        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, dilatation: 1.0 },
+        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
         friction: Friction { static_force: 3.0, dynamic_force: 2.0 },
         temperature: Temperature::default(),
         initial_displacement: 6.0,

@@ -143,9 +143,9 @@ impl Watch {
     /// The rounding error of b at a time: of its terms, of each harmonic and its phase w t, and of
     /// x as a sum of ways.
     fn rounding(&self, lane: &Lane, t: f64, x: f64, force: f64) -> f64 {
-        let Oscillator { stiffness, dilatation, .. } = self.model.oscillator;
+        let (stiffness, gain) = (self.model.oscillator.stiffness, self.model.oscillator.force_per_temperature());
         let phase = (self.model.temperature.harmonics.iter())
-            .map(|h| (stiffness * dilatation * h.amplitude).abs() * (ULP * (1.0 + h.angular_frequency * t)).min(1.0))
+            .map(|h| (gain * h.amplitude).abs() * (ULP * (1.0 + h.angular_frequency * t)).min(1.0))
             .sum::<f64>();
         16.0 * (ULP * (force.abs() + 2.0 * (stiffness * x).abs()) + phase + stiffness * lane.spread)
     }
@@ -315,10 +315,10 @@ impl Watch {
     /// amount by which they can change.
     fn balance(&self, lane: &mut Lane, now: State) -> Result<(), String> {
         let Some(last) = lane.last.replace(now) else { return Ok(()) };
-        let Oscillator { mass: m, stiffness: k, damping, dilatation } = self.model.oscillator;
+        let Oscillator { mass: m, stiffness: k, damping, .. } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
         let temperature = &self.model.temperature;
-        let gain = (k * dilatation).abs();
+        let gain = self.model.oscillator.force_per_temperature().abs();
         // A phase w t is known up to the rounding of t.
         let turn = |w: f64| (w * (dt + ULP * now.t)).min(2.0);
         let harmonics: f64 =
@@ -390,7 +390,7 @@ impl Observer for Watch {
     }
 
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
-        let gain = self.model.oscillator.stiffness * self.model.oscillator.dilatation;
+        let gain = self.model.oscillator.force_per_temperature();
         for lane in 0..self.lanes.len() {
             let now = State { t: s.time, x: s.displacement[lane], v: s.velocity[lane], g: gain * s.temperature[lane] };
             self.complain(lane, |watch, state| watch.check_snapshot(state, now, s.is_static[lane]));

@@ -5,7 +5,7 @@ use crate::common::{estimate, event_driven_summary, paper, reference};
 use std::sync::atomic::AtomicBool;
 use stick_slip::bias::{BiasPlan, Differences, NoBias, ReferenceRun};
 use stick_slip::ensemble::Plan;
-use stick_slip::model::{InitialNoise, Model, Noise};
+use stick_slip::model::{Drive, InitialNoise, Model, Noise};
 use stick_slip::scheme::{CorrectedVi, DiscreteVi, Scheme, Simulate as _, Timeline};
 use stick_slip::stats::{Bias, Record, Statistic, Summary};
 
@@ -304,7 +304,7 @@ fn the_uncertainty_is_small_enough_to_be_useful() {
 fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
     let mut model = paper(0.25, 0.1);
     (model.oscillator.mass, model.oscillator.stiffness) = (0.3, 0.2);
-    (model.oscillator.damping, model.oscillator.dilatation) = (0.5, 20.0);
+    (model.oscillator.damping, model.oscillator.drive) = (0.5, Drive::Dilatation(20.0));
     (model.friction.static_force, model.initial_displacement) = (1.02, 20.0);
     let noise = model.temperature.noise.as_mut().expect("it has noise");
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));

@@ -12,7 +12,7 @@ use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
 use stick_slip::bias::BiasPlan;
 use stick_slip::ensemble::Plan;
-use stick_slip::model::{Harmonic, InitialNoise, Model};
+use stick_slip::model::{Drive, Harmonic, InitialNoise, Model};
 use stick_slip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline};
 use stick_slip::stats::{Bias, Estimate, Record, Statistic, Summary};
 
@@ -40,7 +40,7 @@ fn two_humps(static_force: f64, intensity: f64) -> Model {
     let mut model = paper(0.25, intensity);
     let oscillator = &mut model.oscillator;
     (oscillator.mass, oscillator.stiffness) = (0.3, 0.2);
-    (oscillator.damping, oscillator.dilatation) = (0.5, 20.0);
+    (oscillator.damping, oscillator.drive) = (0.5, Drive::Dilatation(20.0));
     let noise = model.temperature.noise.as_mut().expect("it has noise");
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
     (model.friction.static_force, model.initial_displacement) = (static_force, 20.0);
@@ -61,7 +61,7 @@ fn scenes() -> Vec<(String, Model)> {
         let mut model = paper(0.25, 0.25);
         let oscillator = &mut model.oscillator;
         (oscillator.mass, oscillator.stiffness) = (draw(-1.0, 1.0).exp2(), draw(-1.0, 1.0).exp2());
-        (oscillator.damping, oscillator.dilatation) = (draw(-0.5, 0.5).max(0.0), draw(3.0, 12.0));
+        (oscillator.damping, oscillator.drive) = (draw(-0.5, 0.5).max(0.0), Drive::Dilatation(draw(3.0, 12.0)));
         model.friction.static_force = 1.0 + draw(-5.0, -1.3).exp2();
         let noise = model.temperature.noise.as_mut().expect("it has noise");
         (noise.intensity, noise.relaxation_rate) = (draw(-3.5, -0.5).exp2(), draw(-1.0, 2.0).exp2());

@@ -224,16 +224,13 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     let mut model = paper(0.25, 0.0);
     model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
     model.temperature = Temperature {
-        harmonics: Vec::new(),
-        series: None,
-        is_pinned: false,
-        second_noise: None,
         noise: Some(Noise {
             intensity: 1.0,
             relaxation_rate: 1e-9,
             diffusion: 1e-5,
             initial: InitialNoise::Stationary,
         }),
+        ..Temperature::default()
     };
     model.initial_displacement = 0.0;
     // The amplitude of a path is 6 |v(0)|, where v(0) has the standard deviation 0.2236. The

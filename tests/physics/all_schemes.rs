@@ -9,7 +9,7 @@ use crate::common::{Keep, paper, timeline};
 use std::collections::HashSet;
 use stick_slip::config::shipped;
 use stick_slip::engine::Replay;
-use stick_slip::model::{Event, EventKind, InitialNoise, Model, Noise};
+use stick_slip::model::{Drive, Event, EventKind, InitialNoise, Model, Noise};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{
     DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _, Snapshot, Timeline,
@@ -217,7 +217,8 @@ fn the_velocity_is_the_rate_of_the_displacement_in_every_scheme() {
 fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
     let model = paper(0.25, 0.25);
     let mut mirrored = model.clone();
-    (mirrored.initial_displacement, mirrored.oscillator.dilatation) = (-6.0, -model.oscillator.dilatation);
+    mirrored.initial_displacement = -6.0;
+    mirrored.oscillator.drive = Drive::Dilatation(-model.oscillator.rest_position(1.0));
     let paths: Vec<u64> = (0..40).collect();
     for scheme in schemes(0.01).filter(|scheme| scheme.step().is_some()) {
         let here = kept(scheme, &model, &timeline(40.0, 1.0), 1, &paths);

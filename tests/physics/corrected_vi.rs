@@ -3,7 +3,7 @@
 
 use crate::common::{Keep, paper, reference};
 use stick_slip::ensemble::Plan;
-use stick_slip::model::{EventKind, Friction, Model};
+use stick_slip::model::{Drive, EventKind, Friction, Model};
 use stick_slip::scheme::{
     CorrectedVi, DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, corrected_exit, monitoring_shift,
 };
@@ -140,7 +140,7 @@ fn the_threshold_is_lowered_for_the_way_out_of_a_stick_and_not_for_the_way_in() 
 fn the_shift_does_not_know_the_sign_of_the_dilatation() {
     let model = paper(0.25, 0.25);
     let mut shrinking = model.clone();
-    shrinking.oscillator.dilatation = -model.oscillator.dilatation;
+    shrinking.oscillator.drive = Drive::Dilatation(-model.oscillator.rest_position(1.0));
     let shift = monitoring_shift(&model, 0.01);
     assert!((shift - 0.087_389_573_690).abs() < 1e-11, "0.582597 K beta rho sigma sqrt(h) = {shift}");
     assert_eq!(monitoring_shift(&shrinking, 0.01), shift);

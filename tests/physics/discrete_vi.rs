@@ -123,7 +123,7 @@ fn the_cascade_of_forcing_a_half_is_approached_with_order_one_sub_phases_include
 #[test]
 fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     let mut damped = paper(0.25, 0.25);
-    damped.oscillator = Oscillator { mass: 2.0, stiffness: 3.0, damping: 0.3, dilatation: 2.0 };
+    damped.oscillator = Oscillator { mass: 2.0, stiffness: 3.0, damping: 0.3, drive: Drive::Dilatation(2.0) };
     damped.temperature.harmonics.push(Harmonic { amplitude: 0.7, angular_frequency: 1.1, phase: 0.4 });
     let mut stationary = paper(0.25, 0.6);
     let noise = stationary.temperature.noise.as_mut().expect("has noise");
@@ -310,7 +310,7 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
 fn the_model_is_odd() {
     let mirrored = |mut model: Model| {
         model.initial_displacement = -model.initial_displacement;
-        model.oscillator.dilatation = -model.oscillator.dilatation;
+        model.oscillator.drive = Drive::Dilatation(-model.oscillator.rest_position(1.0));
         model
     };
     let (a, b) = (paper(0.25, 0.25), mirrored(paper(0.25, 0.25)));
@@ -338,7 +338,7 @@ fn the_model_scales() {
     let mut scaled = model.clone();
     let o = &mut scaled.oscillator;
     (o.mass, o.stiffness) = (o.mass * force * time * time / length, o.stiffness * force / length);
-    (o.damping, o.dilatation) = (o.damping * force * time / length, o.dilatation * length);
+    (o.damping, o.drive) = (o.damping * force * time / length, Drive::Dilatation(o.rest_position(length)));
     scaled.friction.static_force *= force;
     scaled.friction.dynamic_force *= force;
     scaled.initial_displacement *= length;
@@ -367,14 +367,14 @@ fn energy_is_balanced_to_first_order() {
     model.oscillator.damping = 0.02;
     let mismatch = |h: f64| {
         let keep = simulate(&model, 40.0, h, h, &[0]);
-        let Oscillator { mass, stiffness, damping, dilatation } = model.oscillator;
+        let Oscillator { mass, stiffness, damping, .. } = model.oscillator;
         let energy = |x: f64, v: f64| mass * v * v / 2.0 + stiffness * x * x / 2.0;
         let rows = &keep.rows[0];
         let work: f64 = rows
             .windows(2)
             .map(|w| {
                 let (v, temperature) = (0.5 * (w[0].2 + w[1].2), 0.5 * (w[0].3 + w[1].3));
-                h * (stiffness * dilatation * temperature * v
+                h * (model.oscillator.force_per_temperature() * temperature * v
                     - 2.0 * damping * v * v
                     - model.friction.dynamic_force * v.abs())
             })

@@ -8,7 +8,8 @@
 
 use crate::common::{estimate, event_driven_summary, paper, reference, shipped_model};
 use stick_slip::model::{
-    Complex, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign, Temperature,
+    Complex, Drive, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign,
+    Temperature,
 };
 use stick_slip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind, Observer,
@@ -265,11 +266,8 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
-        harmonics: Vec::new(),
-        series: None,
-        is_pinned: false,
-        second_noise: None,
         noise: Some(Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }),
+        ..Temperature::default()
     };
     let events = noiseless_events(&model, 60.0);
     assert!((events[0].time - 2.0 * (6.0f64 / 4.8).ln()).abs() < 1e-14);
@@ -318,7 +316,7 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
     for dilatation in [0.0, 1e-25] {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
             let mut model = paper(0.25, 0.0);
-            model.oscillator.dilatation = dilatation;
+            model.oscillator.drive = Drive::Dilatation(dilatation);
             model.temperature.noise = Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial });
             let is_stationary = initial == InitialNoise::Stationary;
             let variance = |t: f64| if is_stationary { stationary } else { -stationary * (-2.0 * theta * t).exp_m1() };
@@ -934,7 +932,7 @@ fn units_do_not_matter_path_by_path() {
     let mut scaled = model.clone();
     let (length, time) = (4.0, 2.0);
     scaled.oscillator.mass = time * time;
-    scaled.oscillator.dilatation *= length;
+    scaled.oscillator.drive = Drive::Dilatation(model.oscillator.rest_position(length));
     scaled.friction = Friction { static_force: 1.2 * length, dynamic_force: length };
     scaled.initial_displacement *= length;
     scaled.temperature.harmonics[0].angular_frequency /= time;

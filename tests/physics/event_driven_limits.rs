@@ -73,13 +73,10 @@ fn nearly_white(theta: f64, intensity: f64, friction: Friction) -> Model {
     let mut model = paper(0.25, 1.0);
     model.friction = friction;
     model.initial_displacement = 0.0;
-    let rho = theta * intensity.sqrt() / model.oscillator.dilatation;
+    let rho = theta * intensity.sqrt() / model.oscillator.rest_position(1.0);
     model.temperature = Temperature {
-        harmonics: Vec::new(),
-        series: None,
-        is_pinned: false,
-        second_noise: None,
         noise: Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: 1.0, initial: InitialNoise::At(0.0) }),
+        ..Temperature::default()
     };
     model
 }
@@ -191,7 +188,7 @@ fn a_body_that_shrinks_in_the_heat_follows_the_same_path_in_the_opposite_tempera
     let model = paper(0.25, 0.25);
     let mut opposite = mirrored(&model);
     opposite.initial_displacement = model.initial_displacement;
-    opposite.oscillator.dilatation = -model.oscillator.dilatation;
+    opposite.oscillator.drive = Drive::Dilatation(-model.oscillator.rest_position(1.0));
     let (path, image) = (kept(&model, 3, 50), kept(&opposite, 3, 50));
     assert_eq!(path.events, image.events);
     for (a, b) in path.rows.iter().flatten().zip(image.rows.iter().flatten()) {

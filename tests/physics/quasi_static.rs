@@ -76,7 +76,7 @@ fn in_a_standing_temperature_both_schemes_make_one_and_the_same_slip() {
     let w0 = f64::sqrt(stiffness / mass);
     for (zeta, side) in [0.0, 0.05, 0.3, 0.9, 1.5].into_iter().flat_map(|zeta| [(zeta, 1.0), (zeta, -1.0)]) {
         let mut model = damped(zeta, 1.0);
-        model.oscillator = Oscillator { mass, stiffness, damping: zeta * mass * w0, dilatation: 6.0 };
+        model.oscillator = Oscillator { mass, stiffness, damping: zeta * mass * w0, drive: Drive::Dilatation(6.0) };
         model.temperature.harmonics.clear();
         model.initial_displacement = -side * 1.2 * (1.0 + 1e-12) / stiffness;
         let (lasts, overshoot) = swing(zeta);

@@ -316,7 +316,7 @@ fn pinned_noise_is_a_bridge_from_sample_to_sample() {
 fn slips_of_a_bridge_are_those_of_the_recursion_between_samples() {
     let scenario = Scenario::shipped("bridge").expect("sound");
     let (model, series) = (&scenario.model, scenario.model.temperature.series.as_ref().expect("a series"));
-    let (k, beta) = (model.oscillator.stiffness, model.oscillator.dilatation);
+    let (k, beta) = (model.oscillator.stiffness, model.oscillator.rest_position(1.0));
     let a = model.friction.static_force / (k * beta);
     let g = 2.0 * (model.friction.static_force - model.friction.dynamic_force) / (k * beta);
     let mut xi = model.initial_displacement / beta;

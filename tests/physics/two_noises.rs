@@ -7,7 +7,7 @@ use crate::common::{Keep, paper};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
-use stick_slip::model::{EventKind, Friction, InitialNoise, Model, Noise};
+use stick_slip::model::{Drive, EventKind, Friction, InitialNoise, Model, Noise};
 use stick_slip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, QuasiStaticSimulation, Simulate,
     Timeline,
@@ -91,7 +91,7 @@ impl stick_slip::scheme::Observer for End {
 /// A body without harmonics, with K beta = 1 and f_s = 1.
 fn still(fast: Noise, slow: Noise) -> Model {
     let mut model = paper(0.25, 1.0);
-    model.oscillator.dilatation = 1.0;
+    model.oscillator.drive = Drive::Dilatation(1.0);
     model.friction = Friction { static_force: 1.0, dynamic_force: 0.9 };
     model.temperature.harmonics.clear();
     model.temperature.noise = Some(fast);

@@ -53,9 +53,10 @@ const fn row(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -
 }
 
 /// All warnings, the most serious first.
-const ALL: [Row; 26] = [
+const ALL: [Row; 27] = [
     row("step-unstable", Class::Growth, step::unstable),
     row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
+    row("runs-away", Class::Growth, step::runs_away),
     row("step-against-oscillator", Class::LongStep, step::against_oscillator),
     row("step-against-forcing", Class::LongStep, step::against_forcing),
     row("step-against-noise", Class::LongStep, step::against_noise),

@@ -2,6 +2,7 @@
 
 use super::case::{Case, when};
 use crate::advice::amplitude::NEVER_SD;
+use crate::model::Drive;
 use crate::numbers::short;
 use crate::scenario::MAX_PERIODS;
 use crate::scheme::Timeline;
@@ -9,7 +10,7 @@ use crate::scheme::Timeline;
 /// The force |b| cannot reach the static friction f_s.
 pub(super) fn never_slips(case: &Case) -> Vec<String> {
     let model = &case.scenario.model;
-    let largest = model.force_bound(NEVER_SD);
+    let largest = model.force_bound(NEVER_SD, case.scenario.time.end);
     when(largest <= model.friction.static_force, || {
         format!(
             "nothing will slip: |b| does not exceed {}, and f_s is no less. Every stick is censored",
@@ -27,10 +28,17 @@ pub(super) fn identical_paths(case: &Case) -> Vec<String> {
 
 pub(super) fn no_dilatation(case: &Case) -> Vec<String> {
     let temperature = &case.scenario.model.temperature;
-    let is_known = !temperature.harmonics.is_empty() || temperature.series.is_some();
+    let is_known = !temperature.harmonics.is_empty() || temperature.series.is_some() || temperature.has_line();
     let has_temperature = temperature.effective_noise().is_some() || is_known;
-    when(case.scenario.model.oscillator.dilatation == 0.0 && has_temperature, || {
-        "dilatation = 0: the temperature has no effect on the motion".to_string()
+    let oscillator = &case.scenario.model.oscillator;
+    when(oscillator.force_per_temperature() == 0.0 && has_temperature, || match oscillator.drive {
+        Drive::Dilatation(beta) if beta != 0.0 => {
+            "K beta = 0 without a spring: the temperature has no effect on the motion. Write \
+             `oscillator.force_per_temperature` in place of `oscillator.dilatation`"
+                .to_string()
+        }
+        Drive::Dilatation(_) => "dilatation = 0: the temperature has no effect on the motion".to_string(),
+        Drive::Force(_) => "force_per_temperature = 0: the temperature has no effect on the motion".to_string(),
     })
 }
 

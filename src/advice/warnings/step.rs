@@ -9,7 +9,7 @@ use std::f64::consts::PI;
 pub(super) fn unstable(case: &Case) -> Vec<String> {
     let (Some(h), Some(stability)) = (case.step, case.derived.stability) else { return Vec::new() };
     match stability {
-        Stability::Undamped { .. } => Vec::new(),
+        Stability::Undamped { .. } | Stability::Growing { .. } => Vec::new(),
         Stability::Underdamped { largest_step: limit }
         | Stability::Overdamped { largest_step: limit }
         | Stability::NewVelocity { largest_step: limit } => when(h >= limit, || {
@@ -39,6 +39,25 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Vec<String> {
              A_c = 4 f_d/(pi w0 h K) = {}, and about {} is to be expected: paths may grow without bound. A_c \
              doubles when time.step is halved",
             short(critical_amplitude),
+            short(derived.expected_amplitude)
+        )
+    })
+}
+
+/// With negative damping, the expected amplitude is above the one beyond which the body runs away.
+pub(super) fn runs_away(case: &Case) -> Vec<String> {
+    let (derived, model) = (&case.derived, &case.scenario.model);
+    let growing = match derived.stability {
+        Some(Stability::Growing { critical_amplitude }) => Some(critical_amplitude),
+        _ => model.runaway_amplitude(0.0),
+    };
+    let Some(critical) = growing.filter(|_| model.oscillator.damping < 0.0) else { return Vec::new() };
+    when(derived.expected_amplitude > critical, || {
+        format!(
+            "negative damping adds more energy than friction takes once the amplitude exceeds {}, and about {} is to \
+             be expected: paths beyond it grow without bound, and are counted as diverged once their numbers do not \
+             fit a double",
+            short(critical),
             short(derived.expected_amplitude)
         )
     })

@@ -2,7 +2,7 @@
 
 use crate::bearing::calibration::{Calibration, Quantity, Sensor};
 use crate::bearing::linear::{Matrix, cholesky, times};
-use crate::model::{Friction, Model, Oscillator, Temperature};
+use crate::model::{Drive, Friction, Model, Oscillator, Temperature};
 use crate::noise::Stream;
 
 /// The quantities that determine motion and reading. K, f_s and f_d follow from them, and x(0) is
@@ -45,7 +45,7 @@ impl DrawnBearing {
                 mass: self.stiffness / (rate * rate),
                 stiffness: self.stiffness,
                 damping: 0.0,
-                dilatation: self.dilatation(),
+                drive: Drive::Dilatation(self.dilatation()),
             },
             friction: Friction { static_force, dynamic_force: static_force - 0.5 * self.jump * slope },
             initial_displacement: self.dilatation() * temperature.deterministic(0.0),

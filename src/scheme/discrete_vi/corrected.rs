@@ -7,7 +7,7 @@
 
 use super::limits;
 use super::simulation::DiscreteSimulation;
-use crate::model::{Friction, Model};
+use crate::model::{Drive, Friction, Model};
 use crate::numbers::tidy;
 use crate::scheme::{Discretisation, Look, Method, Misfit, Parameter, Stability, Timeline};
 
@@ -44,16 +44,20 @@ impl Method for CorrectedVi {
 
     /// During a slip, the multipliers of a step solve mu^2 - (2 - a - c) mu + 1 - a = 0 with a = 2
     /// alpha h/m, c = (h w0)^2. Both lie within the unit circle if and only if 2 a + c < 4. Without
-    /// damping they lie on it, and the amplitude neither grows nor decays.
+    /// damping they lie on it, and the amplitude neither grows nor decays. With alpha < 0 it grows as
+    /// that of the body does.
     fn stability(self, model: &Model) -> Option<Stability> {
-        let w0 = model.oscillator.natural_frequency();
-        let ratio = model.oscillator.damping / (model.oscillator.mass * w0);
-        Some(Stability::NewVelocity { largest_step: 2.0 / (w0 * (ratio + ratio.hypot(1.0))) })
+        let (w0, gamma) = (model.oscillator.natural_frequency(), model.oscillator.damping_rate());
+        if gamma < 0.0 {
+            return model.runaway_amplitude(0.0).map(|critical_amplitude| Stability::Growing { critical_amplitude });
+        }
+        let rate = gamma + gamma.hypot(w0);
+        (rate > 0.0).then(|| Stability::NewVelocity { largest_step: 2.0 / rate })
     }
 
-    fn check(self, model: &Model, _end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
         limits::check_noise(model)?;
-        limits::check_step(model, self.step)?;
+        limits::check_step(model, self.step, end)?;
         self.check_shift(model)?;
         limits::check_increments(model, self.step)
     }
@@ -100,7 +104,11 @@ pub fn monitoring_shift(model: &Model, h: f64) -> f64 {
     let noise = temperature.effective_noise().map_or(0.0, |noise| noise.intensity * noise.diffusion);
     // The product is formed from the left, with the constant first. With K beta as one factor it
     // would be rounded differently, which would change the last bit of exits.
-    OVERSHOOT * oscillator.stiffness * oscillator.dilatation.abs() * noise * h.sqrt()
+    let overshoot = match oscillator.drive {
+        Drive::Dilatation(beta) => OVERSHOOT * oscillator.stiffness * beta.abs(),
+        Drive::Force(c) => OVERSHOOT * c.abs(),
+    };
+    overshoot * noise * h.sqrt()
 }
 
 /// The force at which the corrected scheme leaves a stick: f_s less [`monitoring_shift`], but never

@@ -7,14 +7,14 @@ use crate::scheme::Misfit;
 
 /// Checks that h/m and its products with the friction forces are finite, and not so small that
 /// digits are lost.
-pub(super) fn check_step(model: &Model, h: f64) -> Result<(), Misfit> {
+pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), Misfit> {
     let h_over_m = h / model.oscillator.mass;
     let usable = |x: f64| x == 0.0 || x.is_normal();
     let thresholds = [model.friction.static_force, model.friction.dynamic_force];
     let is_usable = h.is_normal()
         && h_over_m.is_normal()
         && thresholds.iter().all(|f| usable(*f) && (*f == 0.0 || (h_over_m * f).is_normal()))
-        && (h_over_m * model.largest_force()).is_finite();
+        && (h_over_m * model.largest_force(end)).is_finite();
     if is_usable {
         return Ok(());
     }

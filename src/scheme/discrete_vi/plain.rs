@@ -49,24 +49,30 @@ impl Method for DiscreteVi {
     /// alpha^2 < K m    |1 + h lambda| < 1 iff h < 2 alpha/K
     /// alpha^2 >= K m   |1 + h lambda| < 1 for both lambda iff h < 2/|lambda_max|,
     ///                  |lambda_max| = (alpha + sqrt(alpha^2 - K m))/m
+    /// alpha < 0        the body itself grows, and the step adds K h/2 to -alpha
+    /// K = alpha = 0    nothing grows but by the force
     /// ```
     fn stability(self, model: &Model) -> Option<Stability> {
-        let Oscillator { mass: m, stiffness: k, damping: alpha, .. } = model.oscillator;
-        let (w0, f_d) = (model.oscillator.natural_frequency(), model.friction.dynamic_force);
-        // The ratio is alpha / sqrt(K m), computed without the product K m, which may overflow.
-        let ratio = alpha / (m * w0);
-        Some(if alpha == 0.0 {
-            Stability::Undamped { critical_amplitude: 4.0 * f_d / (PI * w0 * self.step * k) }
-        } else if ratio < 1.0 {
+        let Oscillator { stiffness: k, damping: alpha, .. } = model.oscillator;
+        let (w0, gamma) = (model.oscillator.natural_frequency(), model.oscillator.damping_rate());
+        if alpha < 0.0 {
+            let growing = model.runaway_amplitude(0.5 * k * self.step);
+            return growing.map(|critical_amplitude| Stability::Growing { critical_amplitude });
+        }
+        if alpha == 0.0 {
+            let critical_amplitude = 4.0 * model.friction.dynamic_force / (PI * w0 * self.step * k);
+            return (k > 0.0).then_some(Stability::Undamped { critical_amplitude });
+        }
+        Some(if gamma < w0 {
             Stability::Underdamped { largest_step: 2.0 * alpha / k }
         } else {
-            Stability::Overdamped { largest_step: 2.0 / (w0 * (ratio + (ratio * ratio - 1.0).sqrt())) }
+            Stability::Overdamped { largest_step: 2.0 / (gamma + ((gamma - w0) * (gamma + w0)).sqrt()) }
         })
     }
 
-    fn check(self, model: &Model, _end: f64) -> Result<(), Misfit> {
+    fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
         limits::check_noise(model)?;
-        limits::check_step(model, self.step)?;
+        limits::check_step(model, self.step, end)?;
         limits::check_increments(model, self.step)
     }
 }

@@ -157,15 +157,21 @@ impl Simulate for DiscreteSimulation {
 
 /// The displacement beyond which a path of the scheme counts as diverged, a length.
 ///
-/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and
-/// friction and damping only take energy away. The bound is ten times this value at t_end, where T
-/// includes ten stationary standard deviations of the noise, plus ten f_s/K.
+/// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and the
+/// body without a spring |x(t)| <= |x0| + t^2 sup |c T|/(2 m). Friction and damping only take energy
+/// away; negative damping lets x grow by e^{2 |gamma| t}. The bound is ten times this value at t_end,
+/// where T includes ten stationary standard deviations of the noise, plus ten f_s/K.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
-    let oscillator = &model.oscillator;
-    let driven = oscillator.dilatation.abs() * model.temperature.bound(FARTHEST_NOISE_SDS);
-    let growth = 1.0 + oscillator.natural_frequency() * end;
-    let stuck = model.friction.static_force / oscillator.stiffness;
-    (DIVERGENCE_MARGIN * (model.initial_displacement.abs() + growth * driven + stuck)).min(f64::MAX)
+    let Model { oscillator, friction, .. } = model;
+    let force = oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
+    let driven = if oscillator.stiffness > 0.0 {
+        let growth = 1.0 + oscillator.natural_frequency() * end;
+        growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness
+    } else {
+        (force + friction.static_force) / oscillator.mass * end * end / 2.0
+    };
+    let growth = libm::exp(-2.0 * oscillator.damping_rate().min(0.0) * end);
+    (DIVERGENCE_MARGIN * growth * (model.initial_displacement.abs() + driven)).min(f64::MAX)
 }
 
 /// The buffers of a snapshot.

@@ -63,7 +63,7 @@ impl Noisy {
         let frequencies: Vec<f64> = scene.harmonics.iter().map(|h| h.angular_frequency).collect();
         let oscillator = DrivenOscillator::new(
             body.mass,
-            body.damping / body.mass,
+            body.damping_rate(),
             body.natural_frequency(),
             scene.relaxation_rate,
             scene.diffusion,

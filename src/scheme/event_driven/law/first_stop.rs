@@ -36,6 +36,7 @@
 
 use super::velocity_bounds::VelocityBounds;
 use crate::lanes::{Choose, Lanes};
+use crate::model::LARGEST;
 
 /// The velocity eps x' and its derivative at one time.
 #[derive(Clone, Copy, Debug)]
@@ -47,11 +48,11 @@ pub struct SlipVelocity<L = f64> {
 }
 
 impl<L: Lanes> SlipVelocity<L> {
-    /// Whether both are numbers.
+    /// Whether both are numbers that can be computed with.
     #[inline(always)]
     pub fn is_finite(&self) -> L::Mask {
-        let infinite = L::splat(f64::INFINITY);
-        L::and(self.velocity.abs().lt(infinite), self.acceleration.abs().lt(infinite))
+        let most = L::splat(LARGEST);
+        L::and(self.velocity.abs().lt(most), self.acceleration.abs().lt(most))
     }
 
     /// The difference of two motions.

@@ -1,15 +1,15 @@
 //! Helpers that the unit tests of the laws, and of paths alone, share.
 
 use super::first_stop::{KnownStep, SlipVelocity};
-use crate::model::Model;
 use crate::model::paper::paper;
+use crate::model::{Drive, Model};
 use crate::noise::AddressedDraws;
 
 /// A stick in which the noise is the only force, b = n: K = beta = rho = sigma = 1, x0 = 0, with
 /// this relaxation rate.
 pub fn noise_alone(static_force: f64, relaxation_rate: f64) -> Model {
     let mut model = paper(0.25, 1.0);
-    model.oscillator.dilatation = 1.0;
+    model.oscillator.drive = Drive::Dilatation(1.0);
     model.temperature.harmonics.clear();
     model.friction.static_force = static_force;
     model.initial_displacement = 0.0;

@@ -8,7 +8,7 @@
 use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
-use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series};
+use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Temperature};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
 
@@ -31,9 +31,11 @@ pub struct Scene {
     pub friction: Friction,
     /// x(0).
     pub initial_displacement: f64,
-    /// The harmonics of B(t). Where the temperature was measured, the last one represents the
-    /// straight line of the current cell (see [`Scene::set_line`]).
+    /// The harmonics of B(t). Where the temperature has a constant or a trend, or was measured, the
+    /// last one represents the straight line of the current cell (see [`Scene::set_line`]).
     pub harmonics: Vec<ForceHarmonic>,
+    /// The constant and the slope of B(t) that do not change from cell to cell.
+    line: Option<[f64; 2]>,
     /// The measured temperature, if there is one.
     pub series: Option<Arc<Series>>,
     /// Whether n is set to zero at every sample of the measured temperature.
@@ -71,11 +73,9 @@ impl Scene {
                 angular_frequency: h.angular_frequency,
             })
             .collect();
+        let Temperature { offset, trend, .. } = model.temperature;
         let series = model.temperature.series.clone();
-        if let Some(series) = &series {
-            let angular_frequency = LINE_ANGLE / series.longest_spacing();
-            harmonics.push(ForceHarmonic { force: Complex::ZERO, angular_frequency });
-        }
+        let line = model.temperature.has_line().then_some([gain * offset, gain * trend]);
         let mut noises = model.temperature.noises();
         let (noise, two_noises) = match (noises.next(), noises.next()) {
             (Some(first), Some(second)) => {
@@ -85,11 +85,17 @@ impl Scene {
             (Some(noise), None) => (one_noise(&noise, gain), None),
             (None, _) => (OneNoise { relaxation_rate: 1.0, diffusion: 0.0, initial: (0.0, 0.0) }, None),
         };
+        // A cell lasts at most from sample to sample, and at most as long as the noise remembers.
+        let longest = series.as_ref().map(|series| series.longest_spacing());
+        if let Some(longest) = longest.or(line.map(|_| 1.0 / noise.relaxation_rate)) {
+            harmonics.push(ForceHarmonic { force: Complex::ZERO, angular_frequency: LINE_ANGLE / longest });
+        }
         Scene {
             oscillator,
             friction: model.friction,
             initial_displacement: model.initial_displacement,
             harmonics,
+            line,
             series,
             is_pinned: model.temperature.is_pinned,
             relaxation_rate: noise.relaxation_rate,
@@ -122,7 +128,8 @@ impl Scene {
     pub fn felt_noise(&self, end: f64) -> Option<f64> {
         let harmonics: f64 = self.harmonics.iter().map(|h| h.force.abs()).sum();
         let measured = self.series.as_ref().map_or(0.0, |series| self.force_per_temperature.abs() * series.bound());
-        let forcing = harmonics + measured;
+        let line = self.line.map_or(0.0, |[offset, trend]| offset.abs() + trend.abs() * end);
+        let forcing = harmonics + measured + line;
         let forces = self.friction.static_force + forcing + self.oscillator.stiffness * self.initial_displacement.abs();
         let wander = self.diffusion * end.min(0.5 / self.relaxation_rate).sqrt() + self.initial_noise.1;
         (wander > BELOW_ROUNDING * forces).then_some(wander)
@@ -137,7 +144,8 @@ impl Scene {
     /// B at t = 0.
     pub fn initial_forcing(&self) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|h| h.force.re).sum();
-        self.series.as_ref().map_or(harmonics, |series| harmonics + self.force_per_temperature * series.values()[0])
+        let line = self.line.map_or(harmonics, |[offset, _]| harmonics + offset);
+        self.series.as_ref().map_or(line, |series| line + self.force_per_temperature * series.values()[0])
     }
 
     /// The cells for this scene, each of at most this length. All have the same length, except that
@@ -161,19 +169,25 @@ impl Scene {
         }
     }
 
-    /// Sets the last term to that of the straight line that B is between two samples, at a time on
-    /// this line.
+    /// Sets the last term to that of the straight line in B, at a time on this line: the constant
+    /// and the trend, and what a measured temperature is between two samples.
     ///
     /// The line is represented as a harmonic that turns by a very small angle y, of at most 1e-8.
     /// Such a harmonic is a straight line to rounding: Re[(re + i im) e^{iy}] = re - im y, because
     /// cos y rounds to 1 and sin y to y. So a line needs no formulas of its own; the curvature that
     /// remains, y^2/2, is below rounding.
     pub fn set_line(&self, piece: usize, t: f64, terms: &mut [Complex]) {
-        let (Some(series), Some(h), Some(term)) = (&self.series, self.harmonics.last(), terms.last_mut()) else {
+        if self.series.is_none() && self.line.is_none() {
             return;
-        };
+        }
+        let (Some(h), Some(term)) = (self.harmonics.last(), terms.last_mut()) else { return };
         let gain = self.force_per_temperature;
-        *term = Complex::new(gain * series.on(piece, t), -(gain * series.slope(piece)) / h.angular_frequency);
+        let measured = |series: &Arc<Series>| (gain * series.on(piece, t), gain * series.slope(piece));
+        let (mut value, mut slope) = self.series.as_ref().map_or((0.0, 0.0), measured);
+        if let Some([offset, trend]) = self.line {
+            (value, slope) = (value + (offset + trend * t), slope + trend);
+        }
+        *term = Complex::new(value, -slope / h.angular_frequency);
     }
 
     /// Sets the terms K beta a e^{i (w t + phi)} of B at a time, each from its definition. The term

@@ -117,9 +117,9 @@ impl DrivenOscillator {
         frequencies: &[f64],
     ) -> Self {
         let (g, w0) = (damping_rate, natural_frequency);
-        // The roots of the free oscillator: |l1|, |l2| <= gamma + sqrt(gamma^2 - w0^2) if it is
-        // overdamped, w0 otherwise.
-        let free = if g > w0 { g + ((g - w0) * (g + w0)).sqrt() } else { w0 };
+        // The roots of the free oscillator: |l1|, |l2| <= |gamma| + sqrt(gamma^2 - w0^2) if it does
+        // not oscillate, w0 otherwise.
+        let free = if g.abs() > w0 { g.abs() + ((g - w0) * (g + w0)).sqrt() } else { w0 };
         let fastest = frequencies.iter().copied().fold(free.max(relaxation_rate), f64::max);
         // Everything below is in units of 1/fastest.
         let damping = 2.0 * g / fastest;

@@ -26,7 +26,8 @@ pub struct StepRules {
     /// Standard deviations beyond which a zero of x' is taken to be impossible (see
     /// [`super::first_stop::StopSearch`]).
     pub caution: f64,
-    /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0.
+    /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0, or of
+    /// 1/theta where there is no spring.
     pub shortest_slip: f64,
 }
 
@@ -71,7 +72,8 @@ impl StepRules {
     /// does not create friction.
     pub fn added_gap(&self, scene: &Scene) -> f64 {
         let (f_s, f_d) = (scene.friction.static_force, scene.friction.dynamic_force);
-        let time = self.shortest_slip / scene.oscillator.natural_frequency();
+        let w0 = scene.oscillator.natural_frequency();
+        let time = self.shortest_slip / if w0 > 0.0 { w0 } else { scene.relaxation_rate };
         let least = (scene.diffusion * time.sqrt()).min(MOST_GAP * f_s);
         (least - (f_s - f_d)).max(0.0)
     }

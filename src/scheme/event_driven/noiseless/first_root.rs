@@ -27,6 +27,8 @@ pub struct Jet {
     pub bend: f64,
     /// The growth of M with the distance; see `bend`.
     pub bend_growth: f64,
+    /// The distance up to which the bound holds, which may be infinite.
+    pub holds_for: f64,
 }
 
 /// The first zero at or after `start` of any of several functions and the index of that function;
@@ -69,6 +71,7 @@ impl Jet {
         // The bound is used over a distance of at least `span`, or the longer one over which it
         // doubles.
         let window = if self.bend_growth > 0.0 { span.max(self.bend / self.bend_growth) } else { f64::INFINITY };
+        let window = window.min(self.holds_for);
         let bend = if window < f64::INFINITY { self.bend + self.bend_growth * window } else { self.bend };
         let step = safe_step(self.value, self.slope, bend);
         // `min` is not used here, because it would hide a NaN.
@@ -99,6 +102,7 @@ mod tests {
                     slope: 3.0 * (3.0 * (r - 40.0)).sin() + 2e-3 * (r - 40.0),
                     bend: 9.0 + 2e-3,
                     bend_growth: 0.0,
+                    holds_for: f64::INFINITY,
                 }]
             };
             let root = first_root(g, 0.0, 100.0, 1.0, &mut WorkLeft::new(10_000)).expect("bounded");
@@ -112,7 +116,8 @@ mod tests {
 
     #[test]
     fn simple_zeros_are_exact_to_rounding() {
-        let cosine = |r: f64| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0 }];
+        let cosine =
+            |r: f64| [Jet { value: r.cos(), slope: -r.sin(), bend: 1.0, bend_growth: 0.0, holds_for: f64::INFINITY }];
         let root = first_root(cosine, 0.0, 9.0, 1.0, &mut WorkLeft::new(100));
         let (root, _) = root.expect("bounded").expect("before the end");
         assert!((root - std::f64::consts::FRAC_PI_2).abs() <= 4e-16, "{root}");

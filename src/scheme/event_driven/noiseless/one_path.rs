@@ -5,8 +5,8 @@
 //!   zero of eps x'.
 //! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
 //!
-//! A measured temperature is a straight line between samples, with a kink at each sample. So a
-//! phase is divided at the samples, and continues on the next line from the same displacement,
+//! A trend is a straight line. A measured temperature is one between samples, with a kink at each
+//! sample. So a phase is divided at the samples, and continues on the next line from the same displacement,
 //! velocity and force.
 //!
 //! Both kinds of zeros are bracketed by bounds of the second derivative ([`first_root`]), so none
@@ -16,7 +16,10 @@
 use super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
-use crate::model::{Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow};
+use crate::model::{
+    Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow,
+    can_be_computed_with,
+};
 use crate::scheme::columns::Columns;
 use crate::scheme::{Observer, Timeline};
 
@@ -83,7 +86,10 @@ impl Noiseless {
         };
         let body = ForcedOscillator::new(model, noise_start);
         let fastest = body.terms().iter().map(|t| t.rate.abs()).fold(model.oscillator.natural_frequency(), f64::max);
-        Noiseless { model: model.clone(), timeline: *timeline, body, span: 1.0 / fastest, work_limit: WORK_LIMIT }
+        // A body without a spring under a constant force has no time scale but that of the run.
+        let longest = if timeline.end > 0.0 { timeline.end } else { 1.0 };
+        let span = (1.0 / fastest).min(if fastest > 0.0 { f64::INFINITY } else { longest }).min(body.bounded_for());
+        Noiseless { model: model.clone(), timeline: *timeline, body, span, work_limit: WORK_LIMIT }
     }
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
@@ -153,20 +159,21 @@ impl Noiseless {
         self.model.temperature.series.as_deref()
     }
 
-    /// The line between two samples from a time on: the slope of K beta T/m, the duration until the
-    /// next sample or t_end, and whether a sample ends it.
+    /// The line from a time on, that of the trend and that between two samples: the slope of K beta
+    /// T/m, the duration until the next sample or t_end, and whether a sample ends it.
     fn line(&self, start: ExactTime) -> (f64, f64, bool) {
         let left = start.until(self.timeline.end);
-        let Some(series) = self.series() else { return (0.0, left, false) };
+        let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
+        let trend = self.model.temperature.trend;
+        let Some(series) = self.series() else { return (gain * trend, left, false) };
         let mut piece = series.piece(start.value());
         // `start` has more digits than the double that found the piece, so it may lie in a later
         // one.
         while piece + 2 < series.times().len() && start.until(series.times()[piece + 1]) <= 0.0 {
             piece += 1;
         }
-        let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         let until = if piece + 2 < series.times().len() { start.until(series.times()[piece + 1]) } else { left };
-        (gain * series.slope(piece), until.min(left), until < left)
+        (gain * (series.slope(piece) + trend), until.min(left), until < left)
     }
 
     fn terms_at(&self, t: ExactTime) -> Vec<Complex> {
@@ -196,8 +203,8 @@ impl Noiseless {
     /// b for x' = 0.
     fn force_at_rest(&self, time: ExactTime, terms: &[Complex], displacement: f64) -> f64 {
         let body = &self.model.oscillator;
-        let measured = self.series().map_or(0.0, |series| body.dilatation * series.at(time.value()));
-        body.mass * terms.iter().map(|p| p.re).sum::<f64>() + body.stiffness * (measured - displacement)
+        let measured = self.model.temperature.measured(time.value());
+        body.mass * terms.iter().map(|p| p.re).sum::<f64>() + body.force_at_rest(measured, displacement)
     }
 
     /// A static phase and its exit, the first time at which |b| > f_s.
@@ -226,6 +233,7 @@ impl Noiseless {
                     slope: -side * slope,
                     bend,
                     bend_growth: 0.0,
+                    holds_for: f64::INFINITY,
                 })
             };
             let root = first_root(distances, self.inside(distances(0.0)), horizon, self.span, work)?;
@@ -241,9 +249,10 @@ impl Noiseless {
 
     /// Whether |K (beta T - x)| <= f_s for all phases of the forcing.
     fn never_exits(&self, displacement: f64, f_s: f64) -> bool {
-        let Model { oscillator, .. } = &self.model;
-        let measured = self.series().map_or(0.0, |series| oscillator.dilatation.abs() * series.bound());
-        oscillator.mass * self.body.forcing_size() + oscillator.stiffness * (measured + displacement.abs()) <= f_s
+        let Model { oscillator, temperature, .. } = &self.model;
+        let line = temperature.offset.abs() + temperature.trend.abs() * self.timeline.end;
+        let measured = line + self.series().map_or(0.0, |series| series.bound());
+        oscillator.mass * self.body.forcing_size() + oscillator.force_bound(measured, displacement.abs()) <= f_s
     }
 
     /// A time until which b stays in the corridor, for a stick that may begin exactly on a
@@ -276,10 +285,18 @@ impl Noiseless {
         let jet = |r: f64| {
             let state = flow.at(r);
             let (bend, bend_growth) = flow.jerk_bound(&state);
-            [Jet { value: eps * state.velocity, slope: eps * state.acceleration, bend, bend_growth }]
+            let (value, slope) = (eps * state.velocity, eps * state.acceleration);
+            [Jet { value, slope, bend, bend_growth, holds_for: self.body.bounded_for() }]
         };
         let earliest = if velocity == 0.0 { self.departure(&flow, eps) } else { 0.0 };
         let root = first_root(jet, earliest, horizon, self.span, work)?;
+        let runs_away = root.is_none() && {
+            let state = flow.at(horizon);
+            !can_be_computed_with(&[(displacement + state.displacement).abs(), state.velocity.abs()])
+        };
+        if runs_away {
+            return Err(Unresolved);
+        }
         let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
             let state = flow.at(r);
             let displacement = displacement + state.displacement;
@@ -325,7 +342,7 @@ impl Noiseless {
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         // With beta = 0 the terms of the body do not contain the temperature that the observer
         // sees. With samples, a leg without an end may extend over several of them.
-        let temperature = if gain == 0.0 || self.series().is_some() {
+        let temperature = if gain == 0.0 || self.series().is_some() || self.model.temperature.has_line() {
             self.mean_temperature(t)
         } else {
             let here: f64 = terms.iter().zip(&leg.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
