@@ -25,7 +25,7 @@ const TYPICAL_SD: f64 = 3.0;
 /// A rough upper estimate of |x| up to `end`. With a step h it is that of the explicit scheme, and
 /// without one that of the model.
 pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> f64 {
-    let Model { oscillator, friction, temperature, initial_displacement: x0 } = model;
+    let Model { oscillator, friction, temperature, initial_displacement: x0, .. } = model;
     let w0 = oscillator.natural_frequency();
     let force = model.force_bound(NEVER_SD, end);
     if force <= friction.static_force {

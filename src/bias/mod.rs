@@ -53,8 +53,14 @@ impl BiasPlan {
         let (h, is_corrected) = match scheme.discretisation() {
             Discretisation::Step { h } => (h, false),
             Discretisation::CorrectedStep { h } => (h, true),
-            Discretisation::Tolerance { .. } if !is_random => return Err(NoBias::Exact),
-            Discretisation::Tolerance { tolerance } => return Err(NoBias::Tolerance(tolerance)),
+            Discretisation::Tolerance { tolerance } => {
+                return Err(match (model.force.is_some(), is_random) {
+                    (false, false) => NoBias::Exact,
+                    (false, true) => NoBias::Tolerance(tolerance),
+                    (true, false) => NoBias::Integrated,
+                    (true, true) => NoBias::Followed(tolerance),
+                });
+            }
             Discretisation::Approximation => return Err(NoBias::Approximation),
         };
         let differences = Differences::new(scheme, model, timeline, seed, paths)?;

@@ -16,6 +16,15 @@ pub enum NoBias {
     /// The event-driven scheme where nothing is random.
     #[error("this scheme has no step, and without noise every event is exact to rounding")]
     Exact,
+    /// The event-driven scheme under a force of the user's own, where nothing is random.
+    #[error("this scheme has no step, and without noise a force of your own is integrated to 1e-12 of a step")]
+    Integrated,
+    /// The event-driven scheme under noise and a force of the user's own.
+    #[error(
+        "this scheme has no step, and follows a force of your own to its tolerance {0}; a run with a tenth of it shows \
+         what is left"
+    )]
+    Followed(f64),
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
     #[error("this scheme takes the forcing as constant during a slip, and a smaller step does not reduce that error")]
     Approximation,

@@ -118,6 +118,23 @@ impl<'a> Fields<'a> {
         }
     }
 
+    /// The numbers of a table whose keys are free, with their places; none if it is missing.
+    pub fn numbers(&self, name: &str) -> Vec<(String, f64, Option<Place>)> {
+        let Some(node) = self.node(name) else { return Vec::new() };
+        let path = self.dotted(name);
+        let Value::Table(entries) = &node.value else {
+            self.sources.report(wrong_kind(self.sources, node, &path, "a table", "write names with numbers"));
+            return Vec::new();
+        };
+        let table = Fields { sources: self.sources, path, place: Some(node.place), entries, is_misread: false };
+        let read = |entry: &Entry| {
+            let key = Key { name: "", symbol: "", meaning: "a parameter of the force", range: Range::Any };
+            let value = self.sources.or_report(table.number_of(&entry.node, &entry.key, key)).unwrap_or(1.0);
+            (entry.key.clone(), value, Some(entry.key_place))
+        };
+        entries.iter().map(read).collect()
+    }
+
     /// A number that must be there; if it is missing, this is reported.
     pub fn number(&self, key: Key) -> f64 {
         self.number_if_present(key).map_or_else(|| self.missing(key), |read| read.value)
@@ -137,7 +154,12 @@ impl<'a> Fields<'a> {
 
     /// The number in the node of a key, checked.
     fn number_in(&self, node: &Node, key: Key) -> Result<f64, Box<Fault>> {
-        let path = self.dotted(key.name);
+        self.number_of(node, key.name, key)
+    }
+
+    /// The number in the node of a key that is called `name`, checked.
+    fn number_of(&self, node: &Node, name: &str, key: Key) -> Result<f64, Box<Fault>> {
+        let path = self.dotted(name);
         let allowed = key.range.words();
         let symbol = if key.symbol.is_empty() { String::new() } else { format!("{}, ", key.symbol) };
         let remedy = format!("give {allowed} ({symbol}{})", key.meaning);

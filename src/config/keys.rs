@@ -92,6 +92,7 @@ keys! {
         OSCILLATOR = table("oscillator");
         FRICTION = table("friction");
         TEMPERATURE = table("temperature");
+        FORCE = table("force");
         INITIAL = table("initial");
         BEARING = table("bearing");
         TIME = table("time");
@@ -141,6 +142,10 @@ keys! {
         DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
         INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Range::Any);
         PINNED = other("pinned", "v is zero at every sample of the series");
+    }
+    "force" {
+        EXPRESSION = other("expression", "g(x, xdot, t), which is added to b");
+        PARAMETERS = table("parameters");
     }
     "initial" {
         DISPLACEMENT = number("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
@@ -199,7 +204,7 @@ pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
 }
 
 /// Other names that users write for a key: the symbols of the paper and common synonyms.
-const SYNONYMS: [(&str, &str); 38] = [
+const SYNONYMS: [(&str, &str); 42] = [
     ("m", "oscillator.mass"),
     ("k", "oscillator.stiffness"),
     ("alpha", "oscillator.damping"),
@@ -211,6 +216,10 @@ const SYNONYMS: [(&str, &str); 38] = [
     ("slope", "temperature.trend"),
     ("speed", "temperature.trend"),
     ("constant", "temperature.offset"),
+    ("g", "force.expression"),
+    ("formula", "force.expression"),
+    ("params", "force.parameters"),
+    ("constants", "force.parameters"),
     ("f_s", "friction.static"),
     ("fs", "friction.static"),
     ("f_d", "friction.dynamic"),

@@ -16,6 +16,7 @@ mod blame;
 mod bridge;
 mod error;
 mod fields;
+mod force;
 mod keys;
 mod overrides;
 mod parse;

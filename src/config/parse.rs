@@ -22,7 +22,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
-    let Physics { model, measured, is_balanced } = physics(sources, &root);
+    let Physics { model, measured, is_balanced, written_force } = physics(sources, &root);
     let bearing = bearing(&root);
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &model);
     // `abs` turns -0.0 into 0.0.
@@ -40,6 +40,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
         model,
         measured,
         is_balanced,
+        written_force,
         bearing,
         time: output_step.map_or_else(|| Time::with_default_rows(end, scheme), |output_step| Time { end, output_step }),
         scheme,

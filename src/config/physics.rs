@@ -1,11 +1,12 @@
 //! The model from the tables that describe the physics.
 
 use super::fields::Fields;
+use super::force::{Forced, force};
 use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
-use crate::scenario::{Measured, SensorBearing};
+use crate::scenario::{Measured, SensorBearing, WrittenForce};
 
 /// The model, and where parts of it come from.
 pub(super) struct Physics {
@@ -13,9 +14,11 @@ pub(super) struct Physics {
     pub measured: Option<Measured>,
     /// Whether x(0) is given as "balanced": where no spring force acts.
     pub is_balanced: bool,
+    /// The force of the user's own as it is written.
+    pub written_force: Option<WrittenForce>,
 }
 
-/// Read `[oscillator]`, `[friction]`, `[temperature]` and `[initial]`.
+/// Read `[oscillator]`, `[friction]`, `[temperature]`, `[force]` and `[initial]`.
 pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let table = root.table("oscillator");
     let oscillator = Oscillator {
@@ -61,8 +64,9 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         Some(Err(_balanced)) => balanced(sources, &table, &oscillator, temperature.mean(0.0)),
         None => table.number(keys::DISPLACEMENT),
     };
-    let model = Model { oscillator, friction, temperature, initial_displacement };
-    Physics { model, measured, is_balanced }
+    let Forced { oscillator, force, written: written_force } = force(sources, root, oscillator);
+    let model = Model { oscillator, friction, temperature, force, initial_displacement };
+    Physics { model, measured, is_balanced, written_force }
 }
 
 /// The rest position at this temperature, which a body without a spring does not have.

@@ -133,6 +133,14 @@ impl Sources<'_> {
         fault
     }
 
+    /// The place of a part of a string in the file, of which `text` is the content; none where
+    /// escapes hide it, or in an override.
+    pub fn within(&self, place: Place, text: &str, part: std::ops::Range<usize>) -> Option<Place> {
+        let raw = self.text.get(place.start..place.end).filter(|_| place.text == 0)?;
+        let start = place.start + raw.find(text).filter(|_| !text.is_empty())?;
+        Some(Place { text: 0, start: start + part.start, end: start + part.end })
+    }
+
     /// The text at a place, cut to one short line. For an override this is its whole value.
     pub fn quote(&self, place: Place) -> String {
         let raw = match self.override_at(place) {

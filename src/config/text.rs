@@ -1,8 +1,8 @@
 //! A scenario as TOML, with every default and with the symbol of the paper beside every number.
 
 use super::keys::{self, Key};
-use crate::model::{Drive, InitialNoise, Noise, Series, Temperature};
-use crate::scenario::{Measured, Scenario, SensorBearing, Time, Units};
+use crate::model::{Drive, Expression, InitialNoise, Noise, Series, Temperature};
+use crate::scenario::{Measured, Scenario, SensorBearing, Time, Units, WrittenForce};
 use crate::stats::Record;
 use std::fmt::Write as _;
 
@@ -63,6 +63,7 @@ pub(super) fn template(scenario: &Scenario) -> String {
     let unused = [
         (temperature.noise.is_none(), NOISE_PART),
         (temperature.series.is_none(), SERIES_PART),
+        (scenario.written_force.is_none(), FORCE_PART),
         (scenario.bearing.is_none(), BEARING_PART),
     ];
     let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
@@ -91,6 +92,12 @@ time = \"time\"                   # its column of times: stamps, or numbers with
 value = \"temperature_degC\"      # its column of temperatures
 max_gap = \"6h\"                  # longest time between two samples
 ";
+pub(super) const FORCE_PART: &str = "\
+[force]                         # a force of your own, added to b
+expression = \"-k3*x^3\"         # g(x, xdot, t)
+[force.parameters]
+k3 = 0.02
+";
 pub(super) const BEARING_PART: &str = "\
 [bearing]                       # a sensor at the bearing shows z = z0 + x + F/K_B
 stiffness = 2.0e9               # K_B: shear of the bearing under F
@@ -98,12 +105,13 @@ offset = 0.0                    # z0: what the sensor shows at x = 0
 ";
 
 fn physics(text: &mut String, scenario: &Scenario) {
-    let Scenario { model, measured, is_balanced, .. } = scenario;
+    let Scenario { model, measured, is_balanced, written_force, .. } = scenario;
+    let oscillator = written_force.as_ref().and_then(|force| force.without).unwrap_or(model.oscillator);
     table(text, "oscillator");
-    number(text, keys::MASS, model.oscillator.mass);
-    number(text, keys::STIFFNESS, model.oscillator.stiffness);
-    number(text, keys::DAMPING, model.oscillator.damping);
-    match model.oscillator.drive {
+    number(text, keys::MASS, oscillator.mass);
+    number(text, keys::STIFFNESS, oscillator.stiffness);
+    number(text, keys::DAMPING, oscillator.damping);
+    match oscillator.drive {
         Drive::Dilatation(beta) => number(text, keys::DILATATION, beta),
         Drive::Force(c) => number(text, keys::FORCE_PER_TEMPERATURE, c),
     }
@@ -111,6 +119,9 @@ fn physics(text: &mut String, scenario: &Scenario) {
     number(text, keys::STATIC, model.friction.static_force);
     number(text, keys::DYNAMIC, model.friction.dynamic_force);
     temperature(text, &model.temperature, measured.as_ref());
+    if let Some(WrittenForce { expression, .. }) = written_force {
+        force(text, expression);
+    }
     table(text, "initial");
     if *is_balanced {
         let x0 = model.initial_displacement;
@@ -122,6 +133,17 @@ fn physics(text: &mut String, scenario: &Scenario) {
         );
     } else {
         number(text, keys::DISPLACEMENT, model.initial_displacement);
+    }
+}
+
+fn force(text: &mut String, expression: &Expression) {
+    table(text, "force");
+    other(text, keys::EXPRESSION, &string(expression.text()));
+    if !expression.parameters().is_empty() {
+        table(text, "force.parameters");
+    }
+    for (name, value) in expression.parameters() {
+        let _ = writeln!(text, "{name} = {value:?}");
     }
 }
 

@@ -141,7 +141,10 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     }
 
     let text = this.value.trim();
+    let is_quoted = text.starts_with(['"', '\'']);
     spot.value = match DeValue::parse(text) {
+        // An expression needs no quotes on a command line, where a shell would take them away.
+        _ if this.key.trim() == FORCE_EXPRESSION && !is_quoted => Value::Text(text.to_string()),
         Ok(value) => node(value, i + 1).value,
         // The value is a bare word, or a count such as 10k.
         Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => Value::Text(text.to_string()),
@@ -153,6 +156,9 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     relocate(spot, place);
     Ok(())
 }
+
+/// The key whose value is an expression.
+const FORCE_EXPRESSION: &str = "force.expression";
 
 /// Whether a text is a number followed by a unit, such as 10k.
 fn is_count(text: &str) -> bool {

@@ -4,17 +4,19 @@
 //! There are only pure functions and plain values here; no random number is drawn.
 //!
 //! ```text
-//! m x'' + F(x') = b(x, x', t),   b = K (beta T(t) - x) - 2 alpha x',   x(0) = x0, x'(0) = 0
+//! m x'' + F(x') = b(x, x', t),   x(0) = x0, x'(0) = 0
+//! b = K (beta T(t) - x) - 2 alpha x' + g(x, x', t)
 //! T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
 //! ```
 //!
-//! S is the measured temperature. Where the temperature is a force, c T stands in place of K beta T.
+//! S is the measured temperature, and g a force of the user's own. Where the temperature is a force, c T stands in place of K beta T.
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
 
 mod cascade;
 mod complex;
+mod force;
 mod friction;
 mod harmonic_clock;
 mod impulse_response;
@@ -29,6 +31,7 @@ mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
+pub use force::{Doubt, Expression, ExpressionError, Force, ForceLaw, Linear, Scales, doubts};
 pub use friction::{Friction, prox};
 #[doc(hidden)]
 pub use harmonic_clock::HarmonicClock;
@@ -43,6 +46,8 @@ pub use step_response::SETTLED;
 pub(crate) use step_response::StepResponse;
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
+use crate::lanes::InstructionSet;
+
 /// The physical model: one oscillator, its friction, its temperature and its initial displacement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Model {
@@ -52,6 +57,19 @@ pub struct Model {
     pub friction: Friction,
     /// The temperature, which drives the oscillator.
     pub temperature: Temperature,
+    /// A force of the user's own, g(x, x', t), which is added to b.
+    pub force: Option<Force>,
     /// x(0), a length; the velocity starts at zero.
     pub initial_displacement: f64,
+}
+
+impl Model {
+    /// b(x, x', t), where the temperature has this value: the sum of all forces except friction.
+    pub fn total_force(&self, time: f64, temperature: f64, displacement: f64, velocity: f64) -> f64 {
+        let linear = self.oscillator.force(temperature, displacement, velocity);
+        match &self.force {
+            Some(own) => linear + own.at(InstructionSet::detect(), displacement, velocity, time),
+            None => linear,
+        }
+    }
 }

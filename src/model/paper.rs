@@ -14,6 +14,7 @@ pub(crate) fn paper(w: f64, rho: f64) -> Model {
             noise: (rho != 0.0).then_some(noise),
             ..Temperature::default()
         },
+        force: None,
         initial_displacement: 6.0,
     }
 }

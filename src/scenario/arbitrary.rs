@@ -43,6 +43,7 @@ prop_compose! {
             oscillator: Oscillator { mass, stiffness, damping, drive },
             friction: Friction { static_force, dynamic_force: static_force * ratio },
             temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, second_noise: noise.and(second_noise), noise },
+            force: None,
             initial_displacement,
         }
     }
@@ -63,6 +64,10 @@ prop_compose! {
         let kind = Kind::ALL[kind];
         let scheme = kind.with(if kind.has_step() { step } else { tolerance });
         let mut model = model;
+        if kind == Kind::QuasiStatic {
+            model.oscillator.damping = model.oscillator.damping.abs();
+            model.oscillator.stiffness += f64::from(u8::from(model.oscillator.stiffness == 0.0));
+        }
         if kind.has_step() {
             model.temperature.second_noise = None;
         }
@@ -74,6 +79,7 @@ prop_compose! {
             model,
             measured: None,
             is_balanced: false,
+            written_force: None,
             bearing: bearing.map(|(stiffness, offset)| SensorBearing { stiffness, offset }),
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },
             scheme,

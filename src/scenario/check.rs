@@ -211,7 +211,7 @@ fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
     // Negative damping does, but friction may confine what it drives, and paths that run away are
     // counted.
     let mut free = model.clone();
-    free.friction.static_force = 0.0;
+    (free.friction.static_force, free.force) = (0.0, None);
     free.oscillator.damping = free.oscillator.damping.max(0.0);
     let extent = divergence_bound(&free, end);
     let rate = if model.oscillator.stiffness > 0.0 { model.oscillator.natural_frequency() } else { 2.0 / end.max(1.0) };

@@ -6,6 +6,7 @@
 //! time       duration and output grid, and whether they go with a scheme's step
 //! check      whether all values go together
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
+//! written    a force as the user wrote it
 //! measured   where a measured temperature comes from, and how a sensor sees the body
 //! bridge     the parts of a scenario that a calibration needs: a BridgeScene
 //! limits     the largest number of paths, rows, steps and periods
@@ -21,12 +22,14 @@ pub(crate) mod check;
 mod limits;
 mod measured;
 mod plan;
+mod written;
 pub(crate) mod time;
 
 pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
 pub use measured::{Measured, SensorBearing};
 pub use time::Time;
+pub use written::WrittenForce;
 
 pub use crate::stats::Units;
 
@@ -46,6 +49,9 @@ pub struct Scenario {
     pub measured: Option<Measured>,
     /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
     pub is_balanced: bool,
+    /// The force of the user's own as it is written, if there is one. A linear one is in the stiffness
+    /// and the damping of the model.
+    pub written_force: Option<WrittenForce>,
     /// How a sensor at the bearing sees the body, if there is one.
     pub bearing: Option<SensorBearing>,
     /// Duration and output grid.

@@ -80,6 +80,10 @@ impl Method for QuasiStatic {
     fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
         let Oscillator { stiffness, damping, .. } = model.oscillator;
         let remedy = "choose `--scheme event-driven`, which follows every slip";
+        if model.force.is_some() {
+            let problem = "there is a [force], and in the quasi-static recursion a slip is a swing of the spring alone";
+            return Err(Misfit::new(&[], problem, remedy));
+        }
         if stiffness == 0.0 {
             let problem =
                 "leaves no spring to swing, and in the quasi-static recursion a slip is a swing of the spring";

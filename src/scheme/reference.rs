@@ -17,7 +17,7 @@ pub fn reference_path(
     mut normal: impl FnMut() -> f64,
     mut on_event: impl FnMut(Event),
 ) -> (f64, f64) {
-    let Model { oscillator, friction, temperature, initial_displacement } = model;
+    let Model { oscillator, friction, temperature, initial_displacement, .. } = model;
     let (h_over_m, f_s, f_d) = (h / oscillator.mass, friction.static_force, friction.dynamic_force);
     let noise = temperature.effective_noise();
     let transition = noise.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, h));
@@ -29,8 +29,10 @@ pub fn reference_path(
         },
     };
     let rho = noise.map_or(0.0, |noise| noise.intensity);
-    let force =
-        |n: u64, x: f64, v: f64, eta: f64| oscillator.force(temperature.deterministic(n as f64 * h) + rho * eta, x, v);
+    let force = |n: u64, x: f64, v: f64, eta: f64| {
+        let time = n as f64 * h;
+        model.total_force(time, temperature.deterministic(time) + rho * eta, x, v)
+    };
 
     let (mut x, mut v) = (*initial_displacement, 0.0);
     let mut b = force(0, x, v, eta);

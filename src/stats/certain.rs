@@ -28,10 +28,10 @@ impl Certain {
         Certain { everything: false, start: false, first_stick: false, never_sticks: false, frictionless: false };
 
     pub fn of(model: &Model, timeline: &Timeline) -> Self {
-        let Model { oscillator, friction, temperature, initial_displacement } = model;
+        let Model { oscillator, friction, temperature, initial_displacement, .. } = model;
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
         let start = oscillator.force_per_temperature() == 0.0 || temperature.noises().all(is_given);
-        let force = oscillator.force(temperature.mean(0.0), *initial_displacement, 0.0);
+        let force = model.total_force(0.0, temperature.mean(0.0), *initial_displacement, 0.0);
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
         Certain {
             everything: !is_random || timeline.end == 0.0,

@@ -10,7 +10,8 @@ pub fn model() -> Model {
         oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
         friction: Friction { static_force: 3.0, dynamic_force: 2.0 },
         temperature: Temperature::default(),
-        initial_displacement: 6.0,
+        force: None,
+            initial_displacement: 6.0,
     }
 }
 

@@ -48,6 +48,7 @@ impl DrawnBearing {
                 drive: Drive::Dilatation(self.dilatation()),
             },
             friction: Friction { static_force, dynamic_force: static_force - 0.5 * self.jump * slope },
+            force: None,
             initial_displacement: self.dilatation() * temperature.deterministic(0.0),
             temperature,
         }

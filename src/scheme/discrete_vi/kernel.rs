@@ -2,7 +2,7 @@
 
 use super::corrected_exit;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
-use crate::model::{Model, Temperature};
+use crate::model::{Force, Model, Temperature};
 use crate::noise::{LaneNormals, LaneStreams, Transition};
 use std::f64::consts::SQRT_2;
 
@@ -15,6 +15,10 @@ const GROUP: usize = 16;
 /// Lanes that are stepped together without noise, in registers of eight lanes. A step then has less
 /// work to hide the latency, and more registers are free.
 const WIDE: usize = 32;
+
+/// Lanes that are stepped together under a force of the user's own, so that the operations of its
+/// tape are dispatched once for all of them.
+const FORCED: usize = 64;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
@@ -59,8 +63,8 @@ impl Coefficients {
         }
     }
 
-    /// b(X, V, t), rounded as in the lanes; `forcing` is K beta times the harmonics at t.
-    pub(super) fn force(&self, at: &Point, forcing: f64) -> f64 {
+    /// b(X, V, t) without g, rounded as in the lanes; `forcing` is K beta times the harmonics at t.
+    fn force(&self, at: &Point, forcing: f64) -> f64 {
         let temperature_force = self.noise_force.mul_add(at.noise, forcing);
         let b = self.minus_stiffness.mul_add(at.displacement, temperature_force);
         self.minus_two_alpha.mul_add(at.velocity, b)
@@ -184,6 +188,8 @@ pub(super) struct Kernel {
     has_noise: bool,
     has_damping: bool,
     is_corrected: bool,
+    /// g.
+    own: Option<Force>,
     instructions: InstructionSet,
 }
 
@@ -202,69 +208,95 @@ impl Kernel {
             has_noise: model.temperature.effective_noise().is_some(),
             has_damping: model.oscillator.damping != 0.0,
             is_corrected,
+            own: model.force.clone(),
             instructions,
         }
     }
 
-    /// Takes every path through `forcing.len() - 1` <= RUN steps, where `forcing[n]` is K beta
-    /// times the harmonics at the n-th instant. Writes the turns of these steps to `turns`; those
+    /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
+    pub(super) fn force(&self, at: &Point, forcing: f64, n: u64) -> f64 {
+        let b = self.coefficients.force(at, forcing);
+        match &self.own {
+            Some(own) => b + own.at(self.instructions, at.displacement, at.velocity, n as f64 * self.coefficients.h),
+            None => b,
+        }
+    }
+
+    /// Takes every path through `forcing.len() - 1` <= RUN steps from t_n on, where `forcing[i]` is K
+    /// beta times the harmonics at the i-th instant. Writes the turns of these steps to `turns`; those
     /// of one lane are in time order.
-    pub(super) fn advance(&self, forcing: &[f64], streams: &mut LaneStreams, paths: &mut Paths, turns: &mut Vec<Turn>) {
+    pub(super) fn advance(
+        &self,
+        n: u64,
+        forcing: &[f64],
+        streams: &mut LaneStreams,
+        paths: &mut Paths,
+        turns: &mut Vec<Turn>,
+    ) {
         turns.clear();
-        match (self.has_damping, self.is_corrected) {
-            (false, false) => self.run_noise::<false, false>(forcing, streams, paths, turns),
-            (false, true) => self.run_noise::<false, true>(forcing, streams, paths, turns),
-            (true, false) => self.run_noise::<true, false>(forcing, streams, paths, turns),
-            (true, true) => self.run_noise::<true, true>(forcing, streams, paths, turns),
+        let work = Work { n, forcing, streams, paths, turns };
+        match (self.own.is_some(), self.has_damping, self.is_corrected) {
+            (false, false, false) => self.run_noise::<false, false, false>(work),
+            (false, false, true) => self.run_noise::<false, false, true>(work),
+            (false, true, false) => self.run_noise::<false, true, false>(work),
+            (false, true, true) => self.run_noise::<false, true, true>(work),
+            // Beside a force of the user's own, the damping costs nothing.
+            (true, _, false) => self.run_noise::<true, true, false>(work),
+            (true, _, true) => self.run_noise::<true, true, true>(work),
         }
     }
 
-    fn run_noise<const DAMPING: bool, const CORRECTED: bool>(
-        &self,
-        forcing: &[f64],
-        streams: &mut LaneStreams,
-        paths: &mut Paths,
-        turns: &mut Vec<Turn>,
-    ) {
-        match (self.has_noise, streams.are_mirrored()) {
-            (false, _) => self.run::<false, false, DAMPING, CORRECTED>(forcing, streams, paths, turns),
-            (true, false) => self.run::<true, false, DAMPING, CORRECTED>(forcing, streams, paths, turns),
-            (true, true) => self.run::<true, true, DAMPING, CORRECTED>(forcing, streams, paths, turns),
+    fn run_noise<const OWN: bool, const DAMPING: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+        match (self.has_noise, work.streams.are_mirrored()) {
+            (false, _) => self.run::<OWN, false, false, DAMPING, CORRECTED>(work),
+            (true, false) => self.run::<OWN, true, false, DAMPING, CORRECTED>(work),
+            (true, true) => self.run::<OWN, true, true, DAMPING, CORRECTED>(work),
         }
     }
 
-    fn run<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>(
+    fn run<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>(
         &self,
-        forcing: &[f64],
-        streams: &mut LaneStreams,
-        paths: &mut Paths,
-        turns: &mut Vec<Turn>,
+        work: Work<'_>,
     ) {
-        let (c, scale) = (&self.coefficients, &self.noise);
-        let mut run = Run::<NOISE, MIRRORED, DAMPING, CORRECTED> { c, scale, forcing, streams, paths, turns };
+        let mut run = Run::<OWN, NOISE, MIRRORED, DAMPING, CORRECTED> {
+            kernel: self,
+            c: &self.coefficients,
+            scale: &self.noise,
+            work,
+        };
         self.instructions.run(&mut run);
     }
 }
 
-struct Run<'a, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
-    c: &'a Coefficients,
-    scale: &'a NoiseScale,
+/// The steps to take, and the paths that take them.
+struct Work<'a> {
+    /// The number of the first step.
+    n: u64,
     forcing: &'a [f64],
     streams: &'a mut LaneStreams,
     paths: &'a mut Paths,
     turns: &'a mut Vec<Turn>,
 }
 
-impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
-    for Run<'_, NOISE, MIRRORED, DAMPING, CORRECTED>
+struct Run<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
+    kernel: &'a Kernel,
+    c: &'a Coefficients,
+    scale: &'a NoiseScale,
+    work: Work<'a>,
+}
+
+impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
+    for Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
 {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let lanes = self.paths.noise.len();
+        let lanes = self.work.paths.noise.len();
         let mut lane = 0;
         while lane < lanes {
             let left = lanes - lane;
             lane += match (L::WIDTH, left) {
+                (8, FORCED..) if OWN => self.advance_group::<L, { FORCED / 8 }>(lane),
+                (_, FORCED..) if OWN => self.advance_group::<L, { FORCED / 4 }>(lane),
                 (8, WIDE..) if !NOISE => self.advance_group::<L, { WIDE / 8 }>(lane),
                 (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
                 (8, _) => self.advance_group::<L, 1>(lane),
@@ -275,8 +307,8 @@ impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECT
     }
 }
 
-impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    Run<'_, NOISE, MIRRORED, DAMPING, CORRECTED>
+impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
+    Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
 {
     /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
     /// of lanes.
@@ -285,28 +317,29 @@ impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECT
         let at = |r: usize| lane + r * L::WIDTH;
         let c = Splat::<L>::new(self.c);
         // These are plain loops, because closures would not be compiled for the instruction set.
-        let mut state = [State::load::<NOISE>(self.paths, lane); R];
+        let mut state = [State::load::<NOISE>(self.work.paths, lane); R];
         for (r, state) in state.iter_mut().enumerate() {
-            *state = State::load::<NOISE>(self.paths, at(r));
+            *state = State::load::<NOISE>(self.work.paths, at(r));
         }
         let mut regimes = [c.regime(state[0].v); R];
         for (regime, state) in regimes.iter_mut().zip(&state) {
             *regime = c.regime(state.v);
         }
 
-        let mut normals = if NOISE { Some(self.streams.take::<L, R, MIRRORED>(lane)) } else { None };
+        let mut normals = if NOISE { Some(self.work.streams.take::<L, R, MIRRORED>(lane)) } else { None };
         let every_lane = (1 << L::WIDTH) - 1;
 
-        for (n, &forcing) in self.forcing[..self.forcing.len() - 1].iter().enumerate() {
+        for (n, &forcing) in self.work.forcing[..self.work.forcing.len() - 1].iter().enumerate() {
             let chi = match &mut normals {
                 Some(normals) => self.scale.increment(normals),
                 None => [L::splat(0.0); R],
             };
             let forcing = L::splat(forcing);
+            let own = if OWN { self.own(&state, n) } else { [forcing; R] };
             let mut s = [forcing; R];
             let mut same = L::always();
             for r in 0..R {
-                s[r] = c.impulse::<NOISE, DAMPING>(&state[r], forcing);
+                s[r] = c.impulse::<OWN, NOISE, DAMPING>(&state[r], forcing, own[r]);
                 same = regimes[r].holds(s[r], same);
             }
             if L::bitmask(same) == every_lane {
@@ -322,7 +355,7 @@ impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECT
                         // The state is computed here a second time, so that both states are in
                         // registers only where there is a turn.
                         let next = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
-                        note(self.turns, at(r), n, turned, &state[r], &next);
+                        note(self.work.turns, at(r), n, turned, &state[r], &next);
                         regimes[r] = c.regime(next_v);
                     }
                     state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
@@ -330,12 +363,32 @@ impl<const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECT
             }
         }
         for (r, state) in state.iter().enumerate() {
-            state.store::<NOISE>(self.paths, at(r));
+            state.store::<NOISE>(self.work.paths, at(r));
         }
         if let Some(normals) = &normals {
-            self.streams.put(lane, normals);
+            self.work.streams.put(lane, normals);
         }
         R * L::WIDTH
+    }
+
+    /// g of `R` registers of paths at the n-th instant of the run.
+    #[inline(always)]
+    fn own<L: Lanes, const R: usize>(&self, state: &[State<L>; R], n: usize) -> [L; R] {
+        let (mut x, mut v, mut g) = ([0.0; FORCED], [0.0; FORCED], [0.0; FORCED]);
+        for (r, state) in state.iter().enumerate() {
+            state.x.store(&mut x[r * L::WIDTH..]);
+            state.v.store(&mut v[r * L::WIDTH..]);
+        }
+        let lanes = R * L::WIDTH;
+        if let Some(own) = &self.kernel.own {
+            let time = (self.work.n + n as u64) as f64 * self.c.h;
+            own.fill(self.kernel.instructions, &x[..lanes], &v[..lanes], time, &mut g[..lanes]);
+        }
+        let mut own = [L::splat(0.0); R];
+        for (r, own) in own.iter_mut().enumerate() {
+            *own = L::load(&g[r * L::WIDTH..]);
+        }
+        own
     }
 }
 
@@ -412,9 +465,14 @@ impl<L: Lanes> Splat<L> {
         }
     }
 
-    /// S = V + (h/m) b, b = K (beta T - X) - 2 alpha V.
+    /// S = V + (h/m) b, b = K (beta T - X) - 2 alpha V + g.
     #[inline(always)]
-    fn impulse<const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L) -> L {
+    fn impulse<const OWN: bool, const NOISE: bool, const DAMPING: bool>(
+        &self,
+        at: &State<L>,
+        forcing: L,
+        own: L,
+    ) -> L {
         let mut b = forcing;
         if NOISE {
             b = self.noise_force.mul_add(at.noise, b);
@@ -422,6 +480,9 @@ impl<L: Lanes> Splat<L> {
         b = self.minus_stiffness.mul_add(at.x, b);
         if DAMPING {
             b = self.minus_two_alpha.mul_add(at.v, b);
+        }
+        if OWN {
+            b = b + own;
         }
         self.h_over_m.mul_add(b, at.v)
     }

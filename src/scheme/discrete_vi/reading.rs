@@ -30,7 +30,7 @@ impl Reader {
     ) -> Self {
         let phases = (0..paths).map(|lane| {
             let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
-            let force = kernel.coefficients.force(&at, forcing);
+            let force = kernel.force(&at, forcing, 0);
             if holds(&kernel.coefficients, force) {
                 return Phase::Static;
             }
@@ -45,11 +45,11 @@ impl Reader {
     /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static
     /// phase ends at the last instant with V = 0, so that this instant belongs to the slip. It is
     /// the one at which the force no longer holds, and its event is found in the next step.
-    pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64) -> impl Iterator<Item = bool> {
+    pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64, n: u64) -> impl Iterator<Item = bool> {
         let c = &kernel.coefficients;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
             let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
-            *phase == Phase::Static && (c.h_over_m * c.force(&at, forcing)).abs() <= c.exit_impulse
+            *phase == Phase::Static && (c.h_over_m * kernel.force(&at, forcing, n)).abs() <= c.exit_impulse
         })
     }
 
@@ -65,9 +65,9 @@ impl Reader {
     ) {
         for turn in turns {
             let Some(phase) = self.phases.get_mut(turn.lane) else { continue };
-            let Some((kind, when)) = self::read(*phase, turn, &kernel.coefficients, forcing[turn.step + 1]) else {
-                continue;
-            };
+            let behind = turn.step + 1;
+            let force = || kernel.force(&turn.after, forcing[behind], n + behind as u64);
+            let Some((kind, when)) = self::read(*phase, turn, &kernel.coefficients, force) else { continue };
             *phase = kind.phase();
             let (at, step) = match when {
                 When::Before => (&turn.before, turn.step),
@@ -77,7 +77,7 @@ impl Reader {
                 kind,
                 time: (n + step as u64) as f64 * kernel.coefficients.h,
                 displacement: at.displacement,
-                force: kernel.coefficients.force(at, forcing[step]),
+                force: kernel.force(at, forcing[step], n + step as u64),
             };
             observer.event(turn.lane, event);
         }
@@ -91,14 +91,14 @@ enum When {
 }
 
 /// The event of a path in this phase that a step from `turn.before` to `turn.after` makes, if any.
-/// `forcing` is that at the end of the step.
-fn read(phase: Phase, turn: &Turn, c: &Coefficients, forcing: f64) -> Option<(EventKind, When)> {
+/// `force` is b at the end of the step.
+fn read(phase: Phase, turn: &Turn, c: &Coefficients, force: impl Fn() -> f64) -> Option<(EventKind, When)> {
     let (before, after) = (turn.before.velocity, turn.after.velocity);
     match phase {
         Phase::Static if after != 0.0 => Some((EventKind::SlipStarted(Sign::of(after)), When::Before)),
         Phase::Static => None,
         Phase::Slip(_) if after == 0.0 => {
-            let force = c.force(&turn.after, forcing);
+            let force = force();
             Some((EventKind::at_rest(holds(c, force), force), When::After))
         }
         // The signs are compared, because the product of the velocities could underflow.

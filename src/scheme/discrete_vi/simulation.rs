@@ -3,7 +3,7 @@
 use super::kernel::{Kernel, Paths, RUN};
 use super::reading::Reader;
 use crate::lanes::InstructionSet;
-use crate::model::{HarmonicClock, InitialNoise, Model};
+use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
 use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
 
@@ -134,7 +134,7 @@ impl Simulate for DiscreteSimulation {
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
                     *force = to_force * harmonic;
                 }
-                kernel.advance(&forcing[..=steps], &mut streams, &mut state, &mut turns);
+                kernel.advance(n, &forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
                 // All lanes are tested together first, because a path hardly ever diverges.
                 let is_bounded = |x: &f64| x.abs() <= bound;
@@ -147,7 +147,7 @@ impl Simulate for DiscreteSimulation {
                 harmonics[0] = harmonics[steps];
             }
             sampled.is_static.clear();
-            sampled.is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0]));
+            sampled.is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0], n));
             let snapshot = sampled.take(&state, harmonics[0], kernel.noise.temperature, n as f64 * self.h);
             observer.snapshot(stop.instant, snapshot);
         }
@@ -160,9 +160,13 @@ impl Simulate for DiscreteSimulation {
 /// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and the
 /// body without a spring |x(t)| <= |x0| + t^2 sup |c T|/(2 m). Friction and damping only take energy
 /// away; negative damping lets x grow by e^{2 |gamma| t}. The bound is ten times this value at t_end,
-/// where T includes ten stationary standard deviations of the noise, plus ten f_s/K.
+/// where T includes ten stationary standard deviations of the noise, plus ten f_s/K. How far a force of
+/// the user's own may drive the body is not known, so with one the bound is [`LARGEST`].
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let Model { oscillator, friction, .. } = model;
+    if model.force.is_some() {
+        return LARGEST;
+    }
     let force = oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
     let driven = if oscillator.stiffness > 0.0 {
         let growth = 1.0 + oscillator.natural_frequency() * end;

@@ -40,6 +40,10 @@ pub struct Noisy {
     /// The slip step of the usual length. It covers a whole cell where
     /// [`Noisy::has_one_step_a_cell`].
     pub(super) step: SlipStep,
+    /// The usual step, its half, its quarter and so on, where there is a force of the user's own.
+    pub(super) halved: Vec<SlipStep>,
+    /// The largest second difference of that force on a step, as a fraction of the forces.
+    pub(super) most_bend: f64,
     pub(super) search: StopSearch,
     /// The number of evaluations that a path may make.
     pub(super) work_limit: u64,
@@ -50,6 +54,9 @@ pub struct Noisy {
 /// If the fastest rate of the body is more than this multiple of the rates of forcing and noise,
 /// the length of a cell follows from forcing and noise instead.
 const TWO_SCALES: f64 = 16.0;
+
+/// The most halvings of a slip step under a force of the user's own.
+const FINEST_HALVING: u32 = 24;
 
 /// Up to this number of paths are simulated one by one, because they do not fill the lanes.
 const FEW: usize = 8;
@@ -78,6 +85,10 @@ impl Noisy {
         let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
+        let halvings = if scene.has_own_force() { 0..=FINEST_HALVING } else { 1..=0 };
+        let halved = halvings
+            .map(|n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n)))
+            .collect();
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy {
@@ -87,16 +98,19 @@ impl Noisy {
             corridor,
             oscillator,
             step,
+            halved,
+            most_bend: rules.most_bend,
             search,
             work_limit: WORK_LIMIT,
             closeness: 1,
         }
     }
 
-    /// Whether the paths can be simulated abreast: all cells have one length, and there is only one
-    /// noise.
+    /// Whether the paths can be simulated abreast: all cells have one length, there is only one noise,
+    /// and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
-        self.scene.two_noises.is_none() && self.ladder.is_even()
+        !self.scene.has_own_force()
+            && self.scene.two_noises.is_none() && self.ladder.is_even()
     }
 
     /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and

@@ -3,7 +3,8 @@
 //! ```text
 //! path           the state of a path, and how it crosses a cell: stick, slip, stick, ..
 //!   stick          does b leave the corridor before the end of the cell?
-//!   slip           exact steps, each of which is searched for a stop
+//!   slip           steps, each of which is searched for a stop
+//!     own_force      a step under a force of the user's own
 //!     stop_search    bisects a step from left to right
 //!     step_flow      the motion of the step without noise, for feeble noise and for observers
 //! watch          draws the state at instants inside a cell, without changing the path
@@ -11,6 +12,7 @@
 //! ```
 
 mod one_by_one;
+mod own_force;
 mod path;
 mod slip;
 mod step_flow;

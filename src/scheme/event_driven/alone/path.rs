@@ -89,7 +89,7 @@ impl<M: Default> Path<M> {
             displacement,
             noise,
             second_noise: 0.0,
-            force: scene.initial_forcing() + noise - scene.oscillator.stiffness * displacement,
+            force: scene.initial_forcing() + noise - scene.spring(displacement, 0.0),
             phase: Phase::Static,
             motion: M::default(),
             draws,

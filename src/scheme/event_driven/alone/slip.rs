@@ -1,6 +1,8 @@
-//! A slip of one path in a cell: exact steps of (x, x', n), given n at their ends, each of which is
-//! searched for the first zero of x'.
+//! A slip of one path in a cell: steps of (x, x', n), given n at their ends, each of which is searched
+//! for the first zero of x'. The steps are exact in law, or follow a force of the user's own
+//! ([`super::own_force`]).
 
+use super::own_force::OwnForce;
 use super::path::{Cascade, Path};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
@@ -119,6 +121,7 @@ impl Slip<'_> {
             self.cell.set_terms(path.after, terms);
         }
         let mut first = self.motion(path);
+        let mut own = OwnForce::new(&self.noisy.scene, self.time(path), path);
         loop {
             let remaining = self.cell.length - path.after;
             if remaining <= SHORTEST * self.cell.length {
@@ -126,15 +129,22 @@ impl Slip<'_> {
                 return Ok(None);
             }
             path.work.spend()?;
-            let (step, is_last) = self.step_towards(remaining, partial);
             let (began, start) = (path.after, SlipPoint { x: path.displacement, v: path.motion, n: path.noise });
-            self.take(step, is_last, path, terms);
+            let (step, is_last) = match &mut own {
+                Some(own) => own.step_towards(self, remaining, path, partial)?,
+                None => self.step_towards(remaining, partial),
+            };
+            self.take(step, is_last, path, terms, own.as_ref());
+            if let Some(own) = &mut own {
+                own.correct(self, step, start, path);
+            }
             let last = self.motion(path);
             if !last.is_finite() {
                 return Err(Unresolved);
             }
             let searched = step.between(self.direction.value(), (start.x, first), (path.displacement, last));
-            let flow = StepFlow::new(self, step, (began, start), searched, flow);
+            let push = own.as_ref().map_or(0.0, |own| own.push);
+            let flow = StepFlow::new(self, step, (began, start), searched, push, flow);
             let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
             let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
@@ -148,7 +158,24 @@ impl Slip<'_> {
     /// The next step, when this much of the cell remains, and whether it ends with the cell.
     #[inline(always)]
     fn step_towards<'s>(&'s self, remaining: f64, partial: &'s mut SlipStep) -> (&'s SlipStep, bool) {
-        let usual = &self.noisy.step;
+        self.at_most(&self.noisy.step, remaining, partial)
+    }
+
+    /// The time at which a path is.
+    #[inline(always)]
+    pub fn time(&self, path: &Path<f64>) -> f64 {
+        self.cell.start + path.after
+    }
+
+    /// The step of the usual length, or what remains of the cell if this is less, and whether it ends
+    /// with the cell.
+    #[inline(always)]
+    pub fn at_most<'s>(
+        &'s self,
+        usual: &'s SlipStep,
+        remaining: f64,
+        partial: &'s mut SlipStep,
+    ) -> (&'s SlipStep, bool) {
         // A remainder that differs from the usual length only by rounding takes the usual step.
         let is_last = remaining <= usual.length() * (1.0 + SAME_LENGTH);
         if is_last && remaining < usual.length() * (1.0 - SAME_LENGTH) {
@@ -162,7 +189,14 @@ impl Slip<'_> {
     /// Takes one exact step of (x, x', n), with one normal for x' and one for x, and moves B and b
     /// with it. n at its end is known if the step ends with the cell, and is drawn otherwise.
     #[inline(always)]
-    fn take(&self, step: &SlipStep, is_last: bool, path: &mut Path<f64>, terms: &mut [Complex]) {
+    fn take(
+        &self,
+        step: &SlipStep,
+        is_last: bool,
+        path: &mut Path<f64>,
+        terms: &mut [Complex],
+        own: Option<&OwnForce>,
+    ) {
         let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
         let is_whole = is_last && path.after == 0.0;
         let mut noise = self.end_noise;
@@ -174,7 +208,8 @@ impl Slip<'_> {
             true => path.draws.at(self.cell.index, WHOLE_PLACE).normal_pair(),
             false => path.draws.normal_pair(),
         };
-        let end = step.transition.drawn(step.mean(start, terms, self.friction()), noise, normals);
+        let friction = own.map_or(self.friction(), |own| self.friction() - own.push);
+        let end = step.transition.drawn(step.mean(start, terms, friction), noise, normals);
         path.after += step.length();
         (path.displacement, path.motion, path.noise) = (end.x, end.v, end.n);
         path.force = force(&self.noisy.scene.oscillator, forcing(terms), end);
@@ -202,7 +237,8 @@ impl Slip<'_> {
         path.after = began + stop.after;
         path.displacement = x0 + eps * stop.travel;
         let force = self.friction() + oscillator.mass * eps * stop.acceleration;
-        path.noise = force - self.cell.forcing(path.after).value + oscillator.stiffness * path.displacement;
+        let spring = self.noisy.scene.spring(path.displacement, self.time(path));
+        path.noise = force - self.cell.forcing(path.after).value + spring;
         let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
         Event { kind, time: self.cell.start + path.after, displacement: path.displacement, force }
     }
@@ -224,6 +260,9 @@ impl Slip<'_> {
         path.noise = end_noise;
         path.force =
             cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
+        if scene.has_own_force() {
+            path.force += scene.own_force(path.displacement, path.motion, cell.end);
+        }
     }
 }
 

@@ -33,6 +33,8 @@ pub(super) struct StepFlow<'a> {
     start: SlipPoint,
     /// The drawn motion at both ends of the step, which is searched for a stop.
     searched: KnownStep,
+    /// The constant that stands for g in the step; 0 where there is no g.
+    push: f64,
     /// The last time at which n was drawn for an observer, and n there: for the rows of the run,
     /// and for the rows between them.
     last_drawn: Cell<[Known; 2]>,
@@ -46,16 +48,23 @@ impl<'a> StepFlow<'a> {
         step: &'a SlipStep,
         (after, start): (f64, SlipPoint),
         searched: KnownStep,
+        push: f64,
         buffers: &'a RefCell<FlowBuffers>,
     ) -> Self {
-        StepFlow { slip, step, after, start, searched, last_drawn: Cell::new([(after, start.n); 2]), buffers }
+        StepFlow { slip, step, after, start, searched, push, last_drawn: Cell::new([(after, start.n); 2]), buffers }
+    }
+
+    /// eps f_d, less the constant that stands for g.
+    #[inline(always)]
+    fn friction(&self) -> f64 {
+        if self.slip.noisy.scene.has_own_force() { self.slip.friction() - self.push } else { self.slip.friction() }
     }
 
     /// The motion a time after the start of the step.
     #[inline(always)]
     fn since(&self, since: f64) -> Way {
         let Noisy { scene, oscillator, .. } = self.slip.noisy;
-        let (body, eps, friction) = (&scene.oscillator, self.slip.direction.value(), self.slip.friction());
+        let (body, eps, friction) = (&scene.oscillator, self.slip.direction.value(), self.friction());
         let FlowBuffers { part, terms } = &mut *self.buffers.borrow_mut();
         self.slip.cell.set_terms(self.after, terms);
         let mut to = self.start;
@@ -211,8 +220,13 @@ impl WatchedPiece for FlowPiece<'_> {
         let here = flow.at(glance.time);
         let state = piece.state(scene, glance, &here, draws.three_normals());
         let is_felt = piece.is_felt(scene, glance, &here, flow.step.length());
-        let noise = if is_felt { state.noise } else { flow.noise(glance, known, draws) };
         let (x, v) = piece.seen(&state);
+        let noise = match is_felt {
+            // The balance of forces takes the constant that stands for g for g itself.
+            true if scene.has_own_force() => state.noise - (scene.own_force(x, v, glance.at) - flow.push),
+            true => state.noise,
+            false => flow.noise(glance, known, draws),
+        };
         let [first, second] = piece.parted_at(glance, &state);
         let now = (glance.time, noise);
         let before = FlowPiece { flow, piece: first, known: [known[0], now] };

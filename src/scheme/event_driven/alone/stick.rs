@@ -5,7 +5,7 @@ use super::path::{Cascade, Path};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Sign};
 use crate::noise::{AddressedDraws, bridge_middle};
-use crate::scheme::event_driven::law::cells::Cell;
+use crate::scheme::event_driven::law::cells::{Cell, Forcing};
 use crate::scheme::event_driven::law::corridor::{Corridor, Node, ends, stick_piece};
 use crate::scheme::event_driven::law::inside::StickEnd;
 use crate::scheme::event_driven::law::scene::Scene;
@@ -14,6 +14,10 @@ use crate::scheme::event_driven::work::Unresolved;
 
 /// The number of halvings after which a piece is decided, whatever its bend.
 const HALVINGS: usize = 60;
+
+/// The spacing of the values of g from which its second derivative is computed, as a fraction of a
+/// cell.
+const OWN_SPACING: f64 = 1.0 / 64.0;
 
 /// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
 /// so that it need not be initialised again.
@@ -50,7 +54,7 @@ pub(super) fn stick<C: Cascade>(
     }
     let stick = Stick::new(scene, cascade.corridor(), cell, displacement, end_noise);
     let Some(exit) = stick.exit(path, pending, watch)? else {
-        path.force = cell.last.value + end_noise - stick.spring;
+        path.force = stick.with_own(cell.last, cell.length).value + end_noise - stick.spring;
         return Ok(None);
     };
     (path.after, path.noise) = (exit.after, exit.noise);
@@ -63,15 +67,34 @@ struct Stick<'a> {
     corridor: &'a Corridor,
     cell: &'a Cell,
     displacement: f64,
-    /// K x.
+    /// K x, less g(x, 0, t) where this is a constant.
     spring: f64,
+    /// Whether g(x, 0, t) is not a constant.
+    is_moved: bool,
     end_noise: f64,
 }
 
 impl<'a> Stick<'a> {
     #[inline(always)]
     fn new(scene: &'a Scene, corridor: &'a Corridor, cell: &'a Cell, displacement: f64, end_noise: f64) -> Self {
-        Stick { scene, corridor, cell, displacement, spring: scene.oscillator.stiffness * displacement, end_noise }
+        let is_moved = scene.is_moved_at_rest();
+        let spring =
+            if is_moved { scene.oscillator.stiffness * displacement } else { scene.spring(displacement, cell.start) };
+        Stick { scene, corridor, cell, displacement, spring, is_moved, end_noise }
+    }
+
+    /// B, and what changes of g, with their second derivative, a time after the start of the cell
+    /// where B is `forcing`.
+    #[inline(always)]
+    fn with_own(&self, forcing: Forcing, after: f64) -> Forcing {
+        if !self.is_moved {
+            return forcing;
+        }
+        let spacing = self.cell.length * OWN_SPACING;
+        let at = |after: f64| self.scene.own_force(self.displacement, 0.0, self.cell.start + after);
+        let [before, here, behind] = [at(after - spacing), at(after), at(after + spacing)];
+        let curvature = (before - 2.0 * here + behind) / (spacing * spacing);
+        Forcing { value: forcing.value + here, curvature: forcing.curvature + curvature }
     }
 
     /// The exit of a path before the end of the cell; none if the path stays inside the corridor.
@@ -113,14 +136,14 @@ impl<'a> Stick<'a> {
     /// Where the path is.
     #[inline(always)]
     fn start<M>(&self, &Path { after, noise, force, .. }: &Path<M>) -> Node {
-        let curvature = if after == 0.0 { self.cell.first.curvature } else { self.cell.forcing(after).curvature };
-        Node { after, noise, force, curvature }
+        let forcing = if after == 0.0 { self.cell.first } else { self.cell.forcing(after) };
+        Node { after, noise, force, curvature: self.with_own(forcing, after).curvature }
     }
 
     /// The end of the cell.
     #[inline(always)]
     fn end(&self) -> Node {
-        let (last, noise) = (self.cell.last, self.end_noise);
+        let (last, noise) = (self.with_own(self.cell.last, self.cell.length), self.end_noise);
         Node { after: self.cell.length, noise, force: last.value - self.spring + noise, curvature: last.curvature }
     }
 
@@ -131,7 +154,7 @@ impl<'a> Stick<'a> {
         let (weight, sd) = bridge_middle(self.scene.relaxation_rate, self.scene.diffusion, h);
         let noise = weight * (left.noise + right.noise) + sd * draws.normal();
         let after = left.after + 0.5 * h;
-        let forcing = self.cell.forcing(after);
+        let forcing = self.with_own(self.cell.forcing(after), after);
         Node { after, noise, force: forcing.value - self.spring + noise, curvature: forcing.curvature }
     }
 
@@ -142,7 +165,7 @@ impl<'a> Stick<'a> {
         let (sign, passed) = step.exit(self.scene, &ends(left, right), draws)?;
         let after = left.after + passed;
         let force = sign.value() * self.scene.friction.static_force;
-        let noise = force - self.cell.forcing(after).value + self.spring;
+        let noise = force - self.with_own(self.cell.forcing(after), after).value + self.spring;
         Some(Node { after, noise, force, curvature: 0.0 })
     }
 }

@@ -138,7 +138,7 @@ impl WatchedPiece for (StickPiece, StickEnd) {
 #[inline(always)]
 fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> Stuck {
     let (before, behind) = (glance.time - piece.after.0, piece.after.1 - glance.time);
-    let rest = glance.forcing - scene.oscillator.stiffness * piece.displacement;
+    let rest = glance.forcing - scene.spring(piece.displacement, glance.at);
     let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
     let bridge = Bridge { mean, sd, rest };
     let drawn = match kind {

@@ -296,6 +296,13 @@ impl<L: Lanes> Interval<L> {
     }
 }
 
+/// x and x' in the middle of the quintic between two ends a time h apart, from x, x' and x'' there.
+#[inline(always)]
+pub fn middle(h: f64, [x0, x1]: [f64; 2], [v0, v1]: [f64; 2], [a0, a1]: [f64; 2]) -> (f64, f64) {
+    let x = 0.5 * (x0 + x1) + h * (0.15625 * (v0 - v1) + 0.015625 * h * (a0 + a1));
+    (x, 1.875 * ((x1 - x0) / h) - 0.4375 * (v0 + v1) + 0.03125 * h * (a1 - a0))
+}
+
 /// Draws the state in the middle of an interval with three normals, and divides the interval there.
 #[inline(always)]
 pub fn halves<L: Lanes>(

@@ -4,11 +4,13 @@
 //! sigma. (The sign of beta only changes the sign of W.) In a static phase b = B(t) - K x + n with
 //! B = K beta T_det, and the phase lasts while |b| <= f_s. In a slip, m x'' = B(t) - K x - 2 alpha
 //! x' - eps f_d + n.
+//!
+//! A force of the user's own, g(x, x', t), is added to b in both.
 
 use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
-use crate::lanes::Lanes;
-use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Temperature};
+use crate::lanes::{InstructionSet, Lanes};
+use crate::model::{Complex, Force, Friction, InitialNoise, Model, Noise, Oscillator, Series, Temperature};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
 
@@ -51,6 +53,8 @@ pub struct Scene {
     pub two_noises: Option<TwoNoises>,
     /// K beta: force per unit of temperature.
     pub force_per_temperature: f64,
+    /// g, with the instructions that evaluate it.
+    own: Option<(Force, InstructionSet)>,
 }
 
 impl Scene {
@@ -103,7 +107,35 @@ impl Scene {
             initial_noise: noise.initial,
             two_noises,
             force_per_temperature: gain,
+            own: model.force.clone().map(|force| (force, InstructionSet::detect())),
         }
+    }
+
+    /// Whether there is a force g of the user's own.
+    #[inline(always)]
+    pub fn has_own_force(&self) -> bool {
+        self.own.is_some()
+    }
+
+    /// Whether g changes while the body is at rest.
+    pub fn is_moved_at_rest(&self) -> bool {
+        self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
+    }
+
+    /// g(x, x', t), or 0 where there is none.
+    #[inline(always)]
+    pub fn own_force(&self, x: f64, velocity: f64, time: f64) -> f64 {
+        match &self.own {
+            Some((force, instructions)) => force.at(*instructions, x, velocity, time),
+            None => 0.0,
+        }
+    }
+
+    /// K x - g(x, 0, t): the force that holds against B and n in a stick.
+    #[inline(always)]
+    pub fn spring(&self, x: f64, time: f64) -> f64 {
+        let spring = self.oscillator.stiffness * x;
+        if self.has_own_force() { spring - self.own_force(x, 0.0, time) } else { spring }
     }
 
     /// Draws n(0) of a path. Returns n(0) and the part of it that belongs to the second noise (0 if

@@ -1,7 +1,7 @@
 //! The step lengths of the noisy scheme, which all follow from one tolerance.
 //!
 //! `tolerance` is the relative error that discretisation may leave in the statistics of the
-//! cascade. It sets three rules:
+//! cascade. It sets these rules:
 //!
 //! - `slip_length` bounds the relative error of the conditional law between the ends of a slip
 //!   step, (rate h)^2/100. The error is of order h^2; the default rule is 1/2.
@@ -11,7 +11,11 @@
 //! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
 //!   impossible. The error is of order exp(-caution^2/2); the default rule is 3.
 //!
-//! The states at the ends of slip steps are exact draws for any tolerance.
+//! - `most_bend` bounds how much a force of the user's own bends on a slip step. What the step
+//!   leaves of it is of order h^2 in the law; the default rule is 0.02.
+//!
+//! Without a force of the user's own, the states at the ends of slip steps are exact draws for any
+//! tolerance.
 
 use super::scene::Scene;
 use std::ops::RangeInclusive;
@@ -29,6 +33,9 @@ pub struct StepRules {
     /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0, or of
     /// 1/theta where there is no spring.
     pub shortest_slip: f64,
+    /// The largest second difference of a force of the user's own on a slip step, as a fraction of
+    /// the forces.
+    pub most_bend: f64,
 }
 
 /// The default tolerance. It leaves a discretisation error below 0.1 % in the statistics of the
@@ -60,6 +67,7 @@ impl StepRules {
             // caution is 3 at the default; exp(-caution^2/2) is proportional to the tolerance.
             caution: (9.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,
+            most_bend: (0.02 * t).min(0.1),
         }
     }
 
