@@ -15,7 +15,7 @@ use super::super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
 use super::forces::{BodyForce, Forces, LocalTemperature};
-use super::slip_motion::{Motion, SlipMotion};
+use super::slip_motion::{Kinematics, SlipMotion};
 use super::slip_search::first_stop;
 use super::stick_search::{SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign};
@@ -32,7 +32,8 @@ const ROUNDING_OF_TIME: f64 = 8.0 * f64::EPSILON;
 /// The shortest step of a slip, as a fraction of the fastest time scale that is known.
 const SHORTEST: f64 = 1e-12;
 
-/// The first interval of a search in a stick, as a fraction of the fastest time scale that is known.
+/// The first interval of a search in a stick, as a fraction of the fastest time scale that is
+/// known.
 const FIRST: f64 = 0.125;
 
 /// The fewest intervals of a search for t_end.
@@ -60,7 +61,7 @@ struct Stretch {
     phase: Phase,
     /// The temperature near the start.
     temperature: LocalTemperature,
-    from: Motion,
+    from: Kinematics,
     /// The duration of the stretch and what ends it; none if it does not end before t_end.
     end: Option<(f64, StretchEnd)>,
 }
@@ -70,7 +71,7 @@ struct Stretch {
 enum StretchEnd {
     Event(Event),
     /// The end of a step: the motion there, and the length of the step to try next.
-    Step(Motion, f64),
+    Step(Kinematics, f64),
 }
 
 impl Stretch {
@@ -196,7 +197,7 @@ impl GeneralNoiseless {
         } else {
             None
         };
-        let from = Motion { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
+        let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
         Ok(Stretch { phase: Phase::Static, temperature: self.forces.near(start), from, end })
     }
 
@@ -226,7 +227,7 @@ impl GeneralNoiseless {
             let (to, next) = slip.step(from, step, horizon.min(temperature.until_sample), work)?;
             match first_stop(&slip, direction.value(), from, to, work)? {
                 Some(stop) => {
-                    let Motion { after, displacement, .. } = stop;
+                    let Kinematics { after, displacement, .. } = stop;
                     let force = self.forces.at(&temperature, displacement, 0.0, after);
                     let kind = EventKind::at_rest(force.abs() <= self.model.friction.static_force, force);
                     let time = start.after(after).value();
@@ -258,7 +259,7 @@ impl GeneralNoiseless {
     /// x, x', T and whether the path is static, at a time within the stretch.
     fn state(&self, stretch: &Stretch, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved> {
         let temperature = self.model.temperature.mean(t);
-        let Motion { displacement, .. } = stretch.from;
+        let Kinematics { displacement, .. } = stretch.from;
         let Phase::Slip(direction) = stretch.phase else { return Ok((displacement, 0.0, temperature, true)) };
         let after = stretch.temperature.start().until(t).max(0.0);
         let motion = self.motion(&stretch.temperature, direction).at(stretch.from, after, work)?;

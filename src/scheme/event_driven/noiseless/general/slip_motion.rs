@@ -5,16 +5,15 @@
 //! in 1/n^2, and the extrapolation to n = infinity removes a term with each further result. Only
 //! the increments of x and x' over the step are computed, so that small ones lose no digits.
 //!
-//! A step whose results do not converge, as where g has a kink inside, is made shorter. A step that
-//! is still longer than the shortest one is therefore correct to the tolerance; shorter ones are
-//! not needed, because what happens in them is below the rounding of everything else.
+//! A step whose results do not converge, as where g has a kink inside, is made shorter. Only the
+//! shortest step is taken as it is; what happens in it is below the rounding of everything else.
 
 use super::super::super::work::{Unresolved, WorkLeft};
 use super::forces::{Forces, LocalTemperature};
 
 /// x, x' and x'' at a time.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion {
+pub struct Kinematics {
     /// The time since the start of the stretch.
     pub after: f64,
     /// x.
@@ -66,20 +65,20 @@ impl SlipMotion<'_> {
     }
 
     /// The sizes of all forces, divided by m.
-    pub fn size(&self, from: &Motion) -> f64 {
-        let Motion { after, displacement, velocity, .. } = *from;
+    pub fn size(&self, from: &Kinematics) -> f64 {
+        let Kinematics { after, displacement, velocity, .. } = *from;
         (self.forces.size(self.temperature, displacement, velocity, after) + self.friction.abs()) / self.mass
     }
 
     /// The motion with x and x' a time after the start.
-    pub fn with(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Result<Motion, Unresolved> {
+    pub fn with(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Result<Kinematics, Unresolved> {
         let acceleration = self.acceleration(x, v, after, work)?;
-        let motion = Motion { after, displacement: x, velocity: v, acceleration };
+        let motion = Kinematics { after, displacement: x, velocity: v, acceleration };
         if x.is_finite() && v.is_finite() && acceleration.is_finite() { Ok(motion) } else { Err(Unresolved) }
     }
 
     /// The motion at a later time.
-    pub fn at(&self, from: Motion, after: f64, work: &mut WorkLeft) -> Result<Motion, Unresolved> {
+    pub fn at(&self, from: Kinematics, after: f64, work: &mut WorkLeft) -> Result<Kinematics, Unresolved> {
         let (mut motion, mut step) = (from, after - from.after);
         while motion.after < after {
             (motion, step) = self.step(motion, step, after, work)?;
@@ -90,11 +89,11 @@ impl SlipMotion<'_> {
     /// The motion after one step of at most a length and up to a time, and the length to try next.
     pub fn step(
         &self,
-        from: Motion,
+        from: Kinematics,
         length: f64,
         until: f64,
         work: &mut WorkLeft,
-    ) -> Result<(Motion, f64), Unresolved> {
+    ) -> Result<(Kinematics, f64), Unresolved> {
         let size = self.size(&from);
         let mut h = length;
         loop {
@@ -118,7 +117,7 @@ impl SlipMotion<'_> {
     /// converge and need not be taken as they are.
     fn increments(
         &self,
-        from: &Motion,
+        from: &Kinematics,
         h: f64,
         size: f64,
         is_shortest: bool,
@@ -154,7 +153,7 @@ impl SlipMotion<'_> {
     /// rounding cannot be undercut, and by the rounding of x'. Much more than that would come in
     /// where a short step passes a kink, and where many short steps follow each other. x may be
     /// wrong by the tolerance times the distance of the step.
-    fn error(&self, from: &Motion, h: f64, size: f64, [best, second]: [[f64; 2]; 2]) -> f64 {
+    fn error(&self, from: &Kinematics, h: f64, size: f64, [best, second]: [[f64; 2]; 2]) -> f64 {
         let (v, change) = (from.velocity.abs(), best[1].abs() + size * h);
         let allowed = [h * self.tolerance * (v + change), self.tolerance * change + 0.5 * f64::EPSILON * v];
         // A sum, because a maximum would hide a NaN.
@@ -162,8 +161,14 @@ impl SlipMotion<'_> {
     }
 
     /// The increments of x and x' in a step of length h, by the modified midpoint rule.
-    fn midpoint_rule(&self, from: &Motion, h: f64, parts: u32, work: &mut WorkLeft) -> Result<[f64; 2], Unresolved> {
-        let Motion { after, displacement: x, velocity: v, acceleration } = *from;
+    fn midpoint_rule(
+        &self,
+        from: &Kinematics,
+        h: f64,
+        parts: u32,
+        work: &mut WorkLeft,
+    ) -> Result<[f64; 2], Unresolved> {
+        let Kinematics { after, displacement: x, velocity: v, acceleration } = *from;
         let part = h / f64::from(parts);
         let (mut before, mut here) = ([0.0; 2], [part * v, part * acceleration]);
         for i in 1..=parts {

@@ -8,7 +8,7 @@
 //! is divided, down to a length at which the sign at its end decides.
 
 use super::super::super::work::{Unresolved, WorkLeft};
-use super::slip_motion::{Motion, SlipMotion};
+use super::slip_motion::{Kinematics, SlipMotion};
 
 /// The shortest interval, as a fraction of the step.
 const FINEST: f64 = 1.0 / (1u64 << 30) as f64;
@@ -20,8 +20,8 @@ const FINEST_AT_REST: f64 = 1.0 / (1u64 << 24) as f64;
 /// x'' below this fraction of the forces counts as zero.
 const BALANCED: f64 = 1e-7;
 
-/// The error of a cubic on a half, as a fraction of the difference in the middle of the whole: twice
-/// as much as it is where the fourth derivative is constant.
+/// The error of a cubic on a half, as a fraction of the difference in the middle of the whole:
+/// twice as much as it is where the fourth derivative is constant.
 const ERROR_OF_HALVES: f64 = 0.125;
 
 /// Newton steps and bisections until a zero is known to rounding; a few suffice.
@@ -62,16 +62,16 @@ fn sight(left: Knot, right: Knot, error: f64) -> Sighting {
     }
 }
 
-/// The motion at the first zero of eps x' after `from`, at or before `to`; none if there is none. At
-/// `from`, eps x' >= 0; if it is zero, this zero does not count.
+/// The motion at the first zero of eps x' after `from`, at or before `to`; none if there is none.
+/// At `from`, eps x' >= 0; if it is zero, this zero does not count.
 pub fn first_stop(
     slip: &SlipMotion<'_>,
     eps: f64,
-    from: Motion,
-    to: Motion,
+    from: Kinematics,
+    to: Kinematics,
     work: &mut WorkLeft,
-) -> Result<Option<Motion>, Unresolved> {
-    let knot = |m: &Motion| Knot { after: m.after, velocity: eps * m.velocity, acceleration: eps * m.acceleration };
+) -> Result<Option<Kinematics>, Unresolved> {
+    let knot = |m: &Kinematics| Knot { after: m.after, velocity: eps * m.velocity, acceleration: eps * m.acceleration };
     let length = to.after - from.after;
     let mut left = knot(&from);
     let is_balanced = left.velocity == 0.0 && left.acceleration <= BALANCED * slip.size(&from);
@@ -118,10 +118,10 @@ pub fn first_stop(
 fn zero(
     slip: &SlipMotion<'_>,
     eps: f64,
-    from: Motion,
+    from: Kinematics,
     (left, right): (Knot, Knot),
     work: &mut WorkLeft,
-) -> Result<Motion, Unresolved> {
+) -> Result<Kinematics, Unresolved> {
     let (mut low, mut high) = (left.after, right.after);
     let mut u = low + (high - low) * (left.velocity / (left.velocity - right.velocity)).clamp(0.01, 1.0);
     for _ in 0..MOST_STEPS {

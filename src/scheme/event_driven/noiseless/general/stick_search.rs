@@ -9,8 +9,8 @@
 
 use super::super::super::work::Unresolved;
 
-/// The shortest interval, as a fraction of the first one. A force that exceeds the threshold for less
-/// than this does so by less than its rounding.
+/// The shortest interval, as a fraction of the first one. A force that exceeds the threshold for
+/// less than this does so by less than its rounding.
 const FINEST: f64 = 1e-9;
 
 /// The same for an interval at whose start the force is on the threshold up to rounding. A force
