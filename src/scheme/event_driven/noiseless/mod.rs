@@ -4,11 +4,14 @@
 //! one_path        the one path that there is, leg by leg
 //!   first_root      the first zero of a smooth function, without ever missing one
 //!   exact_time      time with twice the digits of a double
+//! general         the same for any force, where slips have no closed form
 //! unfelt_noise    the fluctuations of the temperature, where they do not change the motion
 //! ```
 
 mod exact_time;
 mod first_root;
+#[cfg_attr(not(test), expect(dead_code, unused_imports, reason = "no scheme has a general force yet"))]
+mod general;
 mod one_path;
 mod unfelt_noise;
 

@@ -1,0 +1,276 @@
+//! The cascade without diffusion for any force, to a tolerance far below the digits that are
+//! reported.
+//!
+//! - Slip: x and x' are integrated in steps that adapt to the force ([`SlipMotion`]). The state at
+//!   a time inside a step, an instant of the timeline or the end of the sub-phase, is that after a
+//!   shorter step. The sub-phase ends at the first zero of eps x' ([`first_stop`]).
+//! - Stick: the phase ends at the first zero of f_s - b or f_s + b. Where g does not depend on
+//!   time, b(t) is that of a scene without g at another displacement, and [`Noiseless::stick_exit`]
+//!   never misses an exit. Otherwise the function b(t) is searched in steps ([`first_exit`]).
+//!
+//! Steps of slips and of searches end at the samples of a measured temperature, where it has kinks.
+//! Nothing is random, so one path is computed and reported for every lane.
+
+use super::super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
+use super::super::exact_time::ExactTime;
+use super::super::one_path::Noiseless;
+use super::forces::{BodyForce, Forces, LocalTemperature};
+use super::slip_motion::{Kinematics, SlipMotion};
+use super::slip_search::first_stop;
+use super::stick_search::{SearchSteps, first_exit};
+use crate::model::{Event, EventKind, Model, Phase, Sign};
+use crate::scheme::columns::{Columns, LOST, Seen};
+use crate::scheme::{Observer, Timeline};
+
+/// The relative error of a step of a slip.
+const TOLERANCE: f64 = 1e-13;
+
+/// The tolerance where g depends on time, per unit of relative rounding of the time: noise of this
+/// size does not converge.
+const ROUNDING_OF_TIME: f64 = 8.0 * f64::EPSILON;
+
+/// The shortest step of a slip, as a fraction of the fastest time scale that is known.
+const SHORTEST: f64 = 1e-12;
+
+/// The first interval of a search in a stick, as a fraction of the fastest time scale that is
+/// known.
+const FIRST: f64 = 0.125;
+
+/// The fewest intervals of a search for t_end.
+const FEWEST: f64 = 64.0;
+
+/// The cascade of a general force without noise, to a tolerance far below the digits that are
+/// reported.
+#[derive(Clone, Debug)]
+pub struct GeneralNoiseless {
+    model: Model,
+    timeline: Timeline,
+    forces: Forces,
+    /// The sticks of a scene without g, for a g that does not depend on time; none if b does not
+    /// change with time, so that no stick ends.
+    sticks: Option<Box<Noiseless>>,
+    /// The fastest time scale that is known.
+    span: f64,
+    tolerance: f64,
+    /// The number of evaluations that the path may make.
+    pub work_limit: u64,
+}
+
+/// A static phase, or one step of a slip.
+struct Stretch {
+    phase: Phase,
+    /// The temperature near the start.
+    temperature: LocalTemperature,
+    from: Kinematics,
+    /// The duration of the stretch and what ends it; none if it does not end before t_end.
+    end: Option<(f64, StretchEnd)>,
+}
+
+/// What ends a stretch.
+#[derive(Clone, Copy)]
+enum StretchEnd {
+    Event(Event),
+    /// The end of a step: the motion there, and the length of the step to try next.
+    Step(Kinematics, f64),
+}
+
+impl Stretch {
+    /// What ends the stretch, if anything does, and whether it ends at a time or before.
+    fn end_by(&self, time: f64) -> Option<(StretchEnd, bool)> {
+        let (duration, end) = self.end?;
+        let is_due = match end {
+            StretchEnd::Event(event) => event.time <= time,
+            StretchEnd::Step(..) => duration <= self.temperature.start().until(time),
+        };
+        Some((end, is_due))
+    }
+}
+
+impl GeneralNoiseless {
+    /// The scheme for a scene whose motion does not depend on noise, with the force `extra` beside
+    /// those of the model.
+    pub fn new(model: &Model, timeline: &Timeline, extra: BodyForce) -> Self {
+        let oscillator = model.oscillator;
+        let forces = Forces::new(model, extra);
+        let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();
+        let fastest = forces.fastest_rate().max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
+        let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end };
+        let is_searched = forces.extra.depends_on_time;
+        let sticks = (!is_searched && forces.depend_on_time()).then(|| {
+            let mut undamped = model.clone();
+            undamped.oscillator.damping = 0.0;
+            Box::new(Noiseless::new(&undamped, timeline))
+        });
+        let tolerance = TOLERANCE;
+        let model = model.clone();
+        GeneralNoiseless { model, timeline: *timeline, forces, sticks, span, tolerance, work_limit: WORK_LIMIT }
+    }
+
+    /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
+    /// cannot be resolved, all lanes are lost.
+    pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
+        let mut columns = Columns::new(lanes);
+        let mut work = WorkLeft::new(self.work_limit);
+        let mut stretch = self.initial_stretch(&mut work);
+        for stop in self.timeline.stops() {
+            while let Ok(Some((end, true))) = stretch.as_ref().map(|stretch| stretch.end_by(stop.time)) {
+                if observer.is_stopped() {
+                    return Simulated { lost: Vec::new(), evaluations: self.work_limit - work.left() };
+                }
+                if let StretchEnd::Event(event) = end {
+                    (0..lanes).for_each(|lane| observer.event(lane, event));
+                }
+                stretch = stretch.and_then(|stretch| self.next_stretch(&stretch, &mut work));
+            }
+            let seen = stretch.as_ref().map_err(|lost| *lost).and_then(|here| self.state(here, stop.time, &mut work));
+            columns.fill(seen.unwrap_or(LOST));
+            stretch = seen.and(stretch);
+            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+        }
+        let lost = if stretch.is_ok() { Vec::new() } else { (0..lanes).collect() };
+        Simulated { lost, evaluations: self.work_limit - work.left() }
+    }
+
+    fn initial_stretch(&self, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
+        let displacement = self.model.initial_displacement;
+        let force = self.force_at_rest(ExactTime::ZERO, displacement, work)?;
+        self.stick(ExactTime::ZERO, displacement, force, work)
+    }
+
+    /// The stretch that follows `stretch`.
+    fn next_stretch(&self, stretch: &Stretch, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
+        let Some((duration, end)) = stretch.end else { return Err(Unresolved) };
+        let start = stretch.temperature.start().after(duration);
+        match (end, stretch.phase) {
+            (StretchEnd::Event(event), _) => match event.kind.phase() {
+                Phase::Static => self.stick(start, event.displacement, event.force, work),
+                Phase::Slip(direction) => self.slip(start, (event.displacement, 0.0), direction, self.span, work),
+            },
+            (StretchEnd::Step(motion, next), Phase::Slip(direction)) => {
+                self.slip(start, (motion.displacement, motion.velocity), direction, next, work)
+            }
+            (StretchEnd::Step(..), Phase::Static) => Err(Unresolved),
+        }
+    }
+
+    /// b for x' = 0.
+    fn force_at_rest(&self, time: ExactTime, displacement: f64, work: &mut WorkLeft) -> Result<f64, Unresolved> {
+        work.spend()?;
+        let b = self.forces.at(&self.forces.near(time), displacement, 0.0, 0.0);
+        if b.is_finite() { Ok(b) } else { Err(Unresolved) }
+    }
+
+    /// A static phase and its exit, the first time at which |b| > f_s.
+    fn stick(
+        &self,
+        start: ExactTime,
+        displacement: f64,
+        force: f64,
+        work: &mut WorkLeft,
+    ) -> Result<Stretch, Unresolved> {
+        work.spend()?;
+        let f_s = self.model.friction.static_force;
+        let exit = |r: f64, b: f64, direction: Sign| {
+            let kind = EventKind::SlipStarted(direction);
+            let time = start.after(r).value();
+            (r, StretchEnd::Event(Event { kind, time, displacement, force: b }))
+        };
+        let end = if force.abs() > f_s {
+            Some(exit(0.0, force, Sign::of(force)))
+        } else if let Some(sticks) = &self.sticks {
+            // K (beta T - x) + g = K (beta T - (x - g/K)).
+            let g = self.forces.extra.at(displacement, 0.0, start.value());
+            let found = sticks.stick_exit(start, displacement - g / self.model.oscillator.stiffness, work)?;
+            found.map(|event| exit(start.until(event.time).max(0.0), event.force, Sign::of(event.force)))
+        } else if self.forces.depend_on_time() {
+            let mut b = |r: f64| self.force_at_rest(start.after(r), displacement, work);
+            let until_sample = |r: f64| self.forces.near(start.after(r)).until_sample;
+            let horizon = start.until(self.timeline.end);
+            let found = first_exit(&mut b, f_s, horizon, self.search_steps(), until_sample)?;
+            match found {
+                Some(r) => {
+                    let direction = Sign::of(b(r)?);
+                    Some(exit(r, direction.value() * f_s, direction))
+                }
+                None => None,
+            }
+        } else {
+            None
+        };
+        let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
+        Ok(Stretch { phase: Phase::Static, temperature: self.forces.near(start), from, end })
+    }
+
+    fn search_steps(&self) -> SearchSteps {
+        let rate = self.forces.fastest_rate();
+        let longest = if rate > 0.0 { FIRST / rate } else { f64::INFINITY }.min(self.timeline.end / FEWEST);
+        SearchSteps { first: longest.min(FIRST * self.span), longest }
+    }
+
+    /// A step of a sub-phase, or the part of it up to the first time after its start at which eps
+    /// x' = 0.
+    fn slip(
+        &self,
+        start: ExactTime,
+        (displacement, velocity): (f64, f64),
+        direction: Sign,
+        step: f64,
+        work: &mut WorkLeft,
+    ) -> Result<Stretch, Unresolved> {
+        let temperature = self.forces.near(start);
+        let slip = self.motion(&temperature, direction);
+        let from = slip.with(displacement, velocity, 0.0, work)?;
+        let horizon = start.until(self.timeline.end);
+        let end = if horizon <= 0.0 {
+            None
+        } else {
+            let (to, next) = slip.step(from, step, horizon.min(temperature.until_sample), work)?;
+            match first_stop(&slip, direction.value(), from, to, work)? {
+                Some(stop) => {
+                    let Kinematics { after, displacement, .. } = stop;
+                    let force = self.forces.at(&temperature, displacement, 0.0, after);
+                    let kind = EventKind::at_rest(force.abs() <= self.model.friction.static_force, force);
+                    let time = start.after(after).value();
+                    Some((after, StretchEnd::Event(Event { kind, time, displacement, force })))
+                }
+                None => (to.after < horizon).then_some((to.after, StretchEnd::Step(to, next))),
+            }
+        };
+        Ok(Stretch { phase: Phase::Slip(direction), temperature, from, end })
+    }
+
+    /// The equation of motion of a sub-phase.
+    fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign) -> SlipMotion<'a> {
+        let rounding = if self.forces.extra.depends_on_time {
+            ROUNDING_OF_TIME * temperature.start().value() / self.span
+        } else {
+            0.0
+        };
+        SlipMotion {
+            forces: &self.forces,
+            temperature,
+            friction: direction.value() * self.model.friction.dynamic_force,
+            mass: self.model.oscillator.mass,
+            tolerance: self.tolerance.max(rounding),
+            shortest: SHORTEST * self.span,
+        }
+    }
+
+    /// x, x', T and whether the path is static, at a time within the stretch.
+    fn state(&self, stretch: &Stretch, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved> {
+        let temperature = self.model.temperature.mean(t);
+        let Kinematics { displacement, .. } = stretch.from;
+        let Phase::Slip(direction) = stretch.phase else { return Ok((displacement, 0.0, temperature, true)) };
+        let after = stretch.temperature.start().until(t).max(0.0);
+        let motion = self.motion(&stretch.temperature, direction).at(stretch.from, after, work)?;
+        Ok((motion.displacement, motion.velocity, temperature, false))
+    }
+}
+
+#[cfg(test)]
+impl GeneralNoiseless {
+    /// The same scheme with another tolerance, for tests.
+    pub fn with_tolerance(self, tolerance: f64) -> Self {
+        GeneralNoiseless { tolerance, ..self }
+    }
+}

@@ -1,0 +1,21 @@
+//! Without noise and with any force: phases are integrated to rounding, or nearly so, and events
+//! are roots.
+//!
+//! ```text
+//! cascade       the one path that there is, stretch by stretch
+//!   forces        b(x, x', t), near a time
+//!   slip_motion   a slip by extrapolation, with steps that adapt to the force
+//!   slip_search   the first zero of the velocity in a step
+//!   stick_search  the first time at which a force that depends on time exceeds f_s
+//! ```
+
+mod cascade;
+mod forces;
+mod slip_motion;
+mod slip_search;
+mod stick_search;
+#[cfg(test)]
+mod tests;
+
+pub use cascade::GeneralNoiseless;
+pub use forces::BodyForce;
