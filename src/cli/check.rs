@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stick_slip::advice::{Derived, DerivedQuantity};
-use stick_slip::scenario::Scenario;
+use stick_slip::scenario::{Scenario, WrittenForce};
 use stick_slip::scheme::{Resolution, Stability};
 
 const EXAMPLES: &str = "\
@@ -128,6 +128,14 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     if body.stiffness > 0.0 {
         lines.push(("alpha/(m w0), damping ratio", number(body.damping / (body.mass * natural_frequency))));
     }
+    if let Some(WrittenForce { without, .. }) = &scenario.written_force {
+        let (stiffness, damping) = (number(body.stiffness), number(body.damping));
+        let told = match without {
+            Some(_) => format!("linear: simulated as K = {stiffness}, alpha = {damping}"),
+            None => "general: slips are simulated to a tolerance".to_string(),
+        };
+        lines.push(("g, the force of your own", told));
+    }
     lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
     lines.push(("f_d/f_s, friction ratio", optional(friction_ratio, "none: f_s = 0")));
     lines.push(("K beta rho sigma/sqrt(2 theta), noise in b", optional(noise_force, "no noise")));
@@ -157,7 +165,9 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         lines.push(("resolution: shortest slip resolved, about", number(shortest_slip)));
         lines.push(("resolution: f_s as simulated", static_force.to_string()));
     }
-    lines.push(("largest |x| to be expected, roughly", significant(expected_amplitude, 2)));
+    let amplitude = significant(expected_amplitude, 2);
+    let without = if scenario.model.force.is_some() { " without [force]" } else { "" };
+    lines.push(("largest |x| to be expected, roughly", format!("{amplitude}{without}")));
     lines.push(("2 pi/w, forcing period", optional(forcing_period, "none")));
     lines.push(("whole forcing periods", number(whole_periods)));
     lines.push(("whole forcing periods that are counted", grouped(counted_periods as u64)));

@@ -25,7 +25,7 @@ struct Sample {
     time: f64,
     displacement: f64,
     velocity: f64,
-    /// The force of the spring, K (beta T - x).
+    /// The force of the spring, K (beta T - x), or b where there is a force of the user's own.
     spring: f64,
 }
 
@@ -96,7 +96,9 @@ impl PathTrace {
         let time = replay.scenario.timeline().output_times();
         let row = |i: usize| {
             let (displacement, velocity) = (rows.displacement[i], rows.velocity[i]);
-            let spring = model.oscillator.force(rows.temperature[i], displacement, 0.0);
+            // Where there is a force of the user's own, the whole of b is shown.
+            let moved = if model.force.is_some() { velocity } else { 0.0 };
+            let spring = model.total_force(time[i], rows.temperature[i], displacement, moved);
             Sample { time: time[i], displacement, velocity, spring }
         };
         let end = time.len().min(rows.displacement.len());
@@ -233,7 +235,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         forces(&mut panel);
         middle.push(panel);
     }
-    let plane = phase_plane(&trace, palette, friction, &velocity_unit, &force_unit);
+    let name = if scenario.model.force.is_some() { "*b*" } else { "*K*(*βT* − *x*)" };
+    let force_axis = Label::new(&format!("force {name}"));
+    let plane = phase_plane(&trace, palette, friction, &velocity_unit, (force_axis, &force_unit));
 
     let mut legend = vec![LegendEntry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
     let names = ["slip", "2nd sub-phase", "3rd and later"];
@@ -241,7 +245,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     legend.extend(
         (0..3).filter(|k| occurring[*k]).map(|k| LegendEntry::line(solid(of_sub_phase(k + 1, palette)), names[k])),
     );
-    legend.push(LegendEntry::line(spring, "*K*(*βT* − *x*)"));
+    legend.push(LegendEntry::line(spring, name));
     legend.push(LegendEntry::line(force, "friction *F*"));
     if trace.moments.len() > MOST_MARKED {
         let words = format!("{} events, too close to be marked", grouped(trace.moments.len() as u64));
@@ -333,11 +337,17 @@ fn friction_force(trace: &PathTrace, dynamic: f64) -> Vec<[f64; 2]> {
 
 /// Panel C: the force of the spring against the velocity. With many events, only the longest
 /// complete slip is shown in full and the rest faintly.
-fn phase_plane(trace: &PathTrace, palette: &Palette, friction: f64, velocity_unit: &str, force_unit: &str) -> Panel {
+fn phase_plane(
+    trace: &PathTrace,
+    palette: &Palette,
+    friction: f64,
+    velocity_unit: &str,
+    (force, force_unit): (Label, &str),
+) -> Panel {
     let seen = trace.samples().map(|s| s.velocity);
     let x = Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), velocity_unit);
     let seen = trace.samples().map(|s| s.spring).chain([-friction, friction]);
-    let y = Axis::around(seen, Label::new("force *K*(*βT* − *x*)"), force_unit);
+    let y = Axis::around(seen, force, force_unit);
     let right = x.range()[1];
     let mut panel = Panel::new(x, y, 124.0);
     for level in [-friction, friction] {

@@ -1,6 +1,7 @@
 //! The largest numbers that a model may contain or lead to.
 
 use super::{Friction, Model};
+use crate::lanes::InstructionSet;
 use std::f64::consts::PI;
 
 /// The largest number that can be computed with: squares and products of two such numbers, summed
@@ -17,6 +18,18 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {
+    /// The largest |g(x0, 0, t)| up to `end`: that at many times, where g depends on time; 0 where there
+    /// is no g or where it is not a number.
+    pub fn own_force_at_start(&self, end: f64) -> f64 {
+        const TIMES: u32 = 1000;
+        let Some(own) = &self.force else { return 0.0 };
+        let times = if own.depends_on_time() { TIMES } else { 0 };
+        let at = |i: u32| {
+            own.at(InstructionSet::detect(), self.initial_displacement, 0.0, end * f64::from(i) / f64::from(TIMES))
+        };
+        (0..=times).map(|i| at(i).abs()).fold(0.0, f64::max)
+    }
+
     /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken off
     /// alpha; none where it does not oscillate or does not grow.
     ///
@@ -42,6 +55,7 @@ impl Model {
     /// A bound of |b| while x = x0, up to `end`, where each noise is bounded by `sds` stationary
     /// standard deviations.
     pub fn force_bound(&self, sds: f64, end: f64) -> f64 {
-        self.oscillator.force_bound(self.temperature.bound(sds, end), self.initial_displacement.abs())
+        let linear = self.oscillator.force_bound(self.temperature.bound(sds, end), self.initial_displacement.abs());
+        linear + self.own_force_at_start(end)
     }
 }

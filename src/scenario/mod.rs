@@ -22,8 +22,8 @@ pub(crate) mod check;
 mod limits;
 mod measured;
 mod plan;
-mod written;
 pub(crate) mod time;
+mod written;
 
 pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};

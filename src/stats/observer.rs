@@ -6,7 +6,7 @@ use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
-use crate::model::{Event, Model, Oscillator, Sign};
+use crate::model::{Event, Model, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use crate::sums::Unit;
 
@@ -16,9 +16,8 @@ pub struct BlockObserver {
     path_numbers: Vec<u64>,
     paths: Vec<PathFold>,
     unit: Unit,
-    oscillator: Oscillator,
-    /// Dynamic friction f_d.
-    dynamic_force: f64,
+    /// The model, whose forces a kept path is shown with.
+    model: Model,
     /// Number of rows of the output grid.
     rows: usize,
     totals: Totals,
@@ -55,8 +54,7 @@ impl BlockObserver {
             path_numbers: paths.to_vec(),
             unit: Unit::Path,
             paths: vec![PathFold::starting_at(model.initial_displacement).counted_after(timeline.after); paths.len()],
-            oscillator: model.oscillator,
-            dynamic_force: model.friction.dynamic_force,
+            model: model.clone(),
             rows,
             totals: Totals::empty(model, timeline),
             periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
@@ -87,14 +85,14 @@ impl BlockObserver {
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
         self.totals.sums.phases.periods = self.periods.finish();
-        self.totals.end(&self.paths, self.dynamic_force, &diverged, self.unit);
+        self.totals.end(&self.paths, self.model.friction.dynamic_force, &diverged, self.unit);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
         let (wanted, trajectories) = self.trajectories;
         BlockResult {
             first_path,
             paths: path_count,
             diverged,
-            path_columns: self.keeps_paths.then(|| block.path_columns(&self.paths, self.dynamic_force)),
+            path_columns: self.keeps_paths.then(|| block.path_columns(&self.paths, self.model.friction.dynamic_force)),
             events: self.events.map(|events| block.event_columns(&events)),
             trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
             totals: self.totals,
@@ -139,11 +137,11 @@ impl Observer for BlockObserver {
                 for kept in &mut self.trajectories.1 {
                     let lane = kept.lane;
                     let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
-                    let b = self.oscillator.force(t, x, v);
+                    let b = self.model.total_force(snapshot.time, t, x, v);
                     // At rest in a slip, at a turning point or at the end of a stick, the body is
                     // about to follow b.
                     let direction = if v == 0.0 { Sign::of(b) } else { self.paths[lane].direction };
-                    let sliding = self.dynamic_force * direction.value();
+                    let sliding = self.model.friction.dynamic_force * direction.value();
                     let is_static = snapshot.is_static[lane];
                     let seen = TrajectoryRow {
                         displacement: x,

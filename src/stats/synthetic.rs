@@ -11,7 +11,7 @@ pub fn model() -> Model {
         friction: Friction { static_force: 3.0, dynamic_force: 2.0 },
         temperature: Temperature::default(),
         force: None,
-            initial_displacement: 6.0,
+        initial_displacement: 6.0,
     }
 }
 

@@ -5,6 +5,7 @@
 
 mod case;
 mod file;
+mod force;
 mod noise;
 mod noisy_step;
 mod quasi_static;
@@ -53,7 +54,7 @@ const fn row(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -
 }
 
 /// All warnings, the most serious first.
-const ALL: [Row; 27] = [
+const ALL: [Row; 28] = [
     row("step-unstable", Class::Growth, step::unstable),
     row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
     row("runs-away", Class::Growth, step::runs_away),
@@ -71,6 +72,7 @@ const ALL: [Row; 27] = [
     row("never-moves", Class::Approximation, quasi_static::never_moves),
     row("forcing-during-slip", Class::Approximation, quasi_static::forcing_during_slip),
     row("creep", Class::Approximation, quasi_static::creep),
+    row("doubtful-force", Class::Other, force::doubtful),
     row("never-slips", Class::Other, question::never_slips),
     row("identical-paths", Class::Other, question::identical_paths),
     row("no-dilatation", Class::Other, question::no_dilatation),

@@ -33,7 +33,9 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Vec<String> {
     let Some(Stability::Undamped { critical_amplitude }) = derived.stability else { return Vec::new() };
     // Relative growth of the amplitude that the explicit step causes over the whole run.
     let growth = derived.natural_frequency.powi(2) * h * case.scenario.time.end / 2.0;
-    when(derived.expected_amplitude > critical_amplitude && growth > GROWTH, || {
+    // How far a force of the user's own moves the body is not known.
+    let is_known = case.scenario.model.force.is_none();
+    when(is_known && derived.expected_amplitude > critical_amplitude && growth > GROWTH, || {
         format!(
             "without damping, the explicit step adds more energy than friction takes once the amplitude exceeds \
              A_c = 4 f_d/(pi w0 h K) = {}, and about {} is to be expected: paths may grow without bound. A_c \
@@ -52,7 +54,7 @@ pub(super) fn runs_away(case: &Case) -> Vec<String> {
         _ => model.runaway_amplitude(0.0),
     };
     let Some(critical) = growing.filter(|_| model.oscillator.damping < 0.0) else { return Vec::new() };
-    when(derived.expected_amplitude > critical, || {
+    when(model.force.is_none() && derived.expected_amplitude > critical, || {
         format!(
             "negative damping adds more energy than friction takes once the amplitude exceeds {}, and about {} is to \
              be expected: paths beyond it grow without bound, and are counted as diverged once their numbers do not \

@@ -48,6 +48,17 @@ impl Force {
         self.0.fill(instructions, x, velocity, time, g);
     }
 
+    /// g at eight places and times at once, which takes hardly longer than at one.
+    pub fn at_each(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64; 8],
+        velocity: &[f64; 8],
+        time: &[f64; 8],
+    ) -> [f64; 8] {
+        self.0.at_each(instructions, [x, velocity, time])
+    }
+
     /// Whether g depends on t.
     pub fn depends_on_time(&self) -> bool {
         self.0.depends_on_time()
@@ -70,6 +81,7 @@ impl PartialEq for Force {
 /// A law whose type has been forgotten.
 trait AnyLaw: Debug + Send + Sync {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64;
+    fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8];
     fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]);
     fn depends_on_time(&self) -> bool;
     fn as_any(&self) -> &dyn Any;
@@ -78,6 +90,12 @@ trait AnyLaw: Debug + Send + Sync {
 impl<F: ForceLaw + 'static> AnyLaw for F {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
         let mut program = One { law: self, at: [x, velocity, time], g: 0.0 };
+        instructions.run(&mut program);
+        program.g
+    }
+
+    fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8] {
+        let mut program = Eight { law: self, at, g: [0.0; 8] };
         instructions.run(&mut program);
         program.g
     }
@@ -107,6 +125,24 @@ impl<F: ForceLaw> LaneProgram for One<'_, F> {
     fn run<L: Lanes>(&mut self) {
         let [x, velocity, time] = self.at;
         self.g = self.law.value::<f64>(x, velocity, time);
+    }
+}
+
+/// Evaluates a law at eight places and times.
+struct Eight<'a, F> {
+    law: &'a F,
+    at: [&'a [f64; 8]; 3],
+    g: [f64; 8],
+}
+
+impl<F: ForceLaw> LaneProgram for Eight<'_, F> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let [x, velocity, time] = self.at;
+        for from in (0..8).step_by(L::WIDTH) {
+            let g = self.law.value(L::load(&x[from..]), L::load(&velocity[from..]), L::load(&time[from..]));
+            g.store(&mut self.g[from..]);
+        }
     }
 }
 

@@ -467,12 +467,7 @@ impl<L: Lanes> Splat<L> {
 
     /// S = V + (h/m) b, b = K (beta T - X) - 2 alpha V + g.
     #[inline(always)]
-    fn impulse<const OWN: bool, const NOISE: bool, const DAMPING: bool>(
-        &self,
-        at: &State<L>,
-        forcing: L,
-        own: L,
-    ) -> L {
+    fn impulse<const OWN: bool, const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L, own: L) -> L {
         let mut b = forcing;
         if NOISE {
             b = self.noise_force.mul_add(at.noise, b);

@@ -44,6 +44,8 @@ pub struct Noisy {
     pub(super) halved: Vec<SlipStep>,
     /// The largest second difference of that force on a step, as a fraction of the forces.
     pub(super) most_bend: f64,
+    /// The farthest that this force may be from a parabola on a step, as a fraction of the forces.
+    pub(super) most_kink: f64,
     pub(super) search: StopSearch,
     /// The number of evaluations that a path may make.
     pub(super) work_limit: u64,
@@ -86,9 +88,8 @@ impl Noisy {
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
         let halvings = if scene.has_own_force() { 0..=FINEST_HALVING } else { 1..=0 };
-        let halved = halvings
-            .map(|n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n)))
-            .collect();
+        let halved =
+            halvings.map(|n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n))).collect();
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy {
@@ -100,6 +101,7 @@ impl Noisy {
             step,
             halved,
             most_bend: rules.most_bend,
+            most_kink: rules.most_kink,
             search,
             work_limit: WORK_LIMIT,
             closeness: 1,
@@ -109,8 +111,7 @@ impl Noisy {
     /// Whether the paths can be simulated abreast: all cells have one length, there is only one noise,
     /// and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
-        !self.scene.has_own_force()
-            && self.scene.two_noises.is_none() && self.ladder.is_even()
+        !self.scene.has_own_force() && self.scene.two_noises.is_none() && self.ladder.is_even()
     }
 
     /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and

@@ -3,7 +3,7 @@
 
 use super::law::scene::Scene;
 use super::law::step_rules::{Resolution, StepRules};
-use super::noiseless::{Noiseless, UnfeltNoise};
+use super::noiseless::{GeneralNoiseless, Noiseless, UnfeltNoise};
 use super::noisy::Noisy;
 use super::work::Simulated;
 use crate::lanes::InstructionSet;
@@ -24,6 +24,8 @@ pub struct EventDrivenSimulation {
 #[derive(Clone, Debug)]
 enum Chosen {
     Noiseless(Box<Noiseless>, UnfeltNoise),
+    /// Without noise and with a force of the user's own.
+    General(Box<GeneralNoiseless>, UnfeltNoise),
     Noisy(Box<Noisy>),
 }
 
@@ -35,6 +37,8 @@ impl EventDrivenSimulation {
         let (chosen, resolution) = if scene.felt_noise(timeline.end).is_some() {
             let rules = StepRules::new(tolerance);
             (Chosen::Noisy(Box::new(Noisy::new(model, timeline, &rules))), rules.resolution(&scene))
+        } else if model.force.is_some() {
+            (Chosen::General(Box::new(GeneralNoiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
         } else {
             (Chosen::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
         };
@@ -51,6 +55,9 @@ impl EventDrivenSimulation {
     pub fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         match &self.chosen {
             Chosen::Noiseless(cascade, noise) => {
+                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
+            }
+            Chosen::General(cascade, noise) => {
                 cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
             }
             Chosen::Noisy(cascade) => cascade.simulate(seed, paths, observer),
@@ -76,7 +83,7 @@ impl Simulate for EventDrivenSimulation {
     fn paths_abreast(&self) -> usize {
         match &self.chosen {
             Chosen::Noisy(cascade) => cascade.paths_abreast(),
-            Chosen::Noiseless(..) => 1,
+            Chosen::Noiseless(..) | Chosen::General(..) => 1,
         }
     }
 
@@ -95,6 +102,7 @@ impl Simulate for EventDrivenSimulation {
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.chosen {
             Chosen::Noiseless(cascade, _) => cascade.work_limit = limit,
+            Chosen::General(cascade, _) => cascade.work_limit = limit,
             Chosen::Noisy(cascade) => cascade.work_limit = limit,
         }
         self

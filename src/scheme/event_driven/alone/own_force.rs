@@ -4,15 +4,18 @@
 //! where eps f_d stands, and the end of the step is corrected for what g does in the step:
 //!
 //! ```text
-//! trial        x, x' in the middle and at the end of the step without noise, from g at its start;
-//!              the step is halved until g bends little on that way: |g0 - 2 g_m + g1| <= bend (forces)
+//! trial        g on the way of the step without noise, and where noise takes it two standard
+//!              deviations off to either side; the step is halved until g bends little on each way,
+//!              |g0 - 2 g_m + g1| <= most_bend (forces), and has no kink on the first: it is within
+//!              most_kink (forces) of a parabola a quarter of the step before and behind the middle
 //! draw         the linear step with g = g_m of the trial
 //! correct      g at the drawn end, and in the middle of the quintic between both ends; then
-//!              x += x_g ((g0 + 2 g_m)/3 - g),  x' += v_g ((g0 + 4 g_m + g1)/6 - g)
+//!              x  += (h/6m) (S(h) (g0 - g) + 4 S(h/2) (g_m - g)),
+//!              x' += (h/6m) (S'(h) (g0 - g) + 4 S'(h/2) (g_m - g) + (g1 - g))
 //! ```
 //!
-//! x_g and v_g are the responses of x and x' to a constant force over the step, and the weights those
-//! of Simpson's rule for a force that acts on x early and on x' throughout. The length follows from
+//! S is the response of x to a unit of x', and the sums are Simpson's rule for int S(h - s) (g(s) - g)
+//! ds/m and for its derivative. The length follows from
 //! the state at the start alone, so that it does not depend on the noise that is then drawn, and the
 //! law of what is drawn is not changed. The noise moves x and x' in the middle of a step off the
 //! quintic by a random amount of mean zero, so the error of g by this is of order 3/2 in a step, and
@@ -31,10 +34,79 @@ pub(super) struct OwnForce {
     here: f64,
     /// The constant that stands for g in the step.
     pub push: f64,
+    /// g at the end of the step, as its trial has it.
+    end: f64,
     /// b at the start of the step.
     start_force: f64,
     /// How many times the usual step was halved last.
     halvings: usize,
+}
+
+/// The state at the start of a step.
+struct Start {
+    x: f64,
+    v: f64,
+    acceleration: f64,
+    time: f64,
+}
+
+/// g on the way that a step would take without noise, and on the ways that noise may make of it.
+#[derive(Clone, Copy)]
+struct Trial {
+    middle: f64,
+    end: f64,
+    /// The largest second difference of g on any of the ways.
+    bend: f64,
+    /// How far g is from the parabola through the ends and the middle, a quarter before and behind.
+    kink: f64,
+}
+
+impl Start {
+    /// The trial of a step of length `h`, at whose end the noise may take x and x' this far off.
+    #[inline(always)]
+    fn trial(&self, scene: &Scene, here: f64, h: f64, [dx, dv]: [f64; 2]) -> Trial {
+        let (mut x, mut v, mut t) = ([0.0; 8], [0.0; 8], [0.0; 8]);
+        let mut put = |i: usize, part: f64, side: f64| {
+            let after = part * h;
+            let [on_x, on_v] = if part < 1.0 { MIDWAY } else { [1.0, 1.0] };
+            x[i] = self.x + after * (self.v + 0.5 * after * self.acceleration) + side * on_x * dx;
+            v[i] = self.v + after * self.acceleration + side * on_v * dv;
+            t[i] = self.time + after;
+        };
+        let places =
+            [(0.5, 0.0), (1.0, 0.0), (0.25, 0.0), (0.75, 0.0), (0.5, 1.0), (1.0, 1.0), (0.5, -1.0), (1.0, -1.0)];
+        for (i, (part, side)) in places.into_iter().enumerate() {
+            put(i, part, side);
+        }
+        let [middle, end, before, behind, up, up_end, down, down_end] = scene.own_forces(&x, &v, &t);
+        let bends =
+            [(middle, end), (up, up_end), (down, down_end)].map(|(middle, end)| (here - 2.0 * middle + end).abs());
+        let parabola = |from: f64, to: f64| 0.375 * from + 0.75 * middle - 0.125 * to;
+        let kinks = [(before - parabola(here, end)).abs(), (behind - parabola(end, here)).abs()];
+        Trial { middle, end, bend: bends.into_iter().fold(0.0, largest), kink: largest(kinks[0], kinks[1]) }
+    }
+}
+
+/// The larger of two numbers; not a number if one of them is not.
+#[inline(always)]
+fn largest(a: f64, b: f64) -> f64 {
+    if a > b || a.is_nan() { a } else { b }
+}
+
+/// The number of standard deviations by which the noise may take the end of a step off its way.
+const AROUND: f64 = 2.0;
+
+/// The share of this by which x and x' are then off in the middle: their regression on the end for
+/// motion under an acceleration that is a Brownian motion.
+const MIDWAY: [f64; 2] = [0.161_458, 0.3125];
+
+impl SlipStep {
+    /// How far the noise may take x and x' at the end of this step.
+    #[inline(always)]
+    fn spread(&self) -> [f64; 2] {
+        let [.., vv, _, xx] = self.transition.covariance;
+        [AROUND * xx.sqrt(), AROUND * vv.sqrt()]
+    }
 }
 
 impl OwnForce {
@@ -43,7 +115,7 @@ impl OwnForce {
     pub fn new(scene: &Scene, time: f64, path: &Path<f64>) -> Option<Self> {
         scene.has_own_force().then(|| {
             let here = scene.own_force(path.displacement, path.motion, time);
-            OwnForce { here, push: here, start_force: path.force, halvings: 0 }
+            OwnForce { here, push: here, end: here, start_force: path.force, halvings: 0 }
         })
     }
 
@@ -65,18 +137,16 @@ impl OwnForce {
             halvings += 1;
         }
         let acceleration = (path.force - slip.friction()) / oscillator.mass;
-        let (x, v, time) = (path.displacement, path.motion, slip.time(path));
+        let start = Start { x: path.displacement, v: path.motion, acceleration, time: slip.time(path) };
+        let forces = friction.static_force + path.force.abs() + self.here.abs();
         loop {
             path.work.spend()?;
-            let h = slip.noisy.halved[halvings].length().min(remaining);
-            let way = |t: f64| (x + t * (v + 0.5 * t * acceleration), v + t * acceleration);
-            let ((xm, vm), (x1, v1)) = (way(0.5 * h), way(h));
-            let middle = slip.noisy.scene.own_force(xm, vm, time + 0.5 * h);
-            let end = slip.noisy.scene.own_force(x1, v1, time + h);
-            let forces = friction.static_force + path.force.abs() + self.here.abs();
-            let bend = (self.here - 2.0 * middle + end).abs();
-            if bend <= slip.noisy.most_bend * forces || halvings == finest {
-                self.push = middle;
+            let step = &slip.noisy.halved[halvings];
+            let trial = start.trial(&slip.noisy.scene, self.here, step.length().min(remaining), step.spread());
+            let is_straight =
+                trial.bend <= slip.noisy.most_bend * forces && trial.kink <= slip.noisy.most_kink * forces;
+            if is_straight || halvings == finest {
+                (self.push, self.end) = (trial.middle, trial.end);
                 break;
             }
             halvings += 1;
@@ -90,14 +160,19 @@ impl OwnForce {
     pub fn correct(&mut self, slip: &Slip<'_>, step: &SlipStep, start: SlipPoint, path: &mut Path<f64>) {
         let scene = &slip.noisy.scene;
         let (h, time, mass) = (step.length(), slip.time(path), scene.oscillator.mass);
-        let end = scene.own_force(path.displacement, path.motion, time);
         let friction = slip.friction();
-        let accelerations = [self.start_force - friction, path.force + end - friction].map(|force| force / mass);
+        // For the middle, g at the end need not be known better than by the trial.
+        let accelerations = [self.start_force - friction, path.force + self.end - friction].map(|force| force / mass);
         let (xm, vm) = middle(h, [start.x, path.displacement], [start.v, path.motion], accelerations);
-        let middle = scene.own_force(xm, vm, time - 0.5 * h);
-        let on_x = (self.here + 2.0 * middle) / 3.0 - self.push;
-        let on_v = (self.here + 4.0 * middle + end) / 6.0 - self.push;
-        let (dx, dv) = (step.transition.x[3] * on_x, step.transition.v[3] * on_v);
+        let (mut x, mut v, mut t) = ([xm; 8], [vm; 8], [time - 0.5 * h; 8]);
+        (x[1], v[1], t[1]) = (path.displacement, path.motion, time);
+        let [middle, end, ..] = scene.own_forces(&x, &v, &t);
+        let [on_start, on_middle, on_end] = [self.here, middle, end].map(|g| h / (6.0 * mass) * (g - self.push));
+        // S and S' after the whole step, and after half of it by the cubic between both ends.
+        let (whole, slope) = (step.transition.x[1], step.transition.v[1]);
+        let (half, half_slope) = (0.5 * whole + 0.125 * h * (1.0 - slope), 1.5 * whole / h - 0.25 * (1.0 + slope));
+        let dx = whole * on_start + 4.0 * half * on_middle;
+        let dv = slope * on_start + 4.0 * half_slope * on_middle + on_end;
         path.displacement += dx;
         path.motion += dv;
         self.here = scene.own_force(path.displacement, path.motion, time);

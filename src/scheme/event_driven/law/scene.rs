@@ -131,6 +131,15 @@ impl Scene {
         }
     }
 
+    /// g at eight places and times.
+    #[inline(always)]
+    pub fn own_forces(&self, x: &[f64; 8], velocity: &[f64; 8], time: &[f64; 8]) -> [f64; 8] {
+        match &self.own {
+            Some((force, instructions)) => force.at_each(*instructions, x, velocity, time),
+            None => [0.0; 8],
+        }
+    }
+
     /// K x - g(x, 0, t): the force that holds against B and n in a stick.
     #[inline(always)]
     pub fn spring(&self, x: f64, time: f64) -> f64 {

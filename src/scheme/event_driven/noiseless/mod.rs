@@ -10,11 +10,11 @@
 
 mod exact_time;
 mod first_root;
-#[cfg_attr(not(test), expect(dead_code, unused_imports, reason = "no scheme has a general force yet"))]
 mod general;
 mod one_path;
 mod unfelt_noise;
 
 pub use exact_time::ExactTime;
+pub use general::GeneralNoiseless;
 pub use one_path::Noiseless;
 pub use unfelt_noise::UnfeltNoise;

@@ -5,7 +5,7 @@
 //!   a time inside a step, an instant of the timeline or the end of the sub-phase, is that after a
 //!   shorter step. The sub-phase ends at the first zero of eps x' ([`first_stop`]).
 //! - Stick: the phase ends at the first zero of f_s - b or f_s + b. Where g does not depend on
-//!   time, b(t) is that of a scene without g at another displacement, and [`Noiseless::stick_exit`]
+//!   time and there is a spring, b(t) is that of a scene without g at another displacement, and [`Noiseless::stick_exit`]
 //!   never misses an exit. Otherwise the function b(t) is searched in steps ([`first_exit`]).
 //!
 //! Steps of slips and of searches end at the samples of a measured temperature, where it has kinks.
@@ -14,7 +14,7 @@
 use super::super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
-use super::forces::{BodyForce, Forces, LocalTemperature};
+use super::forces::{Forces, LocalTemperature};
 use super::slip_motion::{Kinematics, SlipMotion};
 use super::slip_search::first_stop;
 use super::stick_search::{SearchSteps, first_exit};
@@ -87,18 +87,17 @@ impl Stretch {
 }
 
 impl GeneralNoiseless {
-    /// The scheme for a scene whose motion does not depend on noise, with the force `extra` beside
-    /// those of the model.
-    pub fn new(model: &Model, timeline: &Timeline, extra: BodyForce) -> Self {
+    /// The scheme for a scene whose motion does not depend on noise.
+    pub fn new(model: &Model, timeline: &Timeline) -> Self {
         let oscillator = model.oscillator;
-        let forces = Forces::new(model, extra);
+        let forces = Forces::new(model);
         let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();
         let fastest = forces.fastest_rate().max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
-        let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end };
-        let is_searched = forces.extra.depends_on_time;
+        let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
+        let is_searched = forces.is_own_in_time() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
             let mut undamped = model.clone();
-            undamped.oscillator.damping = 0.0;
+            (undamped.oscillator.damping, undamped.force) = (0.0, None);
             Box::new(Noiseless::new(&undamped, timeline))
         });
         let tolerance = TOLERANCE;
@@ -179,7 +178,7 @@ impl GeneralNoiseless {
             Some(exit(0.0, force, Sign::of(force)))
         } else if let Some(sticks) = &self.sticks {
             // K (beta T - x) + g = K (beta T - (x - g/K)).
-            let g = self.forces.extra.at(displacement, 0.0, start.value());
+            let g = self.forces.own(displacement, 0.0, start.value());
             let found = sticks.stick_exit(start, displacement - g / self.model.oscillator.stiffness, work)?;
             found.map(|event| exit(start.until(event.time).max(0.0), event.force, Sign::of(event.force)))
         } else if self.forces.depend_on_time() {
@@ -241,11 +240,8 @@ impl GeneralNoiseless {
 
     /// The equation of motion of a sub-phase.
     fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign) -> SlipMotion<'a> {
-        let rounding = if self.forces.extra.depends_on_time {
-            ROUNDING_OF_TIME * temperature.start().value() / self.span
-        } else {
-            0.0
-        };
+        let rounding =
+            if self.forces.is_own_in_time() { ROUNDING_OF_TIME * temperature.start().value() / self.span } else { 0.0 };
         SlipMotion {
             forces: &self.forces,
             temperature,

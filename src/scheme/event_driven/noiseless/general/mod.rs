@@ -18,4 +18,3 @@ mod stick_search;
 mod tests;
 
 pub use cascade::GeneralNoiseless;
-pub use forces::BodyForce;
