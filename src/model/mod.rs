@@ -15,6 +15,7 @@
 
 mod cascade;
 mod complex;
+mod force;
 mod friction;
 mod harmonic_clock;
 mod impulse_response;
@@ -29,6 +30,7 @@ mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
+pub use force::{Doubt, Expression, ExpressionError, Force, ForceLaw, Linear, Scales, doubts};
 pub use friction::{Friction, prox};
 #[doc(hidden)]
 pub use harmonic_clock::HarmonicClock;

@@ -1,0 +1,24 @@
+//! What can be wrong with an expression, and where.
+
+use std::ops::Range;
+
+/// Why a text is not an expression.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error("{problem}\n  fix: {remedy}")]
+pub struct ExpressionError {
+    /// The first byte of the place in the text.
+    pub start: usize,
+    /// The byte behind the place. A fault of a parameter has an empty place at 0.
+    pub end: usize,
+    /// What is wrong.
+    pub problem: String,
+    /// What would be right.
+    pub remedy: String,
+}
+
+impl ExpressionError {
+    /// An error at these bytes of the text.
+    pub(super) fn new(place: Range<usize>, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        ExpressionError { start: place.start, end: place.end, problem: problem.into(), remedy: remedy.into() }
+    }
+}

@@ -1,0 +1,98 @@
+//! A force as a text such as `-k3*x^3 + mu*sign(xdot)`.
+
+use super::error::ExpressionError;
+use super::law::ForceLaw;
+use super::parse::parse;
+use super::tape::Tape;
+use super::tree::{Formula, TIME};
+use crate::lanes::Lanes;
+
+/// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
+///
+/// The language has numbers, `pi`, the operators `+ - * / ^`, parentheses, and the functions abs,
+/// sign, min, max, sqrt, exp, log, sin, cos, tan, atan and tanh.
+#[derive(Clone, Debug)]
+pub struct Expression {
+    text: String,
+    parameters: Vec<(String, f64)>,
+    used: Vec<bool>,
+    formula: Formula,
+    tape: Tape,
+}
+
+/// A force g = a x + b x'.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Linear {
+    /// a, a force per length.
+    pub displacement: f64,
+    /// b, a force per velocity.
+    pub velocity: f64,
+}
+
+impl Expression {
+    /// Reads a text that may name the parameters.
+    pub fn parse(text: &str, parameters: &[(String, f64)]) -> Result<Expression, ExpressionError> {
+        let (formula, used) = parse(text, parameters)?;
+        let tape = Tape::new(&formula)?;
+        Ok(Expression { text: text.to_string(), parameters: parameters.to_vec(), used, formula, tape })
+    }
+
+    /// The text as it was written.
+    pub fn text(&self) -> &str {
+        &self.text
+    }
+
+    /// The parameters with their values.
+    pub fn parameters(&self) -> &[(String, f64)] {
+        &self.parameters
+    }
+
+    /// The parameters that the text does not name.
+    pub fn unused_parameters(&self) -> impl Iterator<Item = &str> {
+        let unused = self.parameters.iter().zip(&self.used).filter(|(_, is_used)| !**is_used);
+        unused.map(|((name, _), _)| name.as_str())
+    }
+
+    /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: it is
+    /// never said of another force, but some forms of such a force are not recognised, as `abs(x) *
+    /// sign(x)`.
+    pub fn linear(&self) -> Option<Linear> {
+        match self.formula.affine()? {
+            [0.0, displacement, velocity] => Some(Linear { displacement, velocity }),
+            _ => None,
+        }
+    }
+
+    /// Whether the text names t.
+    pub fn uses_time(&self) -> bool {
+        self.formula.uses(TIME)
+    }
+
+    /// The operations.
+    pub(super) fn formula(&self) -> &Formula {
+        &self.formula
+    }
+}
+
+/// Two expressions are equal if they have the same text and the same parameters.
+impl PartialEq for Expression {
+    fn eq(&self, other: &Self) -> bool {
+        self.text == other.text && self.parameters == other.parameters
+    }
+}
+
+impl ForceLaw for Expression {
+    #[inline(always)]
+    fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L {
+        self.tape.run(&[x], &[velocity], time)[0]
+    }
+
+    #[inline(always)]
+    fn values<L: Lanes, const R: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
+        self.tape.run(x, velocity, time)
+    }
+
+    fn depends_on_time(&self) -> bool {
+        self.uses_time()
+    }
+}

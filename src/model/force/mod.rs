@@ -1,0 +1,152 @@
+//! A user's force g(x, x', t), which adds to b in m x'' + F(x') = b(x, x', t) + g(x, x', t).
+//!
+//! It is either an [`Expression`], read from a text and compiled to a tape of operations, or a
+//! [`ForceLaw`] that is written in Rust. Either is evaluated for many paths at once, with the same
+//! bits on every instruction set.
+
+mod error;
+mod expression;
+mod law;
+mod operation;
+mod parse;
+mod scan;
+mod tape;
+#[cfg(test)]
+mod tests;
+mod token;
+mod tree;
+mod words;
+
+pub use error::ExpressionError;
+pub use expression::{Expression, Linear};
+pub use law::ForceLaw;
+pub use scan::{Doubt, Scales, doubts};
+
+use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use std::any::Any;
+use std::fmt::Debug;
+use std::sync::Arc;
+
+/// A force of any kind. Its copies share it.
+#[derive(Clone, Debug)]
+pub struct Force(Arc<dyn AnyLaw>);
+
+impl Force {
+    /// The force that follows a law.
+    pub fn new(law: impl ForceLaw + 'static) -> Self {
+        Force(Arc::new(law))
+    }
+
+    /// g at one place and time.
+    pub fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
+        self.0.at(instructions, x, velocity, time)
+    }
+
+    /// g of many paths at one time. The slices have one length, a multiple of 8.
+    pub fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+        assert!(x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8), "slices of equal length");
+        self.0.fill(instructions, x, velocity, time, g);
+    }
+
+    /// Whether g depends on t.
+    pub fn depends_on_time(&self) -> bool {
+        self.0.depends_on_time()
+    }
+
+    /// The expression, if the force is one.
+    pub fn expression(&self) -> Option<&Expression> {
+        self.0.as_any().downcast_ref()
+    }
+}
+
+/// Two forces are equal if they are the same object, or equal expressions.
+impl PartialEq for Force {
+    fn eq(&self, other: &Self) -> bool {
+        let is_same = || self.expression().is_some_and(|expression| Some(expression) == other.expression());
+        Arc::ptr_eq(&self.0, &other.0) || is_same()
+    }
+}
+
+/// A law whose type has been forgotten.
+trait AnyLaw: Debug + Send + Sync {
+    fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64;
+    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]);
+    fn depends_on_time(&self) -> bool;
+    fn as_any(&self) -> &dyn Any;
+}
+
+impl<F: ForceLaw + 'static> AnyLaw for F {
+    fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
+        let mut program = One { law: self, at: [x, velocity, time], g: 0.0 };
+        instructions.run(&mut program);
+        program.g
+    }
+
+    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+        instructions.run(&mut Many { law: self, x, velocity, time, g });
+    }
+
+    fn depends_on_time(&self) -> bool {
+        ForceLaw::depends_on_time(self)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+/// Evaluates a law at one place, in a single lane but with the instructions of many.
+struct One<'a, F> {
+    law: &'a F,
+    at: [f64; 3],
+    g: f64,
+}
+
+impl<F: ForceLaw> LaneProgram for One<'_, F> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let [x, velocity, time] = self.at;
+        self.g = self.law.value::<f64>(x, velocity, time);
+    }
+}
+
+/// Evaluates a law for many paths.
+struct Many<'a, F> {
+    law: &'a F,
+    x: &'a [f64],
+    velocity: &'a [f64],
+    time: f64,
+    g: &'a mut [f64],
+}
+
+impl<F: ForceLaw> LaneProgram for Many<'_, F> {
+    #[inline(always)]
+    fn run<L: Lanes>(&mut self) {
+        let from = self.blocks::<L, 16>(0);
+        let from = self.blocks::<L, 4>(from);
+        let from = self.blocks::<L, 2>(from);
+        self.blocks::<L, 1>(from);
+    }
+}
+
+impl<F: ForceLaw> Many<'_, F> {
+    /// Evaluates as many blocks of `R` registers as there are from this path on. Returns the first
+    /// path behind them.
+    #[inline(always)]
+    fn blocks<L: Lanes, const R: usize>(&mut self, mut from: usize) -> usize {
+        while from + R * L::WIDTH <= self.x.len() {
+            let (mut x, mut velocity) = ([L::splat(0.0); R], [L::splat(0.0); R]);
+            let (from_x, from_velocity) = (&self.x[from..], &self.velocity[from..]);
+            for r in 0..R {
+                x[r] = L::load(&from_x[r * L::WIDTH..]);
+                velocity[r] = L::load(&from_velocity[r * L::WIDTH..]);
+            }
+            let g = self.law.values(&x, &velocity, L::splat(self.time));
+            for (g, to) in g.iter().zip(self.g[from..].chunks_exact_mut(L::WIDTH)) {
+                g.store(to);
+            }
+            from += R * L::WIDTH;
+        }
+        from
+    }
+}

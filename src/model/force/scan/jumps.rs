@@ -1,0 +1,201 @@
+//! Points where a force jumps, grows without bound, has no bounded slope, or has no value.
+//!
+//! They lie where the argument of an operation such as sign or division is zero. Such points are
+//! looked for along straight lines through the box of the scales, and g is compared on both sides,
+//! closer and closer.
+
+use super::super::operation::{Binary, Elementary, Unary};
+use super::super::tree::{TIME, Term, X, XDOT};
+use super::probe::{Found, Probe, short};
+
+/// The intervals of a line.
+const INTERVALS: usize = 64;
+/// The other two coordinates of lines, as parts of the scales.
+const OFFSETS: [f64; 4] = [0.0, 0.37, -0.61, 0.97];
+const INSTANTS: [f64; 3] = [0.0, 0.29, 0.83];
+/// Distances from a point, as parts of a line.
+const DISTANCES: [f64; 3] = [1e-6, 1e-8, 1e-10];
+/// The operations that may be spent on points between those of the lines.
+const WORK: usize = 1_000_000;
+/// The times that the interval in which a zero lies is made shorter.
+const HALVINGS: usize = 60;
+/// The evaluations of g for one zero, at most.
+const EVALUATIONS: usize = 2 * HALVINGS + 20;
+
+/// A line that begins at a point, and its difference from the end.
+#[derive(Clone, Copy)]
+struct Track {
+    from: [f64; 3],
+    along: [f64; 3],
+}
+
+impl Track {
+    /// The point at this part of the line.
+    fn point(&self, part: f64) -> [f64; 3] {
+        [0, 1, 2].map(|i| self.from[i] + part * self.along[i])
+    }
+}
+
+/// The lines along each axis, and diagonals.
+fn tracks(scales: [f64; 3]) -> Vec<Track> {
+    let instants = if scales[TIME] > 0.0 { &INSTANTS[..] } else { &INSTANTS[..1] };
+    let mut all = Vec::new();
+    for t in instants.iter().map(|part| part * scales[TIME]) {
+        for offset in OFFSETS {
+            let (x, velocity) = (offset * scales[X], offset * scales[XDOT]);
+            all.push(Track { from: [-scales[X], velocity, t], along: [2.0 * scales[X], 0.0, 0.0] });
+            all.push(Track { from: [x, -scales[XDOT], t], along: [0.0, 2.0 * scales[XDOT], 0.0] });
+        }
+        for up in [1.0, -1.0] {
+            let along = [2.0 * scales[X], up * 2.0 * scales[XDOT], 0.0];
+            all.push(Track { from: [-scales[X], -up * scales[XDOT], t], along });
+        }
+    }
+    if scales[TIME] > 0.0 {
+        for x in OFFSETS {
+            let others = OFFSETS.map(|velocity| [x * scales[X], velocity * scales[XDOT], 0.0]);
+            all.extend(others.map(|from| Track { from, along: [0.0, 0.0, scales[TIME]] }));
+        }
+    }
+    all
+}
+
+/// An operation that can be the cause of a doubt.
+struct Suspect {
+    node: usize,
+    /// The node of its argument.
+    argument: usize,
+    /// A function of the argument that must not be zero.
+    margin: fn(f64) -> f64,
+    /// Whether it can make the slope unbounded where g is continuous.
+    can_be_steep: bool,
+}
+
+impl Suspect {
+    fn new(probe: &Probe, node: usize) -> Option<Suspect> {
+        let itself = |argument| argument;
+        let (argument, margin, can_be_steep): (usize, fn(f64) -> f64, bool) = match probe.formula.0[node].term {
+            Term::Unary(Unary::Sign, a) => (a, itself, false),
+            Term::Unary(Unary::Elementary(Elementary::Tan), a) => (a, libm::cos, true),
+            Term::Unary(Unary::Sqrt | Unary::Elementary(Elementary::Log), a) => (a, itself, true),
+            Term::Binary(Binary::Div, _, a) | Term::Binary(Binary::Power, a, _) => (a, itself, true),
+            Term::Whole(a, power) if power < 0 => (a, itself, true),
+            _ => return None,
+        };
+        Some(Suspect { node, argument, margin, can_be_steep })
+    }
+
+    /// The margin at the point that was computed last.
+    fn margin(&self, probe: &Probe) -> f64 {
+        (self.margin)(probe.values[self.argument])
+    }
+}
+
+/// Searches for one doubt for each operation that can be the cause.
+pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
+    let nodes = probe.formula.0.len();
+    let suspects: Vec<Suspect> = (0..nodes).filter_map(|node| Suspect::new(probe, node)).collect();
+    let mut all: Vec<Option<String>> = vec![None; nodes];
+    let mut no_value: Vec<Option<String>> = vec![None; nodes];
+    let mut work = WORK;
+    for track in tracks(probe.scales) {
+        let mut margins: Vec<Vec<f64>> = vec![Vec::with_capacity(INTERVALS + 1); suspects.len()];
+        let mut largest = 0.0f64;
+        for i in 0..=INTERVALS {
+            let point = track.point(i as f64 / INTERVALS as f64);
+            let g = probe.at(point);
+            if g.is_finite() {
+                largest = largest.max(g.abs());
+            } else if let Some(node) = probe.values.iter().position(|value| !value.is_finite())
+                && no_value[node].is_none()
+            {
+                let what = if probe.values[node].is_nan() { "has no value" } else { "is infinite" };
+                no_value[node] = Some(format!("the force {what} at {}", probe.words(point)));
+            }
+            for (margins, suspect) in margins.iter_mut().zip(&suspects) {
+                margins.push(suspect.margin(probe));
+            }
+        }
+        for (margins, suspect) in margins.iter().zip(&suspects) {
+            for (low, high) in zeros(margins) {
+                if all[suspect.node].is_some() || work < EVALUATIONS * nodes {
+                    break;
+                }
+                work -= EVALUATIONS * nodes;
+                let part = refined(probe, &track, suspect, low, high);
+                all[suspect.node] = beside(probe, &track, part, largest, suspect.can_be_steep);
+            }
+        }
+    }
+    all.into_iter().zip(no_value).enumerate().filter_map(|(node, (a, b))| Some((node, a.or(b)?))).collect()
+}
+
+/// The intervals, as parts of a line, in which the margin crosses or may touch zero.
+fn zeros(margins: &[f64]) -> Vec<(f64, f64)> {
+    let part = |i: usize| i as f64 / INTERVALS as f64;
+    let mut all = Vec::new();
+    for (i, pair) in margins.windows(2).enumerate() {
+        if pair[0] * pair[1] < 0.0 {
+            all.push((part(i), part(i + 1)));
+        }
+    }
+    for (i, three) in margins.windows(3).enumerate() {
+        let [before, here, after] = [three[0], three[1], three[2]];
+        if here == 0.0 && before != 0.0 && after != 0.0 {
+            all.push((part(i + 1), part(i + 1)));
+        } else if here * before > 0.0 && here * after > 0.0 && here.abs() < before.abs() && here.abs() <= after.abs() {
+            all.push((part(i), part(i + 2)));
+        }
+    }
+    all
+}
+
+/// The zero of the margin in an interval, or where it is nearest to zero if it does not cross.
+fn refined(probe: &mut Probe, track: &Track, suspect: &Suspect, mut low: f64, mut high: f64) -> f64 {
+    let mut at = |part: f64| {
+        probe.at(track.point(part));
+        suspect.margin(probe)
+    };
+    let (first, last) = (at(low), at(high));
+    let crosses = first * last < 0.0;
+    for _ in 0..HALVINGS {
+        let width = high - low;
+        if crosses {
+            let middle = low + 0.5 * width;
+            let margin = at(middle);
+            if margin == 0.0 {
+                return middle;
+            }
+            *if (margin > 0.0) == (first > 0.0) { &mut low } else { &mut high } = middle;
+        } else {
+            let (left, right) = (low + 0.4 * width, high - 0.4 * width);
+            if at(left).abs() <= at(right).abs() {
+                high = right;
+            } else {
+                low = left;
+            }
+        }
+    }
+    low + 0.5 * (high - low)
+}
+
+/// What g does on both sides of a point of a line, if it does not become equal there at a bounded
+/// slope. `largest` is the largest |g| that was found on the line.
+fn beside(probe: &mut Probe, track: &Track, part: f64, largest: f64, can_be_steep: bool) -> Option<String> {
+    let place = probe.words(track.point(part));
+    let mut g = |distance: f64| probe.at(track.point(part + distance));
+    let sides = DISTANCES.map(|distance| [g(-distance), g(distance)]);
+    let gaps = sides.map(|[left, right]| (right - left).abs());
+    let slopes = DISTANCES
+        .map(|distance| [-1.0, 1.0].map(|side| (g(2.0 * side * distance) - g(side * distance)).abs() / distance));
+    let grows = |side: usize| slopes[1][side] > 2.0 * slopes[0][side] && slopes[2][side] > 2.0 * slopes[1][side];
+    let steep = |side: usize| grows(side) && slopes[2][side] > 1e3 * largest;
+    let unbounded = |side: usize| steep(side) && sides[2][side].abs() > 10.0 * sides[1][side].abs();
+    if [0, 1].into_iter().any(unbounded) {
+        return Some(format!("the force grows without bound at {place}"));
+    }
+    if gaps[2] > 0.5 * gaps[0] && gaps[2] > 0.5 * gaps[1] && gaps[2] > 1e-9 * largest && gaps[2].is_finite() {
+        return Some(format!("the force jumps by {} at {place}", short(gaps[2])));
+    }
+    (can_be_steep && [0, 1].into_iter().any(steep)).then(|| format!("the slope of the force has no bound at {place}"))
+}

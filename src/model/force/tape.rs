@@ -1,0 +1,338 @@
+//! An expression as a list of operations on slots, each of which holds a value of every path.
+//!
+//! Equal operations are carried out once, and a slot is used again as soon as its value is not
+//! needed any more. The choice of an operation is made once for several registers.
+
+use super::error::ExpressionError;
+use super::operation::{Binary, Elementary, Unary, each, greatest, least, power, sign};
+use super::tree::{Formula, Term};
+use crate::lanes::Lanes;
+use std::collections::HashMap;
+
+/// The slots that an expression may need at most.
+const MAX_SLOTS: usize = 32;
+
+/// What a step does with the slots a and b and the number n.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Code {
+    /// n
+    Number,
+    Negative,
+    Abs,
+    Sign,
+    Sqrt,
+    Elementary(Elementary),
+    Add,
+    /// a + n
+    AddNumber,
+    Sub,
+    /// n - a
+    SubFrom,
+    Mul,
+    /// a * n
+    MulNumber,
+    /// (a * b) + n, with two roundings
+    MulAddNumber,
+    /// (a * n) + b, with two roundings
+    MulNumberAdd,
+    Div,
+    /// a / n
+    DivBy,
+    /// n / a
+    DivInto,
+    Min,
+    Max,
+    Power,
+}
+
+/// One operation. Its slots are below `MAX_SLOTS`.
+#[derive(Clone, Copy, Debug)]
+struct Step {
+    code: Code,
+    a: u8,
+    b: u8,
+    to: u8,
+    number: f64,
+}
+
+/// A compiled expression.
+#[derive(Clone, Debug)]
+pub(super) struct Tape {
+    steps: Vec<Step>,
+    /// The slots of x, x' and t, if they are used.
+    inputs: [Option<u8>; 3],
+    result: u8,
+    slots: usize,
+}
+
+impl Tape {
+    /// Compiles a tree.
+    pub fn new(formula: &Formula) -> Result<Tape, ExpressionError> {
+        let mut values = Values::default();
+        let mut of_node: Vec<Operand> = Vec::with_capacity(formula.0.len());
+        for operation in &formula.0 {
+            of_node.push(values.term(operation.term, &of_node));
+        }
+        let result = of_node.last().map_or(0, |root| values.slot(*root));
+        values.allocate(result).ok_or_else(|| {
+            let place = 0..formula.0.last().map_or(0, |root| root.place.end);
+            let problem = format!("the expression needs more than {MAX_SLOTS} values at one time");
+            ExpressionError::new(place, problem, "write it with fewer parts that contain each other")
+        })
+    }
+
+    /// The value of the expression in the lanes of several registers.
+    #[inline(always)]
+    pub fn run<L: Lanes, const R: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
+        // Few slots are made ready sooner than many.
+        match self.slots {
+            0..=4 => self.run_with::<L, R, 4>(x, velocity, time),
+            5..=8 => self.run_with::<L, R, 8>(x, velocity, time),
+            _ => self.run_with::<L, R, MAX_SLOTS>(x, velocity, time),
+        }
+    }
+
+    /// The same with `S` slots, a power of two.
+    #[inline(always)]
+    fn run_with<L: Lanes, const R: usize, const S: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
+        let mut slots = [[L::splat(0.0); R]; S];
+        let [of_x, of_velocity, of_time] = self.inputs.map(|slot| slot.map(|slot| slot as usize & (S - 1)));
+        for r in 0..R {
+            if let Some(slot) = of_x {
+                slots[slot][r] = x[r];
+            }
+            if let Some(slot) = of_velocity {
+                slots[slot][r] = velocity[r];
+            }
+            if let Some(slot) = of_time {
+                slots[slot][r] = time;
+            }
+        }
+        for step in &self.steps {
+            let (a, b, to) = (step.a as usize & (S - 1), step.b as usize & (S - 1), step.to as usize & (S - 1));
+            let n = L::splat(step.number);
+            macro_rules! set {
+                (|$a:ident $(, $b:ident)?| $value:expr) => {
+                    for r in 0..R {
+                        let $a = slots[a][r];
+                        $(let $b = slots[b][r];)?
+                        slots[to][r] = $value;
+                    }
+                };
+            }
+            match step.code {
+                Code::Number => slots[to] = [n; R],
+                Code::Negative => set!(|a| -a),
+                Code::Abs => set!(|a| a.abs()),
+                Code::Sign => set!(|a| sign(a)),
+                Code::Sqrt => set!(|a| a.sqrt()),
+                Code::Elementary(elementary) => {
+                    let function = elementary.function();
+                    set!(|a| each(a, function));
+                }
+                Code::Add => set!(|a, b| a + b),
+                Code::AddNumber => set!(|a| a + n),
+                Code::Sub => set!(|a, b| a - b),
+                Code::SubFrom => set!(|a| n - a),
+                Code::Mul => set!(|a, b| a * b),
+                Code::MulNumber => set!(|a| a * n),
+                Code::MulAddNumber => set!(|a, b| a * b + n),
+                Code::MulNumberAdd => set!(|a, b| a * n + b),
+                Code::Div => set!(|a, b| a / b),
+                Code::DivBy => set!(|a| a / n),
+                Code::DivInto => set!(|a| n / a),
+                Code::Min => set!(|a, b| least(a, b)),
+                Code::Max => set!(|a, b| greatest(a, b)),
+                Code::Power => set!(|a, b| power(a, b)),
+            }
+        }
+        slots[self.result as usize & (S - 1)]
+    }
+}
+
+/// A number, or the index of a value.
+#[derive(Clone, Copy, Debug)]
+enum Operand {
+    Number(f64),
+    Value(usize),
+}
+
+/// A value: a variable, or an operation on other values and the bits of a number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+enum Source {
+    Variable(usize),
+    Operation(Code, usize, usize, u64),
+}
+
+/// The values of an expression, each of them once, in an order in which they can be computed.
+#[derive(Default)]
+struct Values {
+    all: Vec<Source>,
+    known: HashMap<Source, usize>,
+}
+
+impl Values {
+    fn value(&mut self, source: Source) -> usize {
+        let next = self.all.len();
+        let index = *self.known.entry(source).or_insert(next);
+        if index == next {
+            self.all.push(source);
+        }
+        index
+    }
+
+    /// A value that needs no number, or only one besides values. Unused operands are 0.
+    fn operation(&mut self, code: Code, a: usize, b: usize, number: f64) -> Operand {
+        Operand::Value(self.value(Source::Operation(code, a, b, number.to_bits())))
+    }
+
+    fn slot(&mut self, operand: Operand) -> usize {
+        match operand {
+            Operand::Value(index) => index,
+            Operand::Number(number) => self.value(Source::Operation(Code::Number, 0, 0, number.to_bits())),
+        }
+    }
+
+    fn term(&mut self, term: Term, of_node: &[Operand]) -> Operand {
+        match term {
+            Term::Number(number) => Operand::Number(number),
+            Term::Variable(variable) => Operand::Value(self.value(Source::Variable(variable))),
+            Term::Unary(unary, a) => {
+                let a = self.slot(of_node[a]);
+                let code = match unary {
+                    Unary::Negative => Code::Negative,
+                    Unary::Abs => Code::Abs,
+                    Unary::Sign => Code::Sign,
+                    Unary::Sqrt => Code::Sqrt,
+                    Unary::Elementary(elementary) => Code::Elementary(elementary),
+                };
+                self.operation(code, a, a, 0.0)
+            }
+            Term::Binary(binary, a, b) => self.binary(binary, of_node[a], of_node[b]),
+            Term::Whole(a, power) => self.whole(of_node[a], power),
+        }
+    }
+
+    fn binary(&mut self, binary: Binary, a: Operand, b: Operand) -> Operand {
+        use Operand::{Number, Value};
+        let (code, a, b, number) = match (binary, a, b) {
+            (Binary::Add, Value(a), Number(n)) | (Binary::Add, Number(n), Value(a)) => (Code::AddNumber, a, a, n),
+            (Binary::Sub, Value(a), Number(n)) => (Code::AddNumber, a, a, -n),
+            (Binary::Sub, Number(n), Value(a)) => (Code::SubFrom, a, a, n),
+            (Binary::Mul, Value(a), Number(n)) | (Binary::Mul, Number(n), Value(a)) => (Code::MulNumber, a, a, n),
+            (Binary::Div, Value(a), Number(n)) => (Code::DivBy, a, a, n),
+            (Binary::Div, Number(n), Value(a)) => (Code::DivInto, a, a, n),
+            (binary, a, b) => {
+                let (a, b) = (self.slot(a), self.slot(b));
+                match binary {
+                    // Either order has the same bits.
+                    Binary::Add => (Code::Add, a.min(b), a.max(b), 0.0),
+                    Binary::Mul => (Code::Mul, a.min(b), a.max(b), 0.0),
+                    Binary::Sub => (Code::Sub, a, b, 0.0),
+                    Binary::Div => (Code::Div, a, b, 0.0),
+                    Binary::Min => (Code::Min, a, b, 0.0),
+                    Binary::Max => (Code::Max, a, b, 0.0),
+                    Binary::Power => (Code::Power, a, b, 0.0),
+                }
+            }
+        };
+        self.operation(code, a, b, number)
+    }
+
+    /// A whole power in the multiplications of [`super::operation::whole_power`].
+    fn whole(&mut self, a: Operand, power: i32) -> Operand {
+        let (mut square, mut rest, mut product) = (a, power.unsigned_abs(), None);
+        loop {
+            if rest & 1 == 1 {
+                product = Some(product.map_or(square, |product| self.binary(Binary::Mul, product, square)));
+            }
+            rest >>= 1;
+            match (rest, product) {
+                (0, Some(product)) if power < 0 => return self.binary(Binary::Div, Operand::Number(1.0), product),
+                (0, product) => return product.unwrap_or(square),
+                _ => square = self.binary(Binary::Mul, square, square),
+            }
+        }
+    }
+
+    /// Joins each product that only a sum uses with this sum: a step of a polynomial is then one
+    /// operation.
+    fn join(&mut self) {
+        let mut uses = vec![0; self.all.len()];
+        for (_, a, b) in self.operations() {
+            uses[a] += 1;
+            uses[b] += usize::from(b != a);
+        }
+        for i in 0..self.all.len() {
+            let product = |value: usize| match self.all[value] {
+                Source::Operation(code, a, b, bits) if uses[value] == 1 => Some((code, a, b, bits)),
+                _ => None,
+            };
+            let Source::Operation(code, a, b, bits) = self.all[i] else { continue };
+            let joined = match (code, product(a), product(b)) {
+                (Code::AddNumber, Some((Code::Mul, a, b, _)), _) => Some((Code::MulAddNumber, a, b, bits)),
+                (Code::Add, Some((Code::MulNumber, a, _, bits)), _) => Some((Code::MulNumberAdd, a, b, bits)),
+                (Code::Add, _, Some((Code::MulNumber, b, _, bits))) => Some((Code::MulNumberAdd, b, a, bits)),
+                _ => None,
+            };
+            if let Some((code, a, b, bits)) = joined {
+                self.all[i] = Source::Operation(code, a, b, bits);
+            }
+        }
+    }
+
+    /// The index and the operands of each operation that has any.
+    fn operations(&self) -> impl Iterator<Item = (usize, usize, usize)> {
+        self.all.iter().enumerate().filter_map(|(i, source)| match *source {
+            Source::Operation(code, a, b, _) if code != Code::Number => Some((i, a, b)),
+            _ => None,
+        })
+    }
+
+    /// Where each value is used last; none for a value that has been joined with another one.
+    fn last_uses(&self, result: usize) -> Vec<Option<usize>> {
+        let mut last = vec![None; self.all.len()];
+        last[result] = Some(self.all.len());
+        let operations: Vec<_> = self.operations().collect();
+        for (i, a, b) in operations.into_iter().rev() {
+            if last[i].is_some() {
+                last[a] = last[a].max(Some(i));
+                last[b] = last[b].max(Some(i));
+            }
+        }
+        last
+    }
+
+    /// The tape that computes these values, unless it needs too many slots.
+    fn allocate(mut self, result: usize) -> Option<Tape> {
+        self.join();
+        let last_use = self.last_uses(result);
+        let mut tape = Tape { steps: Vec::new(), inputs: [None; 3], result: 0, slots: 0 };
+        let mut free: Vec<u8> = (0..MAX_SLOTS as u8).rev().collect();
+        let mut slot_of: Vec<u8> = vec![0; self.all.len()];
+        // Variables are there from the beginning.
+        for (i, source) in self.all.iter().enumerate() {
+            if let Source::Variable(variable) = source {
+                slot_of[i] = free.pop()?;
+                tape.inputs[*variable] = Some(slot_of[i]);
+            }
+        }
+        for (i, source) in self.all.iter().enumerate() {
+            let Source::Operation(code, a, b, bits) = *source else { continue };
+            if last_use[i].is_none() {
+                continue;
+            }
+            if code != Code::Number {
+                free.extend((last_use[a] == Some(i)).then_some(slot_of[a]));
+                free.extend((last_use[b] == Some(i) && b != a).then_some(slot_of[b]));
+            }
+            slot_of[i] = free.pop()?;
+            let (a, b, to) = (slot_of[a], slot_of[b], slot_of[i]);
+            tape.steps.push(Step { code, a, b, to, number: f64::from_bits(bits) });
+        }
+        tape.result = slot_of[result];
+        let used = tape.steps.iter().map(|step| step.to).chain(tape.inputs.into_iter().flatten());
+        tape.slots = used.max().map_or(1, |highest| highest as usize + 1);
+        Some(tape)
+    }
+}

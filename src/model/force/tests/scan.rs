@@ -1,0 +1,89 @@
+//! What is doubtful about forces.
+
+use super::super::{Scales, doubts};
+use super::expression;
+use std::time::Instant;
+
+/// The doubts about a force, each with the part of the text that it is about.
+fn found(text: &str) -> Vec<String> {
+    let all = doubts(&expression(text), Scales { displacement: 2.0, velocity: 1.5, end: 30.0 });
+    all.into_iter().map(|doubt| format!("{}: {}", &text[doubt.start..doubt.end], doubt.sentence)).collect()
+}
+
+#[test]
+fn a_force_that_the_paper_allows_has_no_doubts() {
+    for text in [
+        "0",
+        "-3*x + 0.2*xdot",
+        "mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)",
+        "mu*(1 - exp(-abs(xdot)/1e-4))*sign(xdot)",
+        "x*sign(x)",
+        "xdot*sign(xdot - 0.5) - 0.5*sign(xdot - 0.5)",
+        "sign(x)*max(abs(x) - 1, 0)",
+        "-20*max(x - 1, 0)",
+        "20*max(x - 30, 0)",
+        "-x^3",
+        "(0.3 - 0.05*x^2)*xdot",
+        "-xdot*abs(xdot)",
+        "tanh(xdot/1e-3)",
+        "sin(3*x)*cos(t)",
+        "1/(1 + x^2)",
+        "1/(1e-3 + abs(x))",
+        "sqrt(1 + x^2)",
+        "log(3 + x)",
+        "exp(-x^2)",
+        "-exp(x)",
+        "x^3*exp(-abs(x))",
+        "-x^3 + 0.2*x^2*cos(t)",
+        "sqrt(x^2)",
+        "x/max(abs(x), 0.01)",
+    ] {
+        assert_eq!(found(text), [""; 0], "{text}");
+    }
+}
+
+#[test]
+fn a_jump_is_found_where_it_is() {
+    assert_eq!(found("sign(x)"), ["sign(x): the force jumps by 2 at x = 0"]);
+    assert_eq!(found("-mu*sign(xdot)"), ["sign(xdot): the force jumps by 0.6 at xdot = 0"]);
+    assert_eq!(found("x + sign(x - 0.7)"), ["sign(x - 0.7): the force jumps by 2 at x = 0.7"]);
+    assert_eq!(found("3*sign(sin(t/9))"), ["sign(sin(t/9)): the force jumps by 6 at t = 28.27"]);
+    assert_eq!(found("(1 + xdot)*sign(x*x)"), [""; 0], "a point is no jump");
+    assert_eq!(found("sign(xdot - 0.3*x)"), ["sign(xdot - 0.3*x): the force jumps by 2 at x = 0, xdot = 0"]);
+}
+
+#[test]
+fn what_has_no_bound_or_no_value_is_found() {
+    assert_eq!(found("sin(x)/x"), ["sin(x)/x: the force has no value at x = 0"]);
+    assert_eq!(found("1/x"), ["1/x: the force grows without bound at x = 0"]);
+    assert_eq!(found("x^-2"), ["x^-2: the force grows without bound at x = 0"]);
+    assert_eq!(found("1/(x - 0.3)^2"), ["1/(x - 0.3)^2: the force grows without bound at x = 0.3"]);
+    assert_eq!(found("tan(x)"), ["tan(x): the force grows without bound at x = -1.571"]);
+    assert_eq!(found("sqrt(x)"), ["sqrt(x): the slope of the force has no bound at x = 0"]);
+    assert_eq!(found("sqrt(abs(x))*sign(x)"), ["sqrt(abs(x)): the slope of the force has no bound at x = 0"]);
+    assert_eq!(found("log(x + 1)"), ["log(x + 1): the slope of the force has no bound at x = -1"]);
+    assert_eq!(found("exp(900*x)")[0], "exp(900*x): the force is infinite at x = 0.8125");
+    assert_eq!(found("log(-3 - x^2)"), ["log(-3 - x^2): the force has no value at x = -2"]);
+    assert_eq!(found("1/xdot + 1/xdot"), ["1/xdot: the force grows without bound at xdot = 0"]);
+}
+
+#[test]
+fn growth_that_does_not_confine_is_found() {
+    let outward = "the force pushes outward and grows faster than linearly: it is";
+    let energy = "the force adds energy and grows faster than linearly: it is";
+    assert_eq!(found("x^3"), [format!("x^3: {outward} 8e9 at x = 2000")]);
+    assert_eq!(found("x - 0.1*x + x^2"), [format!("x^2: {outward} 4.002e6 at x = 2000")]);
+    assert_eq!(found("-x + 0.1*xdot^3"), [format!("0.1*xdot^3: {energy} 3.375e8 at x = 0, xdot = 1500")]);
+    assert_eq!(found("exp(x)"), [format!("exp(x): {outward} 7.226e86 at x = 200")]);
+    assert_eq!(found("x^2*xdot"), [format!("x^2*xdot: {energy} 6e9 at x = 2000, xdot = 1500")]);
+    assert_eq!(found("x^3*cos(t)"), [format!("x^3*cos(t): {outward} 8e9 at x = 2000, t = 0")]);
+}
+
+/// The expression is as long as one may be.
+#[test]
+fn a_search_ends_soon() {
+    let text = vec!["sign(x+t)*tan(xdot*t)"; 57].join("+");
+    let start = Instant::now();
+    let _ = found(&text);
+    assert!(start.elapsed().as_secs_f64() < 5.0, "{:?}", start.elapsed());
+}

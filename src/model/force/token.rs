@@ -1,0 +1,99 @@
+//! A text as numbers, names and symbols.
+
+use super::error::ExpressionError;
+use crate::excerpt::short;
+use std::ops::Range;
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Kind {
+    Number(f64),
+    Name,
+    Symbol(char),
+    End,
+}
+
+#[derive(Clone, Debug)]
+pub(super) struct Token {
+    pub kind: Kind,
+    pub place: Range<usize>,
+}
+
+const SYMBOLS: &str = "+-*/^(),";
+
+/// Characters that users write for something else.
+const MISTAKEN: [(&str, &str); 5] = [("'’′\u{307}ẋ", "xdot"), ("×·⋅∙", "*"), ("−–—", "-"), ("÷", "/"), ("²", "^2")];
+
+/// The tokens of a text. An `End` is the last of them.
+pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
+    let mut all: Vec<Token> = Vec::new();
+    let mut at = 0;
+    while let Some(c) = text[at..].chars().next() {
+        let length = |is_part: fn(char) -> bool| text[at..].find(|c| !is_part(c)).unwrap_or(text.len() - at);
+        let is_number = c.is_ascii_digit() || (c == '.' && text[at + 1..].starts_with(|c: char| c.is_ascii_digit()));
+        let (kind, end) = if c.is_whitespace() {
+            at += c.len_utf8();
+            continue;
+        } else if is_number {
+            let end = at + number_length(&text[at..]);
+            (Kind::Number(number(&text[at..end], at)?), end)
+        } else if c.is_ascii_alphabetic() || c == '_' {
+            (Kind::Name, at + length(|c| c.is_ascii_alphanumeric() || c == '_'))
+        } else if text[at..].starts_with("**") {
+            let remedy = "write `^` for a power";
+            return Err(ExpressionError::new(at..at + 2, "`**` is not an operator", remedy));
+        } else if SYMBOLS.contains(c) {
+            (Kind::Symbol(c), at + c.len_utf8())
+        } else {
+            return Err(unexpected(text, c, at, all.last()));
+        };
+        all.push(Token { kind, place: at..end });
+        at = end;
+    }
+    all.push(Token { kind: Kind::End, place: text.len()..text.len() });
+    Ok(all)
+}
+
+/// The length of the number that begins the text: digits, a point, and an exponent if it has
+/// digits.
+fn number_length(text: &str) -> usize {
+    let bytes = text.as_bytes();
+    let digits = |from: usize| bytes[from..].iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let mut length = digits(0);
+    if bytes.get(length) == Some(&b'.') {
+        length += 1 + digits(length + 1);
+    }
+    if matches!(bytes.get(length), Some(b'e' | b'E')) {
+        let sign = usize::from(matches!(bytes.get(length + 1), Some(b'+' | b'-')));
+        let exponent = digits((length + 1 + sign).min(bytes.len()));
+        length += if exponent > 0 { 1 + sign + exponent } else { 0 };
+    }
+    length
+}
+
+fn number(text: &str, at: usize) -> Result<f64, ExpressionError> {
+    let number = text.parse().ok().filter(|number: &f64| number.is_finite());
+    number.ok_or_else(|| {
+        let problem = "the number is beyond the largest that can be computed with";
+        ExpressionError::new(at..at + text.len(), problem, format!("write a number below {:.1e}", f64::MAX))
+    })
+}
+
+fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> ExpressionError {
+    let mut place = at..at + c.len_utf8();
+    let right = MISTAKEN.iter().find(|(wrong, _)| wrong.contains(c)).map(|(_, right)| *right);
+    // The mark of a derivative belongs to the name before it.
+    if right == Some("xdot")
+        && let Some(name) = last.filter(|last| last.kind == Kind::Name && last.place.end == at)
+    {
+        place.start = name.place.start;
+    }
+    let remedy = match right {
+        Some("xdot") => "write `xdot` for the velocity".into(),
+        Some(right) => format!("write `{right}`"),
+        None => "write it with numbers, names of letters from a to z, digits and _, the operators + - * / ^, \
+                 parentheses and commas"
+            .into(),
+    };
+    let problem = format!("`{}` has no meaning in an expression", short(&text[place.clone()]));
+    ExpressionError::new(place, problem, remedy)
+}

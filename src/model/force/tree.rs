@@ -1,0 +1,90 @@
+//! An expression as a tree of operations, and what can be said of it algebraically.
+
+use super::operation::{Binary, Unary, whole_power};
+use std::ops::Range;
+
+/// The variables in the order in which they are passed.
+pub(super) const X: usize = 0;
+pub(super) const XDOT: usize = 1;
+pub(super) const TIME: usize = 2;
+
+/// A number, a variable, or an operation on other nodes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Term {
+    Number(f64),
+    Variable(usize),
+    Unary(Unary, usize),
+    Binary(Binary, usize, usize),
+    /// A whole power, neither 0 nor 1.
+    Whole(usize, i32),
+}
+
+/// A term and its place in the text.
+#[derive(Clone, Debug)]
+pub(super) struct Operation {
+    pub term: Term,
+    pub place: Range<usize>,
+}
+
+/// The nodes of a tree. Every operation is behind its operands, and the last one is the whole.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Formula(pub Vec<Operation>);
+
+impl Formula {
+    /// Computes every node, in order.
+    pub fn evaluate(&self, at: [f64; 3], values: &mut Vec<f64>) {
+        values.clear();
+        for operation in &self.0 {
+            let value = match operation.term {
+                Term::Number(number) => number,
+                Term::Variable(variable) => at[variable],
+                Term::Unary(unary, a) => unary.of(values[a]),
+                Term::Binary(binary, a, b) => binary.of(values[a], values[b]),
+                Term::Whole(a, power) => whole_power(values[a], power),
+            };
+            values.push(value);
+        }
+    }
+
+    pub fn uses(&self, variable: usize) -> bool {
+        self.0.iter().any(|operation| operation.term == Term::Variable(variable))
+    }
+
+    /// [c, a, b], if the whole is c + a x + b x' for all x, x' and t.
+    pub fn affine(&self) -> Option<[f64; 3]> {
+        let mut forms: Vec<Option<[f64; 3]>> = Vec::with_capacity(self.0.len());
+        for operation in &self.0 {
+            forms.push(affine(operation.term, &forms));
+        }
+        // 0 is added so that no coefficient is -0.
+        forms.pop()?.map(|form| form.map(|number| number + 0.0))
+    }
+}
+
+fn affine(term: Term, forms: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
+    let constant = |node: usize| forms[node].filter(|form| form[1..] == [0.0; 2]).map(|form| form[0]);
+    let form = match term {
+        Term::Number(number) => [number, 0.0, 0.0],
+        Term::Variable(X) => [0.0, 1.0, 0.0],
+        Term::Variable(XDOT) => [0.0, 0.0, 1.0],
+        Term::Variable(_) => return None,
+        Term::Unary(Unary::Negative, a) => forms[a]?.map(|number| -number),
+        Term::Unary(unary, a) => [unary.of(constant(a)?), 0.0, 0.0],
+        Term::Whole(a, power) => [whole_power(constant(a)?, power), 0.0, 0.0],
+        Term::Binary(binary @ (Binary::Add | Binary::Sub), a, b) => {
+            let (a, b) = (forms[a]?, forms[b]?);
+            [0, 1, 2].map(|i| binary.of(a[i], b[i]))
+        }
+        Term::Binary(Binary::Mul, a, b) => match (constant(a), constant(b)) {
+            (Some(factor), _) => forms[b]?.map(|number| factor * number),
+            (_, Some(factor)) => forms[a]?.map(|number| number * factor),
+            _ => return None,
+        },
+        Term::Binary(Binary::Div, a, b) => {
+            let divisor = constant(b)?;
+            forms[a]?.map(|number| number / divisor)
+        }
+        Term::Binary(binary, a, b) => [binary.of(constant(a)?, constant(b)?), 0.0, 0.0],
+    };
+    form.iter().all(|number| number.is_finite()).then_some(form)
+}

@@ -1,0 +1,144 @@
+//! The names that an expression may contain.
+
+use super::error::ExpressionError;
+use super::operation::{Binary, Elementary, Unary};
+use super::tree::{TIME, X, XDOT};
+use crate::excerpt::short;
+use std::ops::Range;
+
+/// The parameters that an expression may have at most.
+const MAX_PARAMETERS: usize = 64;
+/// The characters that the name of a parameter may have at most.
+const MAX_NAME: usize = 40;
+
+/// What a function does.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Function {
+    /// It takes one argument.
+    Of(Unary),
+    /// It takes two arguments or more.
+    Among(Binary),
+}
+
+const VARIABLES: [(&str, usize); 3] = [("x", X), ("xdot", XDOT), ("t", TIME)];
+
+const FUNCTIONS: [(&str, Function); 12] = [
+    ("abs", Function::Of(Unary::Abs)),
+    ("sign", Function::Of(Unary::Sign)),
+    ("min", Function::Among(Binary::Min)),
+    ("max", Function::Among(Binary::Max)),
+    ("sqrt", Function::Of(Unary::Sqrt)),
+    ("exp", Function::Of(Unary::Elementary(Elementary::Exp))),
+    ("log", Function::Of(Unary::Elementary(Elementary::Log))),
+    ("sin", Function::Of(Unary::Elementary(Elementary::Sin))),
+    ("cos", Function::Of(Unary::Elementary(Elementary::Cos))),
+    ("tan", Function::Of(Unary::Elementary(Elementary::Tan))),
+    ("atan", Function::Of(Unary::Elementary(Elementary::Atan))),
+    ("tanh", Function::Of(Unary::Elementary(Elementary::Tanh))),
+];
+
+/// Other names that users write.
+const SYNONYMS: [(&str, &str); 16] = [
+    ("v", "xdot"),
+    ("dx", "xdot"),
+    ("dxdt", "xdot"),
+    ("velocity", "xdot"),
+    ("displacement", "x"),
+    ("position", "x"),
+    ("time", "t"),
+    ("sgn", "sign"),
+    ("signum", "sign"),
+    ("ln", "log"),
+    ("arctan", "atan"),
+    ("fabs", "abs"),
+    ("minimum", "min"),
+    ("maximum", "max"),
+    ("pow", "^"),
+    ("e", "exp(1)"),
+];
+
+/// The likeness (1 for equal words) from which a name is suggested.
+const ALIKE: f64 = 0.75;
+
+/// What a name stands for.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Meaning {
+    Number(f64),
+    Parameter(usize),
+    Variable(usize),
+    Function(Function),
+}
+
+fn reserved(name: &str) -> Option<Meaning> {
+    let variable = || VARIABLES.iter().find(|(known, _)| *known == name).map(|(_, i)| Meaning::Variable(*i));
+    let function = || FUNCTIONS.iter().find(|(known, _)| *known == name).map(|(_, of)| Meaning::Function(*of));
+    let pi = (name == "pi").then_some(Meaning::Number(std::f64::consts::PI));
+    pi.or_else(variable).or_else(function)
+}
+
+/// What a name in an expression with these parameters stands for.
+pub(super) fn meaning(
+    name: &str,
+    place: &Range<usize>,
+    parameters: &[(String, f64)],
+) -> Result<Meaning, ExpressionError> {
+    let parameter = || parameters.iter().position(|(known, _)| known == name).map(Meaning::Parameter);
+    reserved(name).or_else(parameter).ok_or_else(|| {
+        let suggestion = suggestion(name, parameters).map_or(String::new(), |right| format!("write `{right}`; "));
+        let remedy = format!("{suggestion}an expression knows {}", known(parameters));
+        ExpressionError::new(place.clone(), format!("unknown name `{}`", short(name)), remedy)
+    })
+}
+
+fn suggestion<'a>(name: &str, parameters: &'a [(String, f64)]) -> Option<&'a str> {
+    let word = name.to_lowercase();
+    let names = || VARIABLES.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name)).chain(["pi"]);
+    let likeness = |known: &'a str| (strsim::jaro_winkler(&word, &known.to_lowercase()), known);
+    let synonym = SYNONYMS.iter().find(|(synonym, _)| *synonym == word).map(|(_, right)| *right);
+    let alike = || names().chain(parameters.iter().map(|(name, _)| name.as_str())).map(likeness);
+    let nearest = || alike().filter(|(likeness, _)| *likeness >= ALIKE).max_by(|a, b| a.0.total_cmp(&b.0));
+    synonym.or_else(|| nearest().map(|(_, name)| name))
+}
+
+fn known(parameters: &[(String, f64)]) -> String {
+    let list = |names: Vec<&str>| names.join(", ");
+    let named = list(parameters.iter().map(|(name, _)| name.as_str()).collect());
+    let named = match parameters.len() {
+        0 => String::new(),
+        1 => format!(", the parameter {named}"),
+        _ => format!(", the parameters {named}"),
+    };
+    format!("x, xdot, t, pi{named} and the functions {}", list(FUNCTIONS.iter().map(|(name, _)| *name).collect()))
+}
+
+/// Checks that parameters have names of their own, and values.
+pub(super) fn check(parameters: &[(String, f64)]) -> Result<(), ExpressionError> {
+    let fault = |problem: String, remedy: &str| Err(ExpressionError::new(0..0, problem, remedy));
+    if parameters.len() > MAX_PARAMETERS {
+        let problem = format!("{} parameters are more than {MAX_PARAMETERS}", parameters.len());
+        return fault(problem, "write the values of some into the expression");
+    }
+    for (i, (name, value)) in parameters.iter().enumerate() {
+        let shown = short(name);
+        let is_name = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
+            && !name.starts_with(|c: char| c.is_ascii_digit())
+            && (1..=MAX_NAME).contains(&name.len());
+        if !is_name {
+            let remedy = format!("write letters from a to z, digits and _, at most {MAX_NAME}, and no digit first");
+            return fault(format!("`{shown}` cannot be the name of a parameter"), &remedy);
+        }
+        if reserved(name).is_some() {
+            return fault(
+                format!("the parameter `{shown}` has a name with a meaning of its own"),
+                "give it another name",
+            );
+        }
+        if parameters[..i].iter().any(|(other, _)| other == name) {
+            return fault(format!("two parameters are called `{shown}`"), "give each a name of its own");
+        }
+        if !value.is_finite() {
+            return fault(format!("the parameter `{shown}` is {value}"), "write a finite number");
+        }
+    }
+    Ok(())
+}
