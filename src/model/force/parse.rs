@@ -238,6 +238,10 @@ impl Parser<'_> {
         let place = a.place.start..b.place.end;
         self.count(&place)?;
         match (self.number(a.node), self.number(b.node)) {
+            (None, Some(0.0)) if binary == Binary::Div => {
+                let problem = format!("`{}` divides by 0", short(&self.text[place.clone()]));
+                Err(ExpressionError::new(place, problem, "write a divisor other than 0"))
+            }
             (Some(left), Some(right)) => self.fold(a.node, binary.of(left, right), place),
             _ => Ok(self.push(Term::Binary(binary, a.node, b.node), place)),
         }

@@ -51,7 +51,7 @@ fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option
         return None;
     }
     let effect = if moves { "adds energy" } else { "pushes outward" };
-    let shown = if values[2].is_finite() { far } else { points[1] };
+    let shown = if values[2].is_finite() { far } else { points[0] };
     let (value, place) = (short(probe.at(shown)), probe.words(shown));
     let sentence = format!("the force {effect} and grows faster than linearly: it is {value} at {place}");
     Some((largest_term(probe), sentence))

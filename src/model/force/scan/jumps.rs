@@ -15,6 +15,8 @@ const OFFSETS: [f64; 4] = [0.0, 0.37, -0.61, 0.97];
 const INSTANTS: [f64; 3] = [0.0, 0.29, 0.83];
 /// Distances from a point, as parts of a line.
 const DISTANCES: [f64; 3] = [1e-6, 1e-8, 1e-10];
+/// What counts as zero, as a part of the largest value on a line.
+const NEAR: f64 = 1e-6;
 /// The operations that may be spent on points between those of the lines.
 const WORK: usize = 1_000_000;
 /// The times that the interval in which a zero lies is made shorter.
@@ -123,6 +125,12 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
                 }
                 work -= EVALUATIONS * nodes;
                 let part = refined(probe, &track, suspect, low, high);
+                // A margin that only comes nearer to zero than elsewhere is no cause.
+                probe.at(track.point(part));
+                let size = margins.iter().fold(0.0, |size: f64, margin| size.max(margin.abs()));
+                if suspect.margin(probe).abs() > NEAR * size {
+                    continue;
+                }
                 all[suspect.node] = beside(probe, &track, part, largest, suspect.can_be_steep);
             }
         }

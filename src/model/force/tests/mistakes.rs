@@ -5,7 +5,7 @@ use super::parameters;
 use proptest::prelude::*;
 
 /// A wrong text, the part of it that is marked, the problem, and the remedy or a part of it.
-const WRONG: [(&str, &str, &str, &str); 36] = [
+const WRONG: [(&str, &str, &str, &str); 37] = [
     ("", "", "the expression is empty", "0 for no force"),
     ("  ", "  ", "the expression is empty", "0 for no force"),
     (
@@ -51,6 +51,7 @@ const WRONG: [(&str, &str, &str, &str); 36] = [
         "write a number below 1.8e308",
     ),
     ("x + 1/0", "1/0", "`1/0` is infinite", "write a constant that has a finite value"),
+    ("1 + x/(mu - 0.3)", "x/(mu - 0.3)", "`x/(mu - 0.3)` divides by 0", "write a divisor other than 0"),
     ("x + sqrt(-1)", "sqrt(-1)", "`sqrt(-1)` is not a number", "write a constant that has a finite value"),
     ("x + (1 - 1)^-1", "(1 - 1)^-1", "`(1 - 1)^-1` is infinite", "write a constant that has a finite value"),
 ];
