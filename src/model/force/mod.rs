@@ -42,9 +42,12 @@ impl Force {
         self.0.at(instructions, x, velocity, time)
     }
 
-    /// g of many paths at one time. The slices have one length, a multiple of 8.
+    /// g of many paths at one time. The slices must have one length, a multiple of 8.
     pub fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
-        assert!(x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8), "slices of equal length");
+        assert!(
+            x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8),
+            "slices of one length, a multiple of 8"
+        );
         self.0.fill(instructions, x, velocity, time, g);
     }
 
