@@ -24,7 +24,7 @@ impl Sink for Stopper<'_> {
 
 fn main() -> Done {
     let corpus = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz/corpus");
-    for target in ["scenario", "series", "state", "rows", "results"] {
+    for target in ["scenario", "series", "state", "rows", "results", "force"] {
         fs::create_dir_all(corpus.join(target))?;
     }
     let shipped = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
@@ -40,6 +40,11 @@ fn main() -> Done {
             }
             false => drop(fs::copy(&path, corpus.join("scenario").join(name))?),
         }
+    }
+    let forces =
+        ["mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)", "(0.3 - 0.05*x^2)*xdot", "-20*max(x - 3, 0) + 1.5*cos(2*t)"];
+    for (i, force) in forces.iter().enumerate() {
+        fs::write(corpus.join("force").join(i.to_string()), force)?;
     }
     SHIPPED.iter().try_for_each(|shipped| runs(&corpus, shipped.name))
 }

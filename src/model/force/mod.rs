@@ -42,20 +42,17 @@ impl Force {
         self.0.at(instructions, x, velocity, time)
     }
 
-    /// g of many paths at one time. The slices have one length, a multiple of 8.
+    /// g of many paths at one time. The slices must have one length, a multiple of 8.
     pub fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
-        assert!(x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8), "slices of equal length");
+        assert!(
+            x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8),
+            "slices of one length, a multiple of 8"
+        );
         self.0.fill(instructions, x, velocity, time, g);
     }
 
     /// g at eight places and times at once, which takes hardly longer than at one.
-    pub fn at_each(
-        &self,
-        instructions: InstructionSet,
-        x: &[f64; 8],
-        velocity: &[f64; 8],
-        time: &[f64; 8],
-    ) -> [f64; 8] {
+    pub fn at_each(&self, instructions: InstructionSet, x: &[f64; 8], velocity: &[f64; 8], time: &[f64; 8]) -> [f64; 8] {
         self.0.at_each(instructions, [x, velocity, time])
     }
 
