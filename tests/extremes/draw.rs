@@ -13,6 +13,19 @@ pub enum Family {
     Apart,
     /// Dimensionless numbers around values where sticks and slips occur, with random units.
     Together,
+    /// The same, often without a spring or with negative damping, on a line, and with a random
+    /// expression as a force.
+    Own,
+}
+
+impl Family {
+    pub fn name(self) -> &'static str {
+        match self {
+            Family::Apart => "apart",
+            Family::Together => "together",
+            Family::Own => "own",
+        }
+    }
 }
 
 /// The random numbers of one scenario.
@@ -67,6 +80,10 @@ struct Parts {
     step: f64,
     steps: f64,
     paths: u64,
+    /// The constant and the trend of the temperature.
+    line: (f64, f64),
+    /// A force of the user's own.
+    expression: Option<String>,
 }
 
 /// The most steps of a path.
@@ -74,10 +91,16 @@ const MOST_STEPS: f64 = 1000.0;
 
 /// The scenario with this number.
 pub fn scenario(family: Family, number: u64) -> String {
-    let mut draws = Draws(Pcg64Dxsm::seed_from_u64(number << 1 | u64::from(family == Family::Together)));
+    let seed = match family {
+        Family::Apart => number << 1,
+        Family::Together => number << 1 | 1,
+        Family::Own => !number,
+    };
+    let mut draws = Draws(Pcg64Dxsm::seed_from_u64(seed));
     match family {
         Family::Apart => apart(&mut draws),
         Family::Together => together(&mut draws),
+        Family::Own => own(&mut draws),
     }
     .text(number)
 }
@@ -115,6 +138,7 @@ fn apart(draws: &mut Draws) -> Parts {
         step: draws.parameter(),
         steps,
         paths,
+        ..Parts::default()
     }
 }
 
@@ -160,6 +184,57 @@ fn together(draws: &mut Draws) -> Parts {
         step: draws.decades(-4.0, 0.5) * time,
         steps,
         paths,
+        ..Parts::default()
+    }
+}
+
+fn own(draws: &mut Draws) -> Parts {
+    let parts = together(draws);
+    let time = (parts.mass / parts.stiffness).sqrt();
+    let (length, force) = (parts.static_force / parts.stiffness, parts.static_force);
+    let degree = length / parts.dilatation.abs();
+    let units = [length, length / time, time];
+    let size = draws.decades(-2.0, 1.0) * force;
+    let expression = draws.chance(0.9).then(|| format!("{size:e}*({})", expression(draws, 4, units)));
+    Parts {
+        damping: if draws.chance(0.2) { -0.05 * parts.mass / time } else { parts.damping },
+        line: if draws.chance(0.3) {
+            (degree * draws.uniform(), degree / time * draws.decades(-3.0, 0.0))
+        } else {
+            (0.0, 0.0)
+        },
+        stiffness: if draws.chance(0.1) { 0.0 } else { parts.stiffness },
+        expression,
+        ..parts
+    }
+}
+
+/// A random expression of at most this depth, in which x, xdot and t occur in these units.
+fn expression(draws: &mut Draws, depth: u32, units: [f64; 3]) -> String {
+    let inner = |draws: &mut Draws| expression(draws, depth - 1, units);
+    if depth == 0 || draws.chance(0.2) {
+        let [x, v, t] = units;
+        return match (draws.uniform() * 7.0) as u32 {
+            0 | 1 => format!("(x/{x:e})"),
+            2 | 3 => format!("(xdot/{v:e})"),
+            4 => format!("(t/{t:e})"),
+            5 => format!("{:e}", draws.sign() * draws.decades(-3.0, 3.0)),
+            _ => ["pi", "a", "b"][(draws.uniform() * 3.0) as usize].to_string(),
+        };
+    }
+    if draws.chance(0.4) {
+        let function = ["abs", "sign", "sqrt", "exp", "log", "sin", "cos", "tan", "atan", "tanh"];
+        return format!("{}({})", function[(draws.uniform() * 10.0) as usize], inner(draws));
+    }
+    let (left, right) = (inner(draws), inner(draws));
+    match (draws.uniform() * 7.0) as u32 {
+        0 => format!("({left} + {right})"),
+        1 => format!("({left} - {right})"),
+        2 => format!("{left}*{right}"),
+        3 => format!("({left})/({right})"),
+        4 => format!("max({left}, {right})"),
+        5 => format!("min({left}, {right})"),
+        _ => format!("({left})^{}", ["2", "3", "0.5", "-1"][(draws.uniform() * 4.0) as usize]),
     }
 }
 
@@ -170,13 +245,15 @@ impl Parts {
             .collect();
         let mut text = format!(
             "[oscillator]\nmass = {:e}\nstiffness = {:e}\ndamping = {:e}\ndilatation = {:e}\n\
-             [friction]\nstatic = {:e}\ndynamic = {:e}\n[temperature]\nharmonics = [{}]\n",
+             [friction]\nstatic = {:e}\ndynamic = {:e}\n[temperature]\noffset = {:e}\ntrend = {:e}\nharmonics = [{}]\n",
             self.mass,
             self.stiffness,
             self.damping,
             self.dilatation,
             self.static_force,
             self.dynamic_force,
+            self.line.0,
+            self.line.1,
             harmonics.join(", ")
         );
         if let Some((rho, theta, sigma, start)) = self.noise {
@@ -184,6 +261,13 @@ impl Parts {
             let _ = writeln!(
                 text,
                 "[temperature.noise]\nintensity = {rho:e}\nrelaxation_rate = {theta:e}\ndiffusion = {sigma:e}\ninitial = {start}"
+            );
+        }
+        if let Some(expression) = &self.expression {
+            // Each parameter must occur.
+            let _ = writeln!(
+                text,
+                "[force]\nexpression = \"{expression} + 0*a + 0*b\"\n[force.parameters]\na = 0.3\nb = -2"
             );
         }
         let _ = writeln!(

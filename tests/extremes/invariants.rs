@@ -28,6 +28,7 @@
 //! - stick time + slip time = t_end: 2 roundings of t_end for each event
 //! - discrete schemes have the same events for any output grid (in the survey itself): exactly
 
+use stick_slip::lanes::InstructionSet;
 use stick_slip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
@@ -87,13 +88,15 @@ pub struct Lane {
     pub energy: Energy,
 }
 
-/// The state at an instant: t, x, x' and g = K beta T.
+/// The state at an instant: t, x, x' and g = K beta T, with a force of the user's own.
 #[derive(Clone, Copy, Debug)]
 struct State {
     t: f64,
     x: f64,
     v: f64,
     g: f64,
+    /// The sizes of the terms of g.
+    size: f64,
 }
 
 /// The mismatch of an energy balance, and how large it may be.
@@ -199,7 +202,8 @@ impl Watch {
             (kind, direction) => return Err(format!("{kind:?} while moving {direction:?}")),
         }
         if self.is_event_driven() {
-            self.balance(lane, State { t: time, x, v: 0.0, g: force + model.oscillator.stiffness * x })?;
+            let g = force + model.oscillator.stiffness * x;
+            self.balance(lane, State { t: time, x, v: 0.0, g, size: g.abs() })?;
         }
         lane.spread += ULP * (x.abs() + lane.origin.abs());
         (lane.since, lane.origin) = (time, x);
@@ -233,15 +237,20 @@ impl Watch {
     }
 
     fn check_snapshot(&self, lane: &mut Lane, now: State, is_static: bool) -> Result<(), String> {
-        let State { t, x, v, g } = now;
-        ensure(x.is_finite() && v.is_finite() && g.is_finite(), || "not a number".into())?;
+        let State { t, x, v, g, size } = now;
+        ensure(x.is_finite() && v.is_finite(), || "not a number".into())?;
+        // A force that is not a number has not moved the body yet.
+        if !g.is_finite() && self.model.force.is_some() {
+            return Ok(());
+        }
+        ensure(g.is_finite(), || "a force that is no number".into())?;
         ensure(t >= lane.since && t >= lane.looked, || "looked at out of order".into())?;
         lane.looked = t;
         // At the row at which a stick ends, a scheme with a step does not hold the body any more,
         // and tells of the event with the next step.
         let has_step = matches!(self.scheme, Kind::DiscreteVi | Kind::CorrectedVi);
         let pull = (g - self.model.oscillator.stiffness * x).abs();
-        let leaves = has_step && pull >= self.exit_force - self.rounding(lane, t, x, pull);
+        let leaves = has_step && pull >= self.exit_force - self.rounding(lane, t, x, pull.max(size));
         let is_that_of_events = is_static == lane.direction.is_none() || (!is_static && leaves);
         ensure(is_that_of_events, || "the phase is not that of the events".into())?;
         lane.fastest = lane.fastest.max(v.abs());
@@ -250,7 +259,7 @@ impl Watch {
                 ensure(x == lane.origin && v == 0.0, || format!("moves in a stick: x' = {v:e}"))?;
                 if is_static && self.scheme != Kind::QuasiStatic {
                     let force = g - self.model.oscillator.stiffness * x;
-                    let most = self.static_force + self.rounding(lane, t, x, force);
+                    let most = self.static_force + self.rounding(lane, t, x, force.abs().max(size));
                     ensure(force.abs() <= most, || format!("static at b = {force:e}, f_s = {:e}", self.static_force))?;
                 }
             }
@@ -288,7 +297,7 @@ impl Watch {
         // that friction may exert. The body moves if it is larger.
         let needed = (m / h * impulse).abs();
         let most = if a.v == 0.0 { self.exit_force } else { self.static_force };
-        let rounding = 16.0 * ULP * (a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
+        let rounding = 16.0 * ULP * (a.size + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + m / h * a.v.abs());
         let excess = if b.v == 0.0 { needed - most } else { most - needed };
         ensure(!excess.is_finite() || excess <= rounding, || {
             format!("x' = {:e} after a step that friction of {needed:e} would end, f_s = {most:e}", b.v)
@@ -301,7 +310,7 @@ impl Watch {
         let gained = 0.5 * m * (b.v + a.v) * (b.v - a.v) + 0.5 * k * (b.x + a.x) * (b.x - a.x);
         let way = h * mover;
         let right = way * (a.g - 2.0 * damping * a.v - friction) + 0.5 * (k * way * way + surplus);
-        let forces = a.g.abs() + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + friction.abs();
+        let forces = a.size + (k * a.x).abs() + 2.0 * (damping * a.v).abs() + friction.abs();
         let speeds = a.v.abs() + b.v.abs();
         let scale = m * speeds * speeds + k * (a.x * a.x + b.x * b.x) + h * speeds * forces + k * way * way;
         ensure(
@@ -315,6 +324,11 @@ impl Watch {
     /// amount by which they can change.
     fn balance(&self, lane: &mut Lane, now: State) -> Result<(), String> {
         let Some(last) = lane.last.replace(now) else { return Ok(()) };
+        // How far a force of the user's own changes between two instants is not known, and what is
+        // known below takes T to be without a line, and the damping to be positive.
+        if self.model.force.is_some() || self.model.temperature.has_line() || self.model.oscillator.damping < 0.0 {
+            return Ok(());
+        }
         let Oscillator { mass: m, stiffness: k, damping, .. } = self.model.oscillator;
         let (dt, dx) = (now.t - last.t, now.x - last.x);
         let temperature = &self.model.temperature;
@@ -392,7 +406,9 @@ impl Observer for Watch {
     fn snapshot(&mut self, instant: Instant, s: Snapshot<'_>) {
         let gain = self.model.oscillator.force_per_temperature();
         for lane in 0..self.lanes.len() {
-            let now = State { t: s.time, x: s.displacement[lane], v: s.velocity[lane], g: gain * s.temperature[lane] };
+            let (t, x, v, driven) = (s.time, s.displacement[lane], s.velocity[lane], gain * s.temperature[lane]);
+            let own = self.model.force.as_ref().map_or(0.0, |force| force.at(InstructionSet::detect(), x, v, t));
+            let now = State { t, x, v, g: driven + own, size: driven.abs() + own.abs() };
             self.complain(lane, |watch, state| watch.check_snapshot(state, now, s.is_static[lane]));
             if instant == Instant::End {
                 self.complain(lane, Watch::check_end);

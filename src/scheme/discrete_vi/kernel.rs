@@ -344,12 +344,12 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
             }
             if L::bitmask(same) == every_lane {
                 for r in 0..R {
-                    let next_v = regimes[r].velocity(s[r]);
+                    let next_v = tainted::<L, OWN>(regimes[r].velocity(s[r]), own[r]);
                     state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
                 }
             } else {
                 for r in 0..R {
-                    let next_v = c.settle(s[r], state[r].v);
+                    let next_v = tainted::<L, OWN>(c.settle(s[r], state[r].v), own[r]);
                     let turned = every_lane ^ L::bitmask(regimes[r].holds(s[r], L::always()));
                     if turned != 0 {
                         // The state is computed here a second time, so that both states are in
@@ -390,6 +390,13 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
         }
         own
     }
+}
+
+/// The velocity, but not a number where the force of the user's own is none: otherwise the body would
+/// be taken to be at rest there.
+#[inline(always)]
+fn tainted<L: Lanes, const OWN: bool>(velocity: L, own: L) -> L {
+    if OWN { velocity + (own - own) } else { velocity }
 }
 
 /// X, V and v/unit of the paths in a register.

@@ -16,6 +16,8 @@ use crate::scheme::Observer;
 /// The phase of each path.
 pub(super) struct Reader {
     phases: Vec<Phase>,
+    /// The lanes with an event at which b is not a number.
+    pub forceless: Vec<usize>,
 }
 
 impl Reader {
@@ -39,7 +41,7 @@ impl Reader {
             observer.event(lane, event);
             Phase::Slip(sign)
         });
-        Reader { phases: phases.collect() }
+        Reader { phases: phases.collect(), forceless: Vec::new() }
     }
 
     /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static
@@ -79,6 +81,9 @@ impl Reader {
                 displacement: at.displacement,
                 force: kernel.force(at, forcing[step], n + step as u64),
             };
+            if event.force.is_nan() {
+                self.forceless.push(turn.lane);
+            }
             observer.event(turn.lane, event);
         }
     }

@@ -143,6 +143,12 @@ impl Simulate for DiscreteSimulation {
                         *diverged |= !is_bounded(x);
                     }
                 }
+                // A force of the user's own may be none, which the displacement shows a step later.
+                if self.model.force.is_some() {
+                    for (diverged, v) in diverged.iter_mut().zip(&state.velocity) {
+                        *diverged |= !v.is_finite();
+                    }
+                }
                 n += steps as u64;
                 harmonics[0] = harmonics[steps];
             }
@@ -151,6 +157,7 @@ impl Simulate for DiscreteSimulation {
             let snapshot = sampled.take(&state, harmonics[0], kernel.noise.temperature, n as f64 * self.h);
             observer.snapshot(stop.instant, snapshot);
         }
+        reader.forceless.iter().for_each(|&lane| diverged[lane] = true);
         (0..paths).filter(|&lane| diverged[lane]).collect()
     }
 }

@@ -159,24 +159,32 @@ impl OwnForce {
     #[inline(always)]
     pub fn correct(&mut self, slip: &Slip<'_>, step: &SlipStep, start: SlipPoint, path: &mut Path<f64>) {
         let scene = &slip.noisy.scene;
-        let (h, time, mass) = (step.length(), slip.time(path), scene.oscillator.mass);
-        let friction = slip.friction();
-        // For the middle, g at the end need not be known better than by the trial.
-        let accelerations = [self.start_force - friction, path.force + self.end - friction].map(|force| force / mass);
-        let (xm, vm) = middle(h, [start.x, path.displacement], [start.v, path.motion], accelerations);
-        let (mut x, mut v, mut t) = ([xm; 8], [vm; 8], [time - 0.5 * h; 8]);
-        (x[1], v[1], t[1]) = (path.displacement, path.motion, time);
-        let [middle, end, ..] = scene.own_forces(&x, &v, &t);
-        let [on_start, on_middle, on_end] = [self.here, middle, end].map(|g| h / (6.0 * mass) * (g - self.push));
+        let (h, time, body) = (step.length(), slip.time(path), &scene.oscillator);
+        let (friction, unit) = (slip.friction(), h / (6.0 * body.mass));
         // S and S' after the whole step, and after half of it by the cubic between both ends.
         let (whole, slope) = (step.transition.x[1], step.transition.v[1]);
         let (half, half_slope) = (0.5 * whole + 0.125 * h * (1.0 - slope), 1.5 * whole / h - 0.25 * (1.0 + slope));
-        let dx = whole * on_start + 4.0 * half * on_middle;
-        let dv = slope * on_start + 4.0 * half_slope * on_middle + on_end;
-        path.displacement += dx;
-        path.motion += dv;
-        self.here = scene.own_force(path.displacement, path.motion, time);
-        let body = &scene.oscillator;
-        path.force += self.here - body.stiffness * dx - 2.0 * body.damping * dv;
+        let (drawn, mut end) = ((path.displacement, path.motion, path.force), self.end);
+        let (mut dx, mut dv) = (0.0, 0.0);
+        for _ in 0..CORRECTIONS {
+            let (x1, v1) = (drawn.0 + dx, drawn.1 + dv);
+            let force = drawn.2 - body.stiffness * dx - 2.0 * body.damping * dv + end;
+            let accelerations = [self.start_force - friction, force - friction].map(|force| force / body.mass);
+            let (xm, vm) = middle(h, [start.x, x1], [start.v, v1], accelerations);
+            let (mut x, mut v, mut t) = ([xm; 8], [vm; 8], [time - 0.5 * h; 8]);
+            (x[1], v[1], t[1]) = (x1, v1, time);
+            let middle;
+            [middle, end, ..] = scene.own_forces(&x, &v, &t);
+            let [on_start, on_middle, on_end] = [self.here, middle, end].map(|g| unit * (g - self.push));
+            dx = whole * on_start + 4.0 * half * on_middle;
+            dv = slope * on_start + 4.0 * half_slope * on_middle + on_end;
+        }
+        (path.displacement, path.motion) = (drawn.0 + dx, drawn.1 + dv);
+        path.force = drawn.2 - body.stiffness * dx - 2.0 * body.damping * dv + end;
+        self.here = end;
     }
 }
+
+/// How often the end of a step is corrected. Each correction makes its error smaller by the share of
+/// g in the motion of a step.
+const CORRECTIONS: usize = 2;

@@ -147,6 +147,9 @@ impl Slip<'_> {
             let flow = StepFlow::new(self, step, (began, start), searched, push, flow);
             let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
             let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
+            if !path.noise.is_finite() {
+                return Err(Unresolved);
+            }
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
             if event.is_some() || is_last {
                 return Ok(event);

@@ -49,13 +49,16 @@ pub(super) fn stick<C: Cascade>(
         displacement,
         force,
     };
+    if scene.has_own_force() && !path.force.is_finite() {
+        return Err(Unresolved);
+    }
     if path.force.abs() >= scene.friction.static_force {
         return Ok(Some(slip(path.force, path.after)));
     }
     let stick = Stick::new(scene, cascade.corridor(), cell, displacement, end_noise);
     let Some(exit) = stick.exit(path, pending, watch)? else {
         path.force = stick.with_own(cell.last, cell.length).value + end_noise - stick.spring;
-        return Ok(None);
+        return if path.force.is_nan() { Err(Unresolved) } else { Ok(None) };
     };
     (path.after, path.noise) = (exit.after, exit.noise);
     Ok(Some(slip(exit.force, exit.after)))

@@ -141,6 +141,8 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
     let rest = glance.forcing - scene.spring(piece.displacement, glance.at);
     let (mean, sd) = bridge_at(scene.relaxation_rate, scene.diffusion, before, behind, piece.noise);
     let bridge = Bridge { mean, sd, rest };
+    // Where a force of the user's own is not a number, no threshold is met.
+    let kind = if rest.is_nan() { StickEnd::Clear } else { kind };
     let drawn = match kind {
         _ if before <= 0.0 || behind <= 0.0 => Stuck { noise: mean, force: rest + mean },
         StickEnd::Clear => bridge.anywhere(draws.normal()),

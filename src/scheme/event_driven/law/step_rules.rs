@@ -13,7 +13,7 @@
 //!
 //! - `most_bend` bounds how much a force of the user's own bends on a slip step, and `most_kink` how
 //!   far it is from a parabola. What the step leaves of it is of order h^2 in the law; the default
-//!   rules are 0.03 and 0.001.
+//!   rules are 0.06 and 0.001.
 //!
 //! Without a force of the user's own, the states at the ends of slip steps are exact draws for any
 //! tolerance.
@@ -70,7 +70,7 @@ impl StepRules {
             // caution is 3 at the default; exp(-caution^2/2) is proportional to the tolerance.
             caution: (9.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,
-            most_bend: (0.03 * t).min(0.1),
+            most_bend: (0.06 * t).min(0.2),
             most_kink: (0.001 * t).min(0.01),
         }
     }
