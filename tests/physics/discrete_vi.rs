@@ -208,13 +208,44 @@ fn the_error_of_the_normals_moves_no_statistic() {
     assert!(in_standard_errors.iter().all(|&d| d < 0.05), "{in_standard_errors:?}");
 }
 
+/// The same model with a force of the user's own, which has every kind of operation.
+fn forced(model: Model) -> Model {
+    let text = "-0.02*x^3 + 0.3*(1 - exp(-abs(xdot)/0.2))*sign(xdot) + min(0.1*sin(2*t), x/max(3, abs(x)))";
+    let expression = Expression::parse(text, &[]).expect("an expression");
+    Model { force: Some(Force::new(expression)), ..model }
+}
+
+/// The kernel in lanes takes the steps of the plain loop under a force of the user's own too.
+#[test]
+fn a_force_of_ones_own_acts_as_in_the_loop_of_the_paper() {
+    let (h, end) = (0.01, 40.0);
+    let model = forced(paper(0.25, 0.0));
+    let found = simulate(&model, end, h, end, &[0]);
+    let mut wanted = Vec::new();
+    let (x, v) = reference_path(&model, h, 4000, || 0.0, |event| wanted.push(event));
+    assert_eq!(found.events[0].len(), wanted.len());
+    assert!(wanted.len() > 6);
+    for (a, b) in found.events[0].iter().zip(&wanted) {
+        assert!(a.kind == b.kind && a.time == b.time, "{a:?} {b:?}");
+        assert!((a.displacement - b.displacement).abs() < 1e-9 && (a.force - b.force).abs() < 1e-9, "{a:?} {b:?}");
+    }
+    let row = found.rows[0][1];
+    assert!((row.1 - x).abs() < 1e-9 && (row.2 - v).abs() < 1e-9, "{row:?} {x} {v}");
+}
+
 #[test]
 fn every_instruction_set_gives_the_same_bits() {
-    for model in [paper(0.25, 0.0), paper(0.25, 0.25), {
-        let mut damped = paper(0.25, 0.25);
-        damped.oscillator.damping = 0.1;
-        damped
-    }] {
+    for model in [
+        paper(0.25, 0.0),
+        paper(0.25, 0.25),
+        {
+            let mut damped = paper(0.25, 0.25);
+            damped.oscillator.damping = 0.1;
+            damped
+        },
+        forced(paper(0.25, 0.25)),
+        forced(paper(0.25, 0.0)),
+    ] {
         // 77 paths fill whole groups of registers, then single registers, then a part of a
         // register.
         let paths: Vec<u64> = (0..77).collect();

@@ -8,8 +8,8 @@
 
 use crate::common::{estimate, event_driven_summary, paper, reference, shipped_model};
 use stick_slip::model::{
-    Complex, Drive, Event, EventKind, Friction, Harmonic, ImpulseResponse, InitialNoise, Model, Noise, Sign,
-    Temperature,
+    Complex, Drive, Event, EventKind, Expression, Force, Friction, Harmonic, ImpulseResponse, InitialNoise, Model,
+    Noise, Sign, Temperature,
 };
 use stick_slip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind, Observer,
@@ -660,9 +660,13 @@ impl Observer for Reported {
 /// the middle of a cell, also of the first, the path is the same up to that time.
 #[test]
 fn looking_at_a_path_does_not_change_it() {
-    let model = paper(0.25, 0.25);
+    let mut forced = paper(0.25, 0.25);
+    let own = Expression::parse("-0.02*x^3 + 0.3*sin(t) - 0.1*xdot*abs(xdot)", &[]).expect("an expression");
+    forced.force = Some(Force::new(own));
     let numbers: Vec<u64> = (0..200).collect();
-    for kind in [Kind::EventDriven, Kind::QuasiStatic] {
+    let scenes =
+        [(Kind::EventDriven, paper(0.25, 0.25)), (Kind::QuasiStatic, paper(0.25, 0.25)), (Kind::EventDriven, forced)];
+    for (kind, model) in scenes {
         let reported = |end: f64, output_step: f64, period: Option<f64>| {
             let line = Timeline { end, after: 0.0, output_step, period };
             let mut reported = Reported::default();

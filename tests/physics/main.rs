@@ -9,6 +9,7 @@ mod corrected_vi;
 mod discrete_vi;
 mod event_driven;
 mod event_driven_limits;
+mod general_force;
 mod noise;
 mod quasi_static;
 mod series;

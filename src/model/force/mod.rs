@@ -52,7 +52,13 @@ impl Force {
     }
 
     /// g at eight places and times at once, which takes hardly longer than at one.
-    pub fn at_each(&self, instructions: InstructionSet, x: &[f64; 8], velocity: &[f64; 8], time: &[f64; 8]) -> [f64; 8] {
+    pub fn at_each(
+        &self,
+        instructions: InstructionSet,
+        x: &[f64; 8],
+        velocity: &[f64; 8],
+        time: &[f64; 8],
+    ) -> [f64; 8] {
         self.0.at_each(instructions, [x, velocity, time])
     }
 
