@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draw the pictures of docs/pictures.md again: some seconds. tests/command/pictures.rs runs the same lines
+# Draw the pictures of docs/pictures.md and docs/beyond-one-spring.md again: some seconds. tests/command/pictures.rs runs the same lines
 # and compares what comes out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -13,6 +13,10 @@ mc() { "$root/target/release/mc" "$@"; }
 
 mc plot scenarios/shaw.toml --until 27 -o path-shaw.png
 mc plot scenarios/rho025.toml --path 41 --until 30 -o path-rho025.png
+mc plot scenarios/belt.toml --until 40 -o path-belt.png
+mc plot scenarios/stribeck-belt.toml --until 40 -o path-stribeck-belt.png
+mc plot scenarios/duffing.toml --until 60 -o path-duffing.png
+mc plot scenarios/self-excited.toml --until 60 --set statistics.after=0 -o path-self-excited.png
 mc run scenarios/rho025.toml --scheme event-driven --paths 4000 -o run.h5
 mc plot run.h5 --only overview --path 41 -o overview.png
 mc plot run.h5 --only fan -o fan.png

@@ -26,7 +26,7 @@ macro_rules! shipped {
 }
 
 /// Every shipped scenario. The same files are in `scenarios/`.
-pub const SHIPPED: [Shipped; 9] = shipped![
+pub const SHIPPED: [Shipped; 13] = shipped![
     "shaw",
     "shaw-as-printed",
     "rho025",
@@ -34,6 +34,10 @@ pub const SHIPPED: [Shipped; 9] = shipped![
     "equal-friction",
     "damped",
     "never-slips",
+    "belt",
+    "stribeck-belt",
+    "duffing",
+    "self-excited",
     "viaduct",
     "bridge" with "bridge.csv",
 ];

@@ -15,6 +15,7 @@ mod modules;
 mod names;
 mod output_format;
 mod outputs;
+mod own_scene;
 mod rooms;
 mod scenario;
 mod source;

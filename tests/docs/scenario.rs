@@ -15,12 +15,13 @@ fn first_column(page: &Page, heading: &str) -> BTreeSet<String> {
     page.rows(heading).iter().flat_map(|row| names(&row[0])).collect()
 }
 
-/// The dotted keys of a resolved scenario. The array of harmonics is a key of its own.
+/// The dotted keys of a resolved scenario. The array of harmonics is a key of its own, and so is the
+/// table of parameters, whose keys are names of the user's own.
 fn keys(table: &toml::Table, path: &str, into: &mut BTreeSet<String>) {
     for (name, value) in table {
         let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
         match value {
-            toml::Value::Table(table) => keys(table, &key, into),
+            toml::Value::Table(table) if key != "force.parameters" => keys(table, &key, into),
             toml::Value::Array(tables) => {
                 tables.iter().filter_map(toml::Value::as_table).for_each(|table| keys(table, &key, into));
                 into.insert(key);
@@ -44,6 +45,11 @@ fn every_key_is_listed_and_every_listed_key_exists() {
     let zone = zone.map(|set| Override::set(set).expect("well formed"));
     let measured = shipped("bridge").expect("shipped").parse(&zone).expect("sound").to_toml();
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
+    // A body on a belt, and a force of the user's own with parameters.
+    for name in ["belt", "stribeck-belt"] {
+        let resolved = Scenario::shipped(name).expect("sound").to_toml();
+        keys(&resolved.parse().expect("TOML"), "", &mut of_code);
+    }
     same(&first_column(&page(), "key"), &of_code);
 }
 
