@@ -17,7 +17,7 @@ use stick_slip::ensemble::{BLOCK_SIZE, Plan};
 use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
 use stick_slip::noise::LaneStreams;
 use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
+use stick_slip::scheme::{DiscreteSimulation, EventDriven, Simulate as _};
 use stick_slip::stats::{BlockResult, Totals};
 use stick_slip::store::{FileSink, Writer};
 
@@ -107,9 +107,27 @@ fn kernel(c: &mut Criterion) {
         bench(set.name(), set, &noisy);
     }
     bench("plain", InstructionSet::detect(), &scenario("shaw", &[STEP, END]));
+    // A polynomial of eight operations.
+    let forced = scenario("rho025", &[STEP, END, "force.expression=0.01+x*(0.02-x*(0.003+x*(0.004+xdot*0.005)))"]);
+    for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
+        bench(&format!("{} with a force", set.name()), set, &forced);
+    }
     let forcing: Vec<f64> = (0..=STEPS).map(|n| 6.0 * (0.25 * 0.001 * n as f64).cos()).collect();
     group.throughput(Throughput::Elements(16 * STEPS));
     group.bench_function("scalar loop", |b| b.iter(|| scalar_loop(0.001, STEPS as usize, 16, &forcing)));
+}
+
+/// The time of a path of the event-driven scheme, with a force of one's own and without.
+fn event_driven(c: &mut Criterion) {
+    let mut group = group(c, "event-driven", BLOCK_SIZE);
+    let paths: Vec<u64> = (0..BLOCK_SIZE).collect();
+    for (name, set) in
+        [("linear", &[][..]), ("cubic spring", &["force.expression=-0.02*x^3", "initial.displacement=4"])]
+    {
+        let scenario = scenario("rho025", set).with_scheme(EventDriven { tolerance: 1e-3 }).expect("goes together");
+        let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline().without_rows());
+        group.bench_function(name, |b| b.iter(|| simulation.simulate(1, &paths, &mut Deaf)));
+    }
 }
 
 /// The time of a path-step with everything that a run does except writing the file.
@@ -169,7 +187,7 @@ fn print_ratios() {
     let normal = |name: &str| measured("normals", name, 2048.0);
     let scalar = measured("kernel", "scalar loop", (16 * STEPS) as f64);
     let whole = |threads: u32| measured("whole run", &format!("{threads} threads"), 6e8);
-    let lines: [(&str, Option<f64>, Option<f64>, &str); 9] = [
+    let lines: [(&str, Option<f64>, Option<f64>, &str); 12] = [
         ("kernel AVX-512 / its normals", kernel("AVX-512"), normal("AVX-512"), "at most 1.6"),
         ("scalar loop / kernel AVX-512", scalar, kernel("AVX-512"), "at least 8"),
         ("scalar loop / kernel AVX2", scalar, kernel("AVX2"), "at least 3"),
@@ -182,6 +200,14 @@ fn print_ratios() {
             "at most 1.25",
         ),
         ("file / whole run, 1 thread", measured("writing", "10000 paths", 6e8), whole(1), "at most 0.1"),
+        ("with a force / kernel AVX-512", kernel("AVX-512 with a force"), kernel("AVX-512"), "at most 2.5"),
+        ("with a force / kernel AVX2", kernel("AVX2 with a force"), kernel("AVX2"), "at most 2.5"),
+        (
+            "event-driven, cubic spring / linear",
+            measured("event-driven", "cubic spring", BLOCK_SIZE as f64),
+            measured("event-driven", "linear", BLOCK_SIZE as f64),
+            "at most 6",
+        ),
         ("no noise / noise", kernel("plain"), kernel(InstructionSet::detect().name()), ""),
         ("normals: rand_distr / ours", normal("rand_pcg and rand_distr"), normal(InstructionSet::detect().name()), ""),
     ];
@@ -198,6 +224,7 @@ fn main() {
     let mut c = Criterion::default().configure_from_args().warm_up_time(Duration::from_secs(1));
     normals(&mut c);
     kernel(&mut c);
+    event_driven(&mut c);
     statistics(&mut c);
     whole_run(&mut c);
     writing(&mut c);

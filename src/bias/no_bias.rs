@@ -17,7 +17,7 @@ pub enum NoBias {
     #[error("this scheme has no step, and without noise every event is exact to rounding")]
     Exact,
     /// The event-driven scheme under a force of the user's own, where nothing is random.
-    #[error("this scheme has no step, and without noise a force of your own is integrated to 1e-12 of a step")]
+    #[error("this scheme has no step, and without noise a force of your own is integrated to 1e-13 of a step")]
     Integrated,
     /// The event-driven scheme under noise and a force of the user's own.
     #[error(

@@ -192,6 +192,8 @@ fn json(path: &str, scenario: &Scenario) -> String {
         "scenario": path,
         "resolved": scenario.to_toml(),
         "derived": derived.into_iter().collect::<Map<_, _>>(),
+        // Whether the event-driven scheme is exact in law, or follows a force of the user's own.
+        "class": if scenario.model.force.is_some() { "general" } else { "linear" },
         // CPU seconds of the run on one thread of this machine; null where they could not be
         // estimated.
         "cpu_seconds": cost::measured_cpu_seconds(scenario),

@@ -71,9 +71,8 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
 
 /// The rest position at this temperature, which a body without a spring does not have.
 fn balanced(sources: &Sources<'_>, table: &Fields<'_>, oscillator: &Oscillator, temperature: f64) -> f64 {
-    let at_rest = oscillator.rest_position(temperature);
-    if at_rest.is_finite() {
-        return at_rest;
+    if oscillator.stiffness > 0.0 {
+        return oscillator.rest_position(temperature);
     }
     let problem = "`initial.displacement` = \"balanced\" is where no spring force acts, and there is no spring";
     let place = table.place_of(keys::DISPLACEMENT.name);

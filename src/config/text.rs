@@ -28,7 +28,10 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     }
     number(&mut text, keys::OUTPUT_STEP, output_step);
     table(&mut text, "scheme");
-    line(&mut text, keys::KIND.name, &string(scheme.name()), scheme.kind().meaning());
+    let is_followed = scenario.model.force.is_some() && !scheme.kind().has_step();
+    let meaning =
+        if is_followed { "from event to event, your force to the tolerance" } else { scheme.kind().meaning() };
+    line(&mut text, keys::KIND.name, &string(scheme.name()), meaning);
     if let Some(tolerance) = scheme.tolerance() {
         number(&mut text, keys::TOLERANCE, tolerance);
     }

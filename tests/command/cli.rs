@@ -247,7 +247,7 @@ fn every_shipped_scenario_passes_the_check() {
         assert!(answer.done().contains("# What follows from it"), "{}", path.display());
         seen += 1;
     }
-    assert_eq!(seen, 9);
+    assert_eq!(seen, 13);
 }
 
 /// The output of `mc check` without the time of the run, which differs from one call to the next.

@@ -16,7 +16,7 @@ use crate::scheme::Observer;
 /// The phase of each path.
 pub(super) struct Reader {
     phases: Vec<Phase>,
-    /// The lanes with an event at which b is not a number.
+    /// The lanes with an event at which b is not a number, or infinite.
     pub forceless: Vec<usize>,
 }
 
@@ -30,6 +30,7 @@ impl Reader {
         paths: usize,
         observer: &mut dyn Observer,
     ) -> Self {
+        let mut forceless = Vec::new();
         let phases = (0..paths).map(|lane| {
             let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
             let force = kernel.force(&at, forcing, 0);
@@ -38,10 +39,13 @@ impl Reader {
             }
             let sign = Sign::of(force);
             let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.displacement, force };
+            if !force.is_finite() {
+                forceless.push(lane);
+            }
             observer.event(lane, event);
             Phase::Slip(sign)
         });
-        Reader { phases: phases.collect(), forceless: Vec::new() }
+        Reader { phases: phases.collect(), forceless }
     }
 
     /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static
@@ -81,7 +85,7 @@ impl Reader {
                 displacement: at.displacement,
                 force: kernel.force(at, forcing[step], n + step as u64),
             };
-            if event.force.is_nan() {
+            if !event.force.is_finite() {
                 self.forceless.push(turn.lane);
             }
             observer.event(turn.lane, event);
