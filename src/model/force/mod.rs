@@ -161,9 +161,7 @@ struct Many<'a, F> {
 impl<F: ForceLaw> LaneProgram for Many<'_, F> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let from = self.blocks::<L, 16>(0);
-        let from = self.blocks::<L, 4>(from);
-        let from = self.blocks::<L, 2>(from);
+        let from = self.blocks::<L, 8>(0);
         self.blocks::<L, 1>(from);
     }
 }

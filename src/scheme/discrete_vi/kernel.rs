@@ -16,9 +16,9 @@ const GROUP: usize = 16;
 /// work to hide the latency, and more registers are free.
 const WIDE: usize = 32;
 
-/// Lanes that are stepped together under a force of the user's own, so that the operations of its
+/// Registers that are stepped together under a force of the user's own, so that the operations of its
 /// tape are dispatched once for all of them.
-const FORCED: usize = 64;
+const FORCED: usize = 8;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
@@ -234,7 +234,8 @@ impl Kernel {
         turns: &mut Vec<Turn>,
     ) {
         turns.clear();
-        let work = Work { n, forcing, streams, paths, turns };
+        let own = [[0.0; FORCED * PADDING]; 3];
+        let work = Work { n, forcing, streams, paths, turns, own };
         match (self.own.is_some(), self.has_damping, self.is_corrected) {
             (false, false, false) => self.run_noise::<false, false, false>(work),
             (false, false, true) => self.run_noise::<false, false, true>(work),
@@ -276,6 +277,8 @@ struct Work<'a> {
     streams: &'a mut LaneStreams,
     paths: &'a mut Paths,
     turns: &'a mut Vec<Turn>,
+    /// Room for x, x' and g of the paths that are stepped together.
+    own: [[f64; FORCED * PADDING]; 3],
 }
 
 struct Run<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
@@ -295,8 +298,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
         while lane < lanes {
             let left = lanes - lane;
             lane += match (L::WIDTH, left) {
-                (8, FORCED..) if OWN => self.advance_group::<L, { FORCED / 8 }>(lane),
-                (_, FORCED..) if OWN => self.advance_group::<L, { FORCED / 4 }>(lane),
+                (width, left) if OWN && left >= FORCED * width => self.advance_group::<L, FORCED>(lane),
                 (8, WIDE..) if !NOISE => self.advance_group::<L, { WIDE / 8 }>(lane),
                 (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
                 (8, _) => self.advance_group::<L, 1>(lane),
@@ -373,8 +375,8 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
 
     /// g of `R` registers of paths at the n-th instant of the run.
     #[inline(always)]
-    fn own<L: Lanes, const R: usize>(&self, state: &[State<L>; R], n: usize) -> [L; R] {
-        let (mut x, mut v, mut g) = ([0.0; FORCED], [0.0; FORCED], [0.0; FORCED]);
+    fn own<L: Lanes, const R: usize>(&mut self, state: &[State<L>; R], n: usize) -> [L; R] {
+        let [x, v, g] = &mut self.work.own;
         for (r, state) in state.iter().enumerate() {
             state.x.store(&mut x[r * L::WIDTH..]);
             state.v.store(&mut v[r * L::WIDTH..]);
