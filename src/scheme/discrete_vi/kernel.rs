@@ -398,7 +398,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
 /// be taken to be at rest there.
 #[inline(always)]
 fn tainted<L: Lanes, const OWN: bool>(velocity: L, own: L) -> L {
-    if OWN { velocity + (own - own) } else { velocity }
+    if OWN { velocity + own * 0.0 } else { velocity }
 }
 
 /// X, V and v/unit of the paths in a register.

@@ -87,9 +87,9 @@ impl Noisy {
         let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
-        let halvings = if scene.has_own_force() { 0..=FINEST_HALVING } else { 1..=0 };
-        let halved =
-            halvings.map(|n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n))).collect();
+        let halvings = if scene.has_own_force() { FINEST_HALVING + 1 } else { 0 };
+        let halved = |n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n));
+        let halved = (0..halvings).map(halved).collect();
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy {
