@@ -12,6 +12,7 @@ use super::{
     solid,
 };
 use crate::engine::Replay;
+use crate::model::Drive;
 use crate::stats::Dimension;
 use std::ops::Range;
 
@@ -235,7 +236,11 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         forces(&mut panel);
         middle.push(panel);
     }
-    let name = if scenario.model.force.is_some() { "*b*" } else { "*K*(*βT* − *x*)" };
+    let name = match (&scenario.model.force, scenario.model.oscillator.drive) {
+        (Some(_), _) => "*b*",
+        (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
+        (None, Drive::Force(_)) => "*cT* − *Kx*",
+    };
     let force_axis = Label::new(&format!("force {name}"));
     let plane = phase_plane(&trace, palette, friction, &velocity_unit, (force_axis, &force_unit));
 
