@@ -3,7 +3,7 @@
 use super::amplitude::expected_amplitude;
 use super::size::{output_bytes, run_bytes, thread_bytes};
 use crate::model::{Model, Noise, Oscillator};
-use crate::scenario::Scenario;
+use crate::scenario::{Period, Scenario};
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
 
 /// Quantities that follow from a scenario.
@@ -39,11 +39,11 @@ pub struct Derived {
     /// A rough upper estimate of the largest |x|: the forced response without friction, a free
     /// oscillation, and the noise.
     pub expected_amplitude: f64,
-    /// P, the forcing period, if there is one.
-    pub forcing_period: Option<f64>,
-    /// Whole forcing periods up to the end of the run.
+    /// P, the time between the instants at which x is compared, and where it comes from.
+    pub period: Option<Period>,
+    /// Whole periods up to the end of the run.
     pub whole_periods: f64,
-    /// Whole forcing periods that are counted, from the end of the first one or of the burn-in on.
+    /// Whole periods that are counted, from the end of the first one or of the burn-in on.
     pub counted_periods: usize,
     /// Steps of one path, if the scheme has a step.
     pub steps: Option<u64>,
@@ -105,7 +105,7 @@ impl Derived {
             ("resolution_static_force", self.resolution.map(|resolution| resolution.static_force).into()),
             ("resolution_shortest_slip", self.resolution.map(|resolution| resolution.shortest_slip).into()),
             ("expected_amplitude", DerivedQuantity::Real(self.expected_amplitude)),
-            ("forcing_period", self.forcing_period.into()),
+            ("period", self.period.map(|period| period.length).into()),
             ("whole_periods", DerivedQuantity::Real(self.whole_periods)),
             ("counted_periods", DerivedQuantity::Count(self.counted_periods as u64)),
             ("steps", self.steps.map_or(DerivedQuantity::Unknown, DerivedQuantity::Count)),
@@ -134,7 +134,7 @@ impl Scenario {
         };
         let noise_force = both(Noise::stationary_sd);
         let diffusive = both(|noise| noise.diffusion).filter(|c| *c > 0.0);
-        let period = temperature.period();
+        let period = self.period();
         let steps = self.steps();
         Derived {
             natural_frequency: w0,
@@ -152,8 +152,8 @@ impl Scenario {
             resolution: self.resolution(),
             tolerance: self.scheme.tolerance(),
             expected_amplitude: expected_amplitude(&self.model, self.time.end, self.scheme.step()),
-            forcing_period: period,
-            whole_periods: period.map_or(0.0, |period| (self.time.end / period * (1.0 + 1e-9)).floor()),
+            period,
+            whole_periods: period.map_or(0.0, |period| (self.time.end / period.length * (1.0 + 1e-9)).floor()),
             counted_periods: self.timeline().counted_periods(),
             steps,
             path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),

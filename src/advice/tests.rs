@@ -207,12 +207,12 @@ fn a_drift_takes_three_forcing_periods_after_the_first_one_and_after_the_burn_in
     assert_eq!(few(&["time.end=101"]), None);
     assert_eq!(few(&["time.end=126", "statistics.after=50"]), None);
     for (set, says) in [
-        (&["time.end=100"][..], "rest on 2 whole forcing periods"),
-        (&[], "rest on 1 whole forcing period, the first of the run left out"),
-        (&["time.end=50"], "no whole forcing period is counted"),
-        (&["time.end=125", "statistics.after=50"], "rest on 2 whole forcing periods"),
+        (&["time.end=100"][..], "rest on 2 whole periods"),
+        (&[], "rest on 1 whole period, the first of the run left out"),
+        (&["time.end=50"], "no whole period is counted"),
+        (&["time.end=125", "statistics.after=50"], "rest on 2 whole periods"),
         (&["time.end=126", "statistics.after=51"], "`time.end` = 151 or more"),
-        (&["time.end=126", "statistics.after=101"], "no whole forcing period is counted"),
+        (&["time.end=126", "statistics.after=101"], "no whole period is counted"),
     ] {
         let text = few(set).unwrap_or_else(|| panic!("{set:?}"));
         assert!(text.contains(says), "{set:?}: {text}");

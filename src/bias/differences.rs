@@ -51,7 +51,7 @@ const MAX_WIDTH: u64 = 16;
 const PIECES: u64 = 2;
 
 /// Some paths of a run, to be simulated at three steps. The three simulations end, and observe
-/// whole forcing periods, at the same instants. These are the multiples of 4h nearest to the
+/// whole periods, at the same instants. These are the multiples of 4h nearest to the
 /// instants of the run, which changes the statistics and their bias by a share of at most 2h/t_end.
 #[derive(Clone, Debug)]
 pub struct Differences {

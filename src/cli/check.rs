@@ -8,7 +8,7 @@ use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::PathBuf;
 use stick_slip::advice::{Derived, DerivedQuantity};
-use stick_slip::scenario::{Scenario, WrittenForce};
+use stick_slip::scenario::{Period, Scenario, WrittenForce};
 use stick_slip::scheme::{Resolution, Stability};
 
 const EXAMPLES: &str = "\
@@ -109,7 +109,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         resolution,
         tolerance,
         expected_amplitude,
-        forcing_period,
+        period,
         whole_periods,
         counted_periods,
         steps,
@@ -168,9 +168,10 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     let amplitude = significant(expected_amplitude, 2);
     let without = if scenario.model.force.is_some() { " without [force]" } else { "" };
     lines.push(("largest |x| to be expected, roughly", format!("{amplitude}{without}")));
-    lines.push(("2 pi/w, forcing period", optional(forcing_period, "none")));
-    lines.push(("whole forcing periods", number(whole_periods)));
-    lines.push(("whole forcing periods that are counted", grouped(counted_periods as u64)));
+    let with_source = |period: Period| format!("{}, {}", number(period.length), period.source.words());
+    lines.push(("P, time after which x is compared again", period.map_or("none".to_string(), with_source)));
+    lines.push(("whole periods P", number(whole_periods)));
+    lines.push(("whole periods P that are counted", grouped(counted_periods as u64)));
     let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
     lines.push(("steps of a path", steps.map_or_else(none, grouped)));
     lines.extend(path_steps.map(|steps| ("path-steps in all", significant(steps, 3))));

@@ -165,6 +165,7 @@ keys! {
     }
     "statistics" {
         AFTER = number("after", "", "statistics count from this time on", Range::NonNegative);
+        COMPARED = number("period", "P", "x is compared at the times n P", Range::Positive);
     }
     "ensemble" {
         PATHS = other("paths", "number of paths");

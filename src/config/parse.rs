@@ -26,7 +26,11 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let bearing = bearing(&root);
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &model);
     // `abs` turns -0.0 into 0.0.
-    let statistics = Statistics { after: root.table("statistics").number_or(keys::AFTER, 0.0).abs() };
+    let statistics = root.table("statistics");
+    let statistics = Statistics {
+        after: statistics.number_or(keys::AFTER, 0.0).abs(),
+        period: statistics.number_if_present(keys::COMPARED).map(|read| read.value),
+    };
     let ensemble = root.table("ensemble");
     let ensemble = Ensemble {
         paths: ensemble.whole_or(keys::PATHS, DEFAULT_PATHS, (1, MAX_PATHS)),

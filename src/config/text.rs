@@ -2,7 +2,7 @@
 
 use super::keys::{self, Key};
 use crate::model::{Drive, Expression, InitialNoise, Noise, Series, Temperature};
-use crate::scenario::{Measured, Scenario, SensorBearing, Time, Units, WrittenForce};
+use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WrittenForce};
 use crate::stats::Record;
 use std::fmt::Write as _;
 
@@ -36,7 +36,15 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
         number(&mut text, keys::TOLERANCE, tolerance);
     }
     table(&mut text, "statistics");
-    number(&mut text, keys::AFTER, statistics.after);
+    let Statistics { after, period } = *statistics;
+    number(&mut text, keys::AFTER, after);
+    match (period, scenario.period()) {
+        (Some(period), _) => number(&mut text, keys::COMPARED, period),
+        (None, Some(Period { length, source })) => {
+            let _ = writeln!(text, "# no period: x is compared at the times n P, P = {length:?}, {}", source.words());
+        }
+        (None, None) => {}
+    }
     table(&mut text, "ensemble");
     other(&mut text, keys::PATHS, &ensemble.paths.to_string());
     other(&mut text, keys::SEED, &ensemble.seed.to_string());

@@ -98,8 +98,10 @@ table! {
     SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::ONE,
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
 
-    PERIOD = variable("period", &["period"], Unit::ONE, "number of whole forcing periods");
-    PERIOD_TIME = variable("period_time", &["period"], Unit::TIME, "end of the forcing period");
+    PERIOD = variable("period", &["period"], Unit::ONE, "number of whole periods P");
+    DRIFT_LIMIT = variable("drift_velocity_limit", &[], Unit::VELOCITY,
+        "drift velocity in the long run, where the spring and the slope of the temperature decide it");
+    PERIOD_TIME = variable("period_time", &["period"], Unit::TIME, "end of the period");
 
     TRANSIENT_END = variable("transient_end", &[], Unit::TIME, "time from which on statistics count");
     TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,

@@ -182,7 +182,10 @@ fn walk_sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Re
 }
 
 fn walk_periods<W: Walk>(walk: &mut W, periods: &mut PeriodMoments) -> Result<(), W::Error> {
-    let PeriodMoments { time, mean, mean_ends, variance, variance_ends } = periods;
+    let PeriodMoments { drift_limit, time, mean, mean_ends, variance, variance_ends } = periods;
+    if let Some(limit) = walk.present(&layout::DRIFT_LIMIT, drift_limit) {
+        walk.scalar(&layout::DRIFT_LIMIT, limit)?;
+    }
     walk.derived(&layout::PERIOD, &(1..).take(time.len()).collect::<Vec<u32>>())?;
     walk.variable(&layout::PERIOD_TIME, time)?;
     walk.curve(&layout::DISPLACEMENT_PERIOD_MEAN, mean, mean_ends)?;

@@ -1,4 +1,4 @@
-//! Whether the motion has settled: mean and variance of x at whole forcing periods, with the slopes
+//! Whether the motion has settled: mean and variance of x at whole periods, with the slopes
 //! that the statistics report.
 
 use super::axis::plain;
@@ -14,7 +14,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let (scenario, summary) = subject.run()?;
     let periods = &summary.periods;
     if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {
-        return Err(Absent::Nothing("the temperature has no period, or no whole one fits into the time simulated"));
+        return Err(Absent::Nothing("no whole period fits into the time simulated, or more than x is compared at"));
     }
     let palette = style.palette();
     let unit = |dimension: Dimension| dimension.label(&scenario.units);

@@ -52,6 +52,18 @@ impl Model {
         self.force_bound(FARTHEST_SD, end)
     }
 
+    /// The drift velocity in the long run, where it follows from the spring: the body stays within
+    /// some distance of beta T, whose mean has a constant slope. None where nothing binds the body,
+    /// where nothing takes its energy, where a force of the user's own acts, and where T is
+    /// measured.
+    pub fn long_run_drift(&self) -> Option<f64> {
+        let Model { oscillator, friction, temperature, force, .. } = self;
+        let is_bound = oscillator.stiffness > 0.0 && force.is_none() && oscillator.damping >= 0.0;
+        let is_braked = oscillator.damping > 0.0 || friction.dynamic_force > 0.0;
+        (is_bound && is_braked && temperature.series.is_none())
+            .then(|| oscillator.force_per_temperature() * temperature.trend / oscillator.stiffness)
+    }
+
     /// A bound of |b| while x = x0, up to `end`, where each noise is bounded by `sds` stationary
     /// standard deviations.
     pub fn force_bound(&self, sds: f64, end: f64) -> f64 {

@@ -80,7 +80,7 @@ impl Statistics {
             return Ok(());
         }
         let problem = format!("`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}");
-        let remedy = "lower `statistics.after`, or raise `time.end` to some forcing periods beyond it";
+        let remedy = "lower `statistics.after`, or raise `time.end` to some periods beyond it";
         Err(Misfit::new(&[("statistics.after", after), ("time.end", end)], problem, remedy))
     }
 }

@@ -19,6 +19,6 @@ pub const MAX_STEPS: f64 = 9_007_199_254_740_992.0;
 /// this size it is rounded to a thousandth of a radian; at 1e16 it has no digits left.
 pub const MAX_PHASE: f64 = 1e13;
 
-/// Largest number of forcing periods at which x is observed. The drift statistics need few, and
+/// Largest number of periods at which x is observed. The drift statistics need few, and
 /// memory grows with them.
 pub const MAX_PERIODS: usize = 10_000;

@@ -28,6 +28,7 @@ mod written;
 pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
 pub use measured::{Measured, SensorBearing};
+pub use plan::{Period, PeriodSource};
 pub use time::Time;
 pub use written::WrittenForce;
 
@@ -74,6 +75,9 @@ pub struct Statistics {
     /// The time from which the statistics count: 0 <= after < t_end, or 0. The motion before it is
     /// a burn-in, in which the motion forgets its initial state.
     pub after: f64,
+    /// P, the time between the instants at which x is compared, if the scenario gives it
+    /// ([`Scenario::period`]).
+    pub period: Option<f64>,
 }
 
 /// Number of paths, seed, and whether paths are antithetic.

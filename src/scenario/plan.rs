@@ -6,14 +6,60 @@ use crate::bias::{BiasPlan, NoBias};
 use crate::ensemble::Plan;
 use crate::scheme::{Resolution, Timeline};
 
+/// Where nothing periodic forces the body, x is compared this many times in the time that is
+/// counted.
+const INSTANTS: f64 = 10.0;
+
+/// P, the time between the instants n P at which x is compared.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Period {
+    /// P.
+    pub length: f64,
+    /// Where P comes from.
+    pub source: PeriodSource,
+}
+
+/// Where the time between the instants at which x is compared comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PeriodSource {
+    /// `statistics.period`.
+    Given,
+    /// The shortest time after which every harmonic of the temperature repeats itself.
+    Forcing,
+    /// A tenth of the time that is counted.
+    Share,
+}
+
+impl PeriodSource {
+    /// Where P comes from, in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            PeriodSource::Given => "as statistics.period says",
+            PeriodSource::Forcing => "the period of the forcing",
+            PeriodSource::Share => "a tenth of the time that is counted",
+        }
+    }
+}
+
 impl Scenario {
-    /// The times at which paths are observed. The forcing period is the common period of all
-    /// harmonics; there is none if they have none, or if the run would contain more than
-    /// [`MAX_PERIODS`] of them.
+    /// The time between the instants at which x is compared, and where it comes from: the one that
+    /// the scenario gives, or else the common period of the harmonics, or else a share of the time
+    /// that is counted, because nothing periodic forces the body. None if the run has no duration.
+    pub fn period(&self) -> Option<Period> {
+        let counted = self.time.end - self.statistics.after;
+        let given = self.statistics.period.map(|length| Period { length, source: PeriodSource::Given });
+        let forcing = || Some(Period { length: self.model.temperature.period()?, source: PeriodSource::Forcing });
+        let share =
+            || Some(Period { length: counted / INSTANTS, source: PeriodSource::Share }).filter(|_| counted > 0.0);
+        given.or_else(forcing).or_else(share)
+    }
+
+    /// The times at which paths are observed. x is not compared if the run would contain more than
+    /// [`MAX_PERIODS`] periods.
     pub fn timeline(&self) -> Timeline {
-        let few = |period: &f64| self.time.end / period <= MAX_PERIODS as f64;
-        let period = self.model.temperature.period().filter(few);
         let Time { end, output_step } = self.time;
+        let few = |period: &f64| end / period <= MAX_PERIODS as f64;
+        let period = self.period().map(|period| period.length).filter(few);
         Timeline { end, output_step, period, after: self.statistics.after }
     }
 

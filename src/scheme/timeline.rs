@@ -1,4 +1,4 @@
-//! The instants at which a simulation is observed: the output grid, the ends of the forcing
+//! The instants at which a simulation is observed: the output grid, the ends of the
 //! periods, the end of the burn-in, and the end.
 
 /// The instants at which every path is observed.
@@ -8,7 +8,7 @@ pub struct Timeline {
     pub end: f64,
     /// The spacing s of the output grid 0, s, 2s, ... <= t_end.
     pub output_step: f64,
-    /// P, the forcing period; none if the forcing has no period.
+    /// P, the time between the instants at which x is compared; none if it is not compared.
     pub period: Option<f64>,
     /// The end of the burn-in, from which on statistics count: 0 <= after < t_end, or 0.
     pub after: f64,
@@ -19,7 +19,7 @@ pub struct Timeline {
 pub enum Instant {
     /// Row `k` of the output grid, t = k output_step.
     Output(usize),
-    /// The end of forcing period `n` = 1, 2, ..., t = n P.
+    /// The end of period `n` = 1, 2, ..., t = n P.
     Period(usize),
     /// The end of the burn-in, if there is one: t = after.
     Counting,
@@ -41,7 +41,7 @@ pub struct Stop {
 const END_TOLERANCE: f64 = 1e-9;
 
 impl Timeline {
-    /// The fewest whole forcing periods from which a lasting drift can be distinguished from the
+    /// The fewest whole periods from which a lasting drift can be distinguished from the
     /// effect of the initial condition.
     pub const FEWEST_PERIODS: usize = 3;
 
@@ -60,19 +60,19 @@ impl Timeline {
         whole(self.end, self.output_step) + 1
     }
 
-    /// The number of whole forcing periods up to the end.
+    /// The number of whole periods up to the end.
     pub fn periods(&self) -> usize {
         self.period.map_or(0, |p| whole(self.end, p))
     }
 
-    /// The number of the first forcing period n >= 1 whose end, n P, is not before the end of the
+    /// The number of the first period n >= 1 whose end, n P, is not before the end of the
     /// burn-in.
     pub fn first_period(&self) -> usize {
         let passed = self.period.map_or(0.0, |p| (self.after / p * (1.0 - END_TOLERANCE)).ceil());
         (passed as usize).max(1)
     }
 
-    /// The number of whole forcing periods between the first and the last counted instant at which
+    /// The number of whole periods between the first and the last counted instant at which
     /// a period ends.
     pub fn counted_periods(&self) -> usize {
         self.periods().saturating_sub(self.first_period())

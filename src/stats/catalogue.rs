@@ -205,38 +205,38 @@ catalogue! {
         needs: &[Need::TwoPaths],
         ..OF_PATHS
     },
-    /// Drift velocity: slope of the mean of x(nP) over the whole forcing periods n >= 1 from
+    /// Drift velocity: slope of the mean of x(nP) over the whole periods n >= 1 from
     /// `after` on.
     DriftVelocity: Row {
         name: "drift_velocity",
         words: "drift velocity",
-        meaning: "slope of the mean displacement over whole forcing periods",
+        meaning: "slope of the mean displacement over whole periods",
         dimension: Dimension::VELOCITY,
         ..OF_PERIODS
     },
-    /// Diffusion coefficient: half the slope of the variance of x(nP) over the whole forcing
+    /// Diffusion coefficient: half the slope of the variance of x(nP) over the whole
     /// periods n >= 1 from `after` on.
     DiffusionCoefficient: Row {
         name: "diffusion_coefficient",
         words: "diffusion coefficient",
-        meaning: "half the slope of the variance of the displacement over whole forcing periods",
+        meaning: "half the slope of the variance of the displacement over whole periods",
         dimension: Dimension::DIFFUSIVITY,
         needs: &[Need::Period, Need::TwoPaths],
         ..OF_PATHS
     },
-    /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole forcing periods n >= 1 from
+    /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole periods n >= 1 from
     /// `after` on.
     PeriodDisplacementMean: Row {
         name: "period_displacement_mean",
         words: "mean displacement per period",
-        meaning: "mean displacement from one forcing period to the next",
+        meaning: "mean displacement from one period to the next",
         ..OF_PERIODS
     },
     /// Standard deviation of u_n over the same paths and periods.
     PeriodDisplacementSd: Row {
         name: "period_displacement_sd",
         words: "sd of displacement per period",
-        meaning: "standard deviation of the displacement from one forcing period to the next",
+        meaning: "standard deviation of the displacement from one period to the next",
         range: Range::NOT_NEGATIVE,
         needs: &[Need::Period, Need::TwoDisplacements],
         ..OF_PATHS
@@ -245,18 +245,18 @@ catalogue! {
     PeriodDisplacementCorrelation: Row {
         name: "period_displacement_correlation",
         words: "correlation of successive periods",
-        meaning: "correlation of the displacements in successive forcing periods",
+        meaning: "correlation of the displacements in successive periods",
         dimension: Dimension::ONE,
         range: Range::CORRELATION,
         needs: &[Need::TwoPeriods, Need::DifferentDisplacements],
         ..OF_PATHS
     },
-    /// Standard deviation of x(nP) over paths, as the root mean square over the whole forcing
+    /// Standard deviation of x(nP) over paths, as the root mean square over the whole
     /// periods n >= 1 from `after` on.
     PhaseDisplacementSd: Row {
         name: "phase_displacement_sd",
         words: "sd of displacement at one phase",
-        meaning: "standard deviation of the displacement at one phase of the forcing",
+        meaning: "standard deviation of the displacement at one phase",
         range: Range::NOT_NEGATIVE,
         needs: &[Need::TwoPaths, Need::EndOfPeriod],
         ..OF_PATHS

@@ -19,13 +19,15 @@ pub(crate) struct Certain {
     pub never_sticks: bool,
     /// Friction takes no work, because f_d = 0.
     pub frictionless: bool,
+    /// The drift velocity in the long run, where the spring and the temperature alone decide it.
+    pub drift: Option<f64>,
 }
 
 impl Certain {
     /// Nothing is certain.
     #[cfg(test)]
     pub const NOTHING: Certain =
-        Certain { everything: false, start: false, first_stick: false, never_sticks: false, frictionless: false };
+        Certain { everything: false, start: false, first_stick: false, never_sticks: false, frictionless: false, drift: None };
 
     pub fn of(model: &Model, timeline: &Timeline) -> Self {
         let Model { oscillator, friction, temperature, initial_displacement, .. } = model;
@@ -39,6 +41,7 @@ impl Certain {
             first_stick: start && force.abs() > friction.static_force,
             never_sticks: friction.static_force == 0.0,
             frictionless: friction.dynamic_force == 0.0,
+            drift: model.long_run_drift(),
         }
     }
 

@@ -8,7 +8,7 @@ pub(crate) enum Need {
     TwoSticks,
     FirstStick,
     Slip,
-    /// A whole forcing period.
+    /// A whole period P.
     Period,
     TwoPeriods,
     EndOfPeriod,
@@ -27,9 +27,9 @@ impl Need {
             Need::TwoSticks => "needs two sticks that ended",
             Need::FirstStick => "no first stick ended",
             Need::Slip => "no slip was completed",
-            Need::Period => "needs the ends of two forcing periods",
-            Need::TwoPeriods => "needs the ends of three forcing periods",
-            Need::EndOfPeriod => "needs the end of a forcing period",
+            Need::Period => "needs the ends of two periods",
+            Need::TwoPeriods => "needs the ends of three periods",
+            Need::EndOfPeriod => "needs the end of a period",
             Need::TwoPaths => "needs two paths",
             Need::TwoDisplacements => "needs two displacements",
             Need::DifferentDisplacements => "needs displacements that differ",

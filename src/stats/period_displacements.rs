@@ -1,4 +1,4 @@
-//! How far the body moves from one forcing period to the next, at one phase of the forcing.
+//! How far the body moves from one period to the next.
 //!
 //! From the displacements u_n = x((n + 1)P) - x(nP), n = 1..M, each path contributes the means
 //!

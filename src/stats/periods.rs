@@ -1,4 +1,4 @@
-//! x at the whole forcing periods: drift velocity, diffusion coefficient, spread at one phase of
+//! x at the whole periods P: drift velocity, diffusion coefficient, spread at one phase of
 //! the forcing.
 //!
 //! The first two are slopes of ordinary least squares over the K instants t_n = n P that are
@@ -21,7 +21,7 @@ use crate::sums::moments::Moments;
 use crate::sums::range::Range;
 use crate::sums::spread::{SpreadMoments, Tails};
 
-/// The times of the whole forcing periods, and the weights of the counted ones in a slope.
+/// The times of the whole periods, and the weights of the counted ones in a slope.
 #[derive(Clone, Debug, PartialEq)]
 struct Slope {
     time: Vec<f64>,
@@ -45,7 +45,7 @@ impl Slope {
     }
 }
 
-/// Moments of x at the whole forcing periods, and of the slopes and spreads of single paths.
+/// Moments of x at the whole periods, and of the slopes and spreads of single paths.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PeriodSums {
     /// Moments of x(t_n) - x0.
@@ -125,12 +125,13 @@ impl PeriodSums {
         Measured::spread(sd, error, self.spread_tails.freedom(self.spread.count))
     }
 
-    pub fn summary(&self, timeline: &Timeline, is_random: bool) -> PeriodMoments {
+    pub fn summary(&self, timeline: &Timeline, is_random: bool, drift_limit: Option<f64>) -> PeriodMoments {
         let chance = |period: &SpreadMoments| is_random.then_some(period.units.count);
         let two = |period: &SpreadMoments| period.four.two;
         let mean_ends = |p: &SpreadMoments| Measured::mean(&p.units).in_range(Range::ANY, chance(p)).interval();
         let sd_ends = |p: &SpreadMoments| p.standard_deviation().in_range(Range::NOT_NEGATIVE, chance(p)).interval();
         PeriodMoments {
+            drift_limit,
             time: Slope::over(timeline).time,
             mean: self.displacement.iter().map(|period| two(period).mean()).collect(),
             mean_ends: self.displacement.iter().map(mean_ends).collect(),
@@ -282,7 +283,7 @@ mod tests {
             drift_held.count(v.low <= drift && drift <= v.high);
             diffusion_held.count(d.low <= diffusion && diffusion <= d.high);
             // At the last period, at t = 15, the mean is V t and the variance is 2 D t.
-            let PeriodMoments { mean_ends, variance_ends, .. } = totals.summary(&timeline, true);
+            let PeriodMoments { mean_ends, variance_ends, .. } = totals.summary(&timeline, true, None);
             let (mean, variance) = (drift * 15.0, 2.0 * diffusion * 15.0);
             mean_held.count(mean_ends.low[5] <= mean && mean <= mean_ends.high[5]);
             variance_held.count(variance_ends.low[5] <= variance && variance <= variance_ends.high[5]);
@@ -371,7 +372,7 @@ mod tests {
         assert_eq!(e.high, f64::INFINITY);
         assert_eq!(totals.drift_velocity(&timeline).measurement().estimate, 0.0);
         assert!((totals.period_displacements.mean().estimate()).abs() < 1e-12);
-        assert_eq!(totals.summary(&timeline, true).mean.len(), 3);
+        assert_eq!(totals.summary(&timeline, true, None).mean.len(), 3);
     }
 
     /// For a single instant the spread at one phase is the standard deviation over paths. The only
@@ -410,7 +411,7 @@ mod tests {
         let totals = fold.finish();
         assert!(totals.drift_velocity(&timeline).measurement().estimate.is_nan());
         assert!(totals.diffusion_coefficient(&timeline).measurement().estimate.is_nan());
-        let summary = totals.summary(&timeline, true);
+        let summary = totals.summary(&timeline, true, None);
         assert_eq!((summary.mean, summary.variance), (vec![3.0], vec![7.0]));
     }
 }

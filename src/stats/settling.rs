@@ -1,9 +1,11 @@
-//! Whether x at equal phases of the forcing has settled.
+//! Whether x has settled.
 //!
-//! The spring binds the body. So where forcing and noise are stationary, the law of x at one phase
-//! becomes the same in every period, once the start is forgotten, and `drift_velocity` and
-//! `diffusion_coefficient` are zero. Each of the two is tested against zero at the level of 0.5 %,
-//! so that together they raise a false alarm in at most 1 % of all runs (Bonferroni).
+//! The spring binds the body to beta T. So where noise and harmonics are stationary about a straight
+//! line, the law of x - beta trend t at one phase becomes the same in every period, once the start
+//! is forgotten: `drift_velocity` becomes beta trend and `diffusion_coefficient` zero. Each of the
+//! two is tested against this limit at the level of 0.5 %, so that together they raise a false
+//! alarm in at most 1 % of all runs (Bonferroni). Without a spring, or under a force of the user's
+//! own, a body may drift and spread for ever, and no limit is known.
 
 use super::{Statistic, Summary};
 use crate::sums::interval::student_quantile;
@@ -12,25 +14,26 @@ use crate::sums::interval::student_quantile;
 const CONFIDENCE: f64 = 0.995;
 
 impl Summary {
-    /// The number of whole forcing periods from the first counted instant to the last.
+    /// The number of whole periods from the first counted instant to the last.
     pub fn counted_periods(&self) -> usize {
         let after = self.transient.map_or(0.0, |transient| transient.end);
         let is_counted = |time: &&f64| **time >= after * (1.0 - 1e-9);
         self.periods.time.iter().filter(is_counted).count().saturating_sub(1)
     }
 
-    /// Which of `drift_velocity` and `diffusion_coefficient` differ from zero by more than chance
-    /// explains; none where one of the two has no estimate or no spread, so that it cannot be
-    /// tested.
+    /// Which of `drift_velocity` and `diffusion_coefficient` differ from their limits by more than
+    /// chance explains; none where the limits are not known, or where one of the two has no
+    /// estimate or no spread, so that it cannot be tested.
     pub fn unsettled(&self) -> Option<Vec<Statistic>> {
+        let drift = self.periods.drift_limit?;
         let paths = self.completed_paths - self.diverged.len() as u64;
         let half_width = student_quantile((1.0 + CONFIDENCE) / 2.0, paths.saturating_sub(1) as f64);
-        let both =
-            [Statistic::DriftVelocity, Statistic::DiffusionCoefficient].map(|statistic| self.estimate(statistic));
+        let limits = [(Statistic::DriftVelocity, drift), (Statistic::DiffusionCoefficient, 0.0)];
+        let both = limits.map(|(statistic, limit)| (self.estimate(statistic), limit));
         let is_testable =
-            both.iter().all(|e| e.estimate.is_finite() && e.standard_error > 0.0) && half_width.is_finite();
-        let off = both.iter().filter(|e| e.estimate.abs() > half_width * e.standard_error);
-        is_testable.then(|| off.map(|e| e.statistic).collect())
+            both.iter().all(|(e, _)| e.estimate.is_finite() && e.standard_error > 0.0) && half_width.is_finite();
+        let off = both.iter().filter(|(e, limit)| (e.estimate - limit).abs() > half_width * e.standard_error);
+        is_testable.then(|| off.map(|(e, _)| e.statistic).collect())
     }
 }
 

@@ -172,10 +172,14 @@ pub struct Transient {
     pub displacement: Measurement,
 }
 
-/// Moments of x at the whole forcing periods.
+/// Moments of x at the whole periods.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PeriodMoments {
-    /// Ends n P of the forcing periods, n = 1, 2, ...
+    /// The drift velocity in the long run, where the spring binds the body to beta T and T has a
+    /// constant slope or none. The diffusion coefficient is then zero in the long run. None where
+    /// neither is known.
+    pub drift_limit: Option<f64>,
+    /// Ends n P of the periods, n = 1, 2, ...
     pub time: Vec<f64>,
     /// Mean displacement since the start, x(n P) - x0.
     pub mean: Vec<f64>,
@@ -202,7 +206,7 @@ pub struct Summary {
     pub sub_phases: SubPhaseCounts,
     /// What the burn-in leaves out, if there is one.
     pub transient: Option<Transient>,
-    /// x at the whole forcing periods, those of the burn-in included.
+    /// x at the whole periods, those of the burn-in included.
     pub periods: PeriodMoments,
     /// The variables on the output grid.
     pub bands: Bands,

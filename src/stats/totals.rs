@@ -233,7 +233,7 @@ impl Totals {
                 .sub_phases
                 .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
             transient: (timeline.after > 0.0).then(|| self.transient()),
-            periods: sums.phases.periods.summary(timeline, !counts.certain.everything),
+            periods: sums.phases.periods.summary(timeline, !counts.certain.everything, counts.certain.drift),
             bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.certain, counts.unit()),
         }
     }

@@ -4,7 +4,7 @@ use super::case::{Case, when};
 use crate::advice::amplitude::NEVER_SD;
 use crate::model::Drive;
 use crate::numbers::short;
-use crate::scenario::MAX_PERIODS;
+use crate::scenario::{MAX_PERIODS, PeriodSource};
 use crate::scheme::Timeline;
 
 /// The force |b| cannot reach the static friction f_s.
@@ -44,18 +44,18 @@ pub(super) fn no_dilatation(case: &Case) -> Vec<String> {
     })
 }
 
-/// There are too few forcing periods to distinguish a drift from a transient.
+/// There are too few periods to distinguish a drift from a transient.
 pub(super) fn few_periods(case: &Case) -> Vec<String> {
     let (timeline, fewest) = (case.scenario.timeline(), Timeline::FEWEST_PERIODS);
     let counted = timeline.counted_periods();
     let Some(period) = timeline.period.filter(|_| timeline.end > 0.0) else { return Vec::new() };
     when(counted < fewest, || {
         let what = match counted {
-            0 => "no whole forcing period is counted, and drift_velocity, diffusion_coefficient and the \
+            0 => "no whole period is counted, and drift_velocity, diffusion_coefficient and the \
                   statistics from period to period will be absent"
                 .to_string(),
             n => format!(
-                "drift_velocity and diffusion_coefficient rest on {n} whole forcing period{}, the first of the run \
+                "drift_velocity and diffusion_coefficient rest on {n} whole period{}, the first of the run \
                  left out, and with fewer than {fewest} a drift cannot be told from a transient",
                 if n == 1 { "" } else { "s" },
             ),
@@ -65,26 +65,28 @@ pub(super) fn few_periods(case: &Case) -> Vec<String> {
     })
 }
 
-/// There are too many forcing periods to keep x at each of them.
+/// There are too many periods to keep x at each of them.
 pub(super) fn many_periods(case: &Case) -> Vec<String> {
     let (derived, end) = (&case.derived, case.scenario.time.end);
-    when(derived.forcing_period.is_some_and(|period| end / period > MAX_PERIODS as f64), || {
+    when(derived.period.is_some_and(|period| end / period.length > MAX_PERIODS as f64), || {
         format!(
-            "the run holds {:e} forcing periods, and x is kept at no more than {MAX_PERIODS}: \
-             drift_velocity and diffusion_coefficient will be absent",
-            derived.whole_periods
+            "the run holds {:e} periods, and x is kept at no more than {MAX_PERIODS}: drift_velocity and \
+             diffusion_coefficient will be absent. Choose `statistics.period` = {} or more",
+            derived.whole_periods,
+            short(end / MAX_PERIODS as f64)
         )
     })
 }
 
-/// The harmonics share no period. A measured series obviously has none, so that no warning is
-/// needed.
+/// The harmonics share no period, so that x is compared at different phases of them.
 pub(super) fn no_common_period(case: &Case) -> Vec<String> {
     let temperature = &case.scenario.model.temperature;
     let is_moving = temperature.harmonics.iter().any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
-    when(temperature.series.is_none() && is_moving && temperature.period().is_none(), || {
-        "the harmonics share no period, so there are no equal phases at which x could be compared: \
-         drift_velocity and diffusion_coefficient will be absent"
+    let is_share = case.derived.period.is_some_and(|period| period.source == PeriodSource::Share);
+    when(temperature.series.is_none() && is_moving && is_share, || {
+        "the harmonics share no period, so x is compared at different phases of them, which drift_velocity, \
+         diffusion_coefficient and the statistics from period to period then contain. Choose `statistics.period` \
+         close to whole cycles of the strongest harmonics"
             .to_string()
     })
 }

@@ -101,7 +101,7 @@
   if (data.periods) {
     const p = data.periods;
     charts.push({
-      name: 'periods', heading: 'Whole forcing periods', columns: p, x: 'time', xName: data.labels.time, yName: data.labels.period, least: 0,
+      name: 'periods', heading: 'Whole periods', columns: p, x: 'time', xName: data.labels.time, yName: data.labels.period, least: 0,
       note: data.drift,
       series: (c) => [{ ...line('mean of x(nP) \u2212 x(0)', c.first, p.time, p.mean), showSymbol: true, symbolSize: 7 },
         intervals(c.first, p.time, p.mean_low, p.mean_high)],

@@ -82,14 +82,14 @@ fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     ))
 }
 
-/// Says that the drift is estimated from too few forcing periods, where it is.
+/// Says that the drift is estimated from too few periods, where it is.
 fn few_periods(summary: &Summary) -> Option<String> {
     let periods = summary.counted_periods();
     let is_few = (1..Timeline::FEWEST_PERIODS).contains(&periods);
     let plural = if periods == 1 { "" } else { "s" };
     is_few.then(|| {
         format!(
-            "of {periods} whole forcing period{plural}; with fewer than {} a drift cannot be told from a transient",
+            "of {periods} whole period{plural}; with fewer than {} a drift cannot be told from a transient",
             Timeline::FEWEST_PERIODS
         )
     })
@@ -98,13 +98,18 @@ fn few_periods(summary: &Summary) -> Option<String> {
 /// Says that the motion has not settled, so that the drift is a remainder of the start, where it
 /// is.
 pub fn unsettled(summary: &Summary) -> Option<String> {
-    let names: Vec<&str> = summary.unsettled()?.into_iter().map(Statistic::name).collect();
-    (!names.is_empty()).then(|| {
+    let limit = |statistic| match statistic {
+        Statistic::DriftVelocity => summary.periods.drift_limit.unwrap_or(0.0),
+        _ => 0.0,
+    };
+    let words = |statistic: Statistic| format!("{} ({} in the long run)", statistic.name(), limit(statistic));
+    let off: Vec<String> = summary.unsettled()?.into_iter().map(words).collect();
+    (!off.is_empty()).then(|| {
         format!(
-            "x at equal phases has not settled: {}, zero in the long run, {} not zero here (level 1 %); \
-             a larger `statistics.after` leaves out more of the start",
-            names.join(" and "),
-            if names.len() == 1 { "is" } else { "are" },
+            "x has not settled: {} {} from that by more than chance explains (level 1 %); a larger \
+             `statistics.after` leaves out more of the start",
+            off.join(" and "),
+            if off.len() == 1 { "differs" } else { "differ" },
         )
     })
 }
@@ -280,13 +285,13 @@ mod tests {
         let mut summary = summary();
         let reported = |summary: &Summary| table(summary, &info());
         assert!(reported(&summary).contains(
-            "of 1 whole forcing period; with fewer than 3 a drift cannot be \
+            "of 1 whole period; with fewer than 3 a drift cannot be \
                 told from a transient"
         ));
         summary.periods.time = vec![25.1, 50.3, 75.4, 100.5];
-        assert!(!reported(&summary).contains("whole forcing period"));
+        assert!(!reported(&summary).contains("whole period"));
         // Both estimates are 1 +- 0.01.
-        let line = "drift   x at equal phases has not settled: drift_velocity and diffusion_coefficient, zero in the long run, are not zero here";
+        let line = "drift   x has not settled: drift_velocity (0 in the long run) and diffusion_coefficient (0 in the long run) differ";
         assert!(reported(&summary).contains(line), "{}", reported(&summary));
         let put = |summary: &mut Summary, statistic: Statistic, estimate: f64| {
             summary.estimates[statistic.index()].estimate = estimate;
@@ -295,7 +300,7 @@ mod tests {
         put(&mut summary, Statistic::DriftVelocity, -0.0281);
         put(&mut summary, Statistic::DiffusionCoefficient, 0.028);
         assert!(
-            reported(&summary).contains("has not settled: drift_velocity, zero in the long run, is not zero"),
+            reported(&summary).contains("has not settled: drift_velocity (0 in the long run) differs"),
             "{}",
             reported(&summary)
         );
@@ -305,7 +310,7 @@ mod tests {
         let displacement = Measurement { estimate: 0.0, standard_error: 0.0, low: 0.0, high: 0.0 };
         let (stick_ends, slip_ends) = ([0.0; 2], [0.0; 2]);
         summary.transient = Some(Transient { end: 50.3, sticks: 0, stick_ends, slips: 0, slip_ends, displacement });
-        assert!(reported(&summary).contains("of 2 whole forcing periods; with fewer than 3"), "{}", reported(&summary));
+        assert!(reported(&summary).contains("of 2 whole periods; with fewer than 3"), "{}", reported(&summary));
     }
 
     #[test]

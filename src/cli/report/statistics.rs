@@ -211,8 +211,8 @@ mod tests {
             (Statistic::FirstStickDurationMean, "no first stick ended"),
             (Statistic::SubPhasesMean, "no slip was completed"),
             (Statistic::JumpAbsMean, "no slip was completed"),
-            (Statistic::DriftVelocity, "needs the ends of two forcing periods"),
-            (Statistic::PeriodDisplacementCorrelation, "needs the ends of three forcing periods"),
+            (Statistic::DriftVelocity, "needs the ends of two periods"),
+            (Statistic::PeriodDisplacementCorrelation, "needs the ends of three periods"),
         ] {
             set(&mut summary, statistic, f64::NAN);
             let table = table(&summary, &info());
