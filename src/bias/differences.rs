@@ -17,7 +17,7 @@ use super::widening::widening_factor;
 use crate::ensemble::{drawn, in_order};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
-use crate::stats::{Bias, Dimension, Statistic, Totals};
+use crate::stats::{Bias, Dimension, Record, Statistic, Totals};
 use crate::sums::jackknife;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -63,6 +63,7 @@ pub struct Differences {
     groups: usize,
     per_group: u64,
     antithetic: bool,
+    record: Record,
 }
 
 impl Differences {
@@ -88,7 +89,8 @@ impl Differences {
             let simulation = scheme.kind().with(k as f64 * h).simulation(model, &timeline);
             simulation.fed_by_finer(k).observed_every((coarsest / k) as u64)
         });
-        Ok(Differences { model: model.clone(), timeline, levels, h, seed, groups, per_group, antithetic: false })
+        let (model, record) = (model.clone(), Record::NOTHING);
+        Ok(Differences { model, timeline, levels, h, seed, groups, per_group, antithetic: false, record })
     }
 
     /// The same for a run of antithetic pairs. Groups hold whole pairs, so that leaving out a group
@@ -96,6 +98,11 @@ impl Differences {
     pub fn in_pairs(self) -> Self {
         let per_group = self.per_group & !1;
         if per_group == 0 { self } else { Differences { per_group, antithetic: true, ..self } }
+    }
+
+    /// The same for a run that records this.
+    pub fn recording(self, record: &Record) -> Self {
+        Differences { record: record.of_no_path(), ..self }
     }
 
     /// Number of paths that are simulated at each step.
@@ -195,7 +202,7 @@ impl Differences {
         let groups = self.groups as u64;
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
-        let mut observer = GroupObserver::new(&self.model, &self.timeline, first, width as usize, self.groups);
+        let mut observer = GroupObserver::new((&self.model, &self.timeline, &self.record), first, width as usize, self.groups);
         let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut observer);
         (observer.finish(), lost.len())
     }

@@ -54,12 +54,18 @@ pub(super) struct GroupObserver {
 }
 
 impl GroupObserver {
-    /// An observer of `groups` groups of `width` paths each, whose numbers run from `first` on.
-    pub fn new(model: &Model, timeline: &Timeline, first: u64, width: usize, groups: usize) -> Self {
+    /// An observer of `groups` groups of `width` paths each, whose numbers run from `first` on,
+    /// of a run that records this.
+    pub fn new(
+        (model, timeline, record): (&Model, &Timeline, &Record),
+        first: u64,
+        width: usize,
+        groups: usize,
+    ) -> Self {
         let group = |g: usize| {
             let from = first + (g * width) as u64;
             let numbers: Vec<u64> = (from..from + width as u64).collect();
-            BlockObserver::new(model, timeline, &Record::NOTHING, &numbers)
+            BlockObserver::new(model, timeline, record, &numbers)
         };
         GroupObserver { observers: (0..groups).map(group).collect(), first, width }
     }

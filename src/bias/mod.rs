@@ -25,7 +25,7 @@ pub use reference_run::ReferenceRun;
 
 use crate::model::Model;
 use crate::scheme::{Discretisation, Scheme, Timeline};
-use crate::stats::{Bias, Statistic, Summary};
+use crate::stats::{Bias, Record, Statistic, Summary};
 use reference_run::Referenced;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -75,6 +75,14 @@ impl BiasPlan {
     /// The same for a run of antithetic pairs.
     pub fn in_pairs(self) -> Self {
         BiasPlan { differences: self.differences.map(Differences::in_pairs), ..self }
+    }
+
+    /// The same for a run that records this.
+    pub fn recording(self, record: &Record) -> Self {
+        BiasPlan {
+            differences: self.differences.map(|differences| differences.recording(record)),
+            reference: self.reference.map(|reference| reference.recording(record)),
+        }
     }
 
     /// The bias of every statistic that exists in `run`. The result has the same bits for any

@@ -64,6 +64,7 @@ pub struct ReferenceRun {
     budget: u64,
     /// The number of paths of the run, which the reference run does not exceed.
     paths: u64,
+    record: Record,
 }
 
 impl ReferenceRun {
@@ -74,7 +75,13 @@ impl ReferenceRun {
         let budget = path_steps as u64 / one_part_in;
         // Rows of the output grid are left out, because the bands have no bias estimate. The seed
         // gives other random numbers than those of the run.
-        ReferenceRun { model: model.clone(), timeline: timeline.without_rows(), seed: !seed, budget, paths }
+        let (model, timeline, record) = (model.clone(), timeline.without_rows(), Record::NOTHING);
+        ReferenceRun { model, timeline, seed: !seed, budget, paths, record }
+    }
+
+    /// The same for a run that records this.
+    pub fn recording(self, record: &Record) -> Self {
+        ReferenceRun { record: record.of_no_path(), ..self }
     }
 
     /// The bias of the statistics of a run, without an order; none where the reference run costs
@@ -91,7 +98,7 @@ impl ReferenceRun {
         let paths = self.affordable(&exact, self.budget / pricing.path_steps_per_evaluation)?;
         let size = pricing.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
-        let plan = Plan { simulation, record: Record::NOTHING, seed: self.seed, paths, antithetic: false };
+        let plan = Plan { simulation, record: self.record, seed: self.seed, paths, antithetic: false };
         let mut totals = Totals::empty(plan.model(), plan.timeline());
         let make = |index: u64| plan.piece(index * size, size.min(paths - index * size)).totals;
         let deliver = |piece: Totals| -> Result<_, Infallible> {

@@ -176,6 +176,7 @@ keys! {
         RECORD_PATHS = other("paths", "scalars of every path");
         EVENTS = other("events", "the event table of every path");
         TRAJECTORIES = other("trajectories", "so many paths, the first, on the output grid");
+        LAWS = other("laws", "distributions of slips, jumps and times from slip to slip");
     }
     "units" {
         TIME_LABEL = other("time", "label");

@@ -54,6 +54,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             paths: record.flag_or(keys::RECORD_PATHS, true),
             events: record.flag_or(keys::EVENTS, false),
             trajectories: record.whole_or(keys::TRAJECTORIES, 0, (0, MAX_TRAJECTORIES)),
+            laws: record.flag_or(keys::LAWS, false),
         },
         units: Units {
             time: units.line_or(keys::TIME_LABEL, ""),

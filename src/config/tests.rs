@@ -69,7 +69,7 @@ fn defaults_are_those_of_the_documentation() {
     assert_eq!(scenario.time.output_step, 0.5);
     assert_eq!(scenario.scheme, DiscreteVi { step: 0.01 }.into());
     assert_eq!(scenario.ensemble, Ensemble { paths: 10_000, seed: 1, antithetic: false });
-    assert_eq!(scenario.record, Record { paths: true, events: false, trajectories: 0 });
+    assert_eq!(scenario.record, Record { paths: true, ..Record::NOTHING });
     assert_eq!(scenario.units, Units::default());
 }
 

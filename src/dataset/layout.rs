@@ -5,6 +5,8 @@
 
 pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
+use crate::stats::Law;
+
 /// Declares variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
     ($list:ident: $type:ty; $($constant:ident = $value:expr;)*) => {
@@ -59,7 +61,6 @@ macro_rules! measured {
 }
 
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
-const PER_BIN: &[(&str, &str)] = &[("coordinates", "duration_bin_lower")];
 
 table! {
     STATISTIC = variable("statistic", &["statistic"], Unit::None, "name of the statistic");
@@ -91,9 +92,8 @@ table! {
     SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
     SERIES_TEMPERATURE = variable("series_temperature", &["series_time"], Unit::TEMPERATURE, "measured temperature");
 
-    DURATION_BIN = variable("duration_bin", &["duration_bin"], Unit::TIME, "upper edge of the stick duration bin");
-    DURATION_BIN_LOWER = variable("duration_bin_lower", &["duration_bin"], Unit::TIME,
-        "lower edge of the stick duration bin, itself inside the bin");
+    BATCH = variable("batch", &["batch"], Unit::ONE,
+        "batch of paths: those whose numbers leave this remainder when divided by the number of batches");
 
     SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::ONE,
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
@@ -125,23 +125,6 @@ table! {
     STATIC_PROBABILITY = measured!("static_probability", &["time"], Unit::ONE,
         "probability of being in a static phase");
 
-    STICK_DURATION_COUNT = measured!("stick_duration_count", &["duration_bin"], Unit::ONE,
-        "completed sticks, the first of each path left out",
-        ends of the "expected number of sticks in the bin, among as many completed ones").with(PER_BIN);
-    STICK_DURATION_CENSORED_COUNT = measured!("stick_duration_censored_count", &["duration_bin"], Unit::ONE,
-        "sticks still running at the end, by their duration so far, the first of each path left out",
-        ends of the "expected number of sticks still running at the end in the bin, in as many paths").with(PER_BIN);
-    STICK_DURATION_SURVIVAL = measured!("stick_duration_survival", &["duration_bin"], Unit::ONE,
-        "probability that a stick lasts beyond the upper edge of the bin (Kaplan-Meier)",
-        ends of the "probability that a stick lasts beyond the upper edge of the bin").with(PER_BIN);
-    STICK_DURATION_QUANTILE = measured!("stick_duration_quantile", &["quantile"], Unit::TIME,
-        "quantiles of the completed stick durations");
-    STICK_DURATION_COMPLETED = measured!("stick_duration_completed", &[], Unit::ONE,
-        "completed sticks, the first of each path left out",
-        ends of the "expected number of completed sticks in as many paths");
-    STICK_DURATION_CENSORED = measured!("stick_duration_censored", &[], Unit::ONE,
-        "sticks still running at the end, the first of each path left out",
-        ends of the "expected number of sticks still running at the end in as many paths");
     FIRST_STICK_COMPLETED = measured!("first_stick_duration_completed", &[], Unit::ONE,
         "first sticks that ended",
         ends of the "expected number of first sticks that ended in as many paths");
@@ -175,6 +158,85 @@ table! {
         "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 }
 
+/// The variables of a law.
+pub(crate) struct LawLayout {
+    pub bin: Variable,
+    pub bin_lower: Variable,
+    pub count: Measured,
+    pub censored_count: Measured,
+    pub survival: Measured,
+    pub quantile: Measured,
+    pub completed: Measured,
+    pub censored: Measured,
+    pub batch_count: Variable,
+    pub batch_censored_count: Variable,
+}
+
+/// The variables of a law, from the names of its quantity and of its bins, the unit of the quantity,
+/// and what is counted: one thing and several of them.
+macro_rules! law {
+    ($name:literal, $bin:literal, $unit:expr, $quantity:literal, $one:literal, $several:literal) => {
+        LawLayout {
+            bin: variable($bin, &[$bin], $unit, concat!("upper edge of the bin of the ", $quantity)),
+            bin_lower: variable(concat!($bin, "_lower"), &[$bin], $unit,
+                concat!("lower edge of the bin of the ", $quantity, ", itself inside the bin")),
+            count: measured!(concat!($name, "_count"), &[$bin], Unit::ONE,
+                concat!("completed ", $several),
+                ends of the concat!("expected number of ", $several, " in the bin, among as many completed ones"))
+                .with(&[("coordinates", concat!($bin, "_lower"))]),
+            censored_count: measured!(concat!($name, "_censored_count"), &[$bin], Unit::ONE,
+                concat!($several, " still running at the end, by their ", $quantity, " so far"),
+                ends of the concat!("expected number of ", $several,
+                    " still running at the end in the bin, in as many paths"))
+                .with(&[("coordinates", concat!($bin, "_lower"))]),
+            survival: measured!(concat!($name, "_survival"), &[$bin], Unit::ONE,
+                concat!("probability that the ", $quantity, " of ", $one,
+                    " exceeds the upper edge of the bin (Kaplan-Meier)"),
+                ends of the concat!("probability that the ", $quantity, " exceeds the upper edge of the bin"))
+                .with(&[("coordinates", concat!($bin, "_lower"))]),
+            quantile: measured!(concat!($name, "_quantile"), &["quantile"], $unit,
+                concat!("quantiles of the ", $quantity, " of completed ", $several)),
+            completed: measured!(concat!($name, "_completed"), &[], Unit::ONE,
+                concat!("completed ", $several),
+                ends of the concat!("expected number of completed ", $several, " in as many paths")),
+            censored: measured!(concat!($name, "_censored"), &[], Unit::ONE,
+                concat!($several, " still running at the end"),
+                ends of the concat!("expected number of ", $several, " still running at the end in as many paths")),
+            batch_count: variable(concat!($name, "_batch_count"), &["batch", $bin], Unit::ONE,
+                concat!("completed ", $several, " of each batch of paths")),
+            batch_censored_count: variable(concat!($name, "_batch_censored_count"), &["batch", $bin], Unit::ONE,
+                concat!($several, " still running at the end of each batch of paths")),
+        }
+    };
+}
+
+/// The variables of a law.
+pub(crate) const fn of_law(law: Law) -> LawLayout {
+    match law {
+        Law::Stick => law!("stick_duration", "duration_bin", Unit::TIME, "duration", "a stick",
+            "sticks, the first of each path left out"),
+        Law::Slip => law!("slip_duration", "slip_duration_bin", Unit::TIME, "duration", "a slip", "slips"),
+        Law::Jump => law!("jump_abs", "jump_abs_bin", Unit::LENGTH, "size", "a jump", "jumps"),
+        Law::JumpForward => law!("jump_forward", "jump_forward_bin", Unit::LENGTH, "size",
+            "a jump to larger displacements", "jumps to larger displacements"),
+        Law::JumpBackward => law!("jump_backward", "jump_backward_bin", Unit::LENGTH, "size",
+            "a jump to smaller displacements", "jumps to smaller displacements"),
+        Law::Recurrence => law!("recurrence_time", "recurrence_time_bin", Unit::TIME, "length",
+            "a time from the beginning of a slip to that of the next", "times from slip to slip"),
+    }
+}
+
+impl LawLayout {
+    /// Every variable of the law.
+    #[cfg(test)]
+    fn all(&self) -> Vec<Variable> {
+        let LawLayout { count, censored_count, survival, quantile, completed, censored, .. } = *self;
+        let measured = [count, censored_count, survival, quantile, completed, censored];
+        let measured = measured.into_iter().flat_map(|of| [of.value, of.low, of.high]);
+        [self.bin, self.bin_lower, self.batch_count, self.batch_censored_count].into_iter().chain(measured).collect()
+    }
+}
+
 /// Mean, standard deviation and quantiles of a quantity on the output grid.
 pub(crate) const DISPLACEMENT: [Measured; 3] = [
     measured!("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement"),
@@ -204,7 +266,8 @@ mod tests {
         let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
         let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
         let measured = measured.flat_map(|of| [of.value, of.low, of.high]);
-        ALL.iter().copied().chain(measured).chain(kept.into_iter().map(|(of, _)| of)).collect()
+        let laws = Law::ASKED.into_iter().chain([Law::Stick]).flat_map(|law| of_law(law).all());
+        ALL.iter().copied().chain(measured).chain(laws).chain(kept.into_iter().map(|(of, _)| of)).collect()
     }
 
     #[test]
@@ -233,9 +296,15 @@ mod tests {
     #[test]
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
+        // The page lists the variables of laws once, with LAW in place of the name of a law.
+        let laws = Law::ASKED.into_iter().chain([Law::Stick]).map(|law| of_law(law).count.value.name);
+        let laws: Vec<&str> = laws.filter_map(|count| count.strip_suffix("_count")).collect();
         for variable in all() {
+            let of_law = laws.iter().find_map(|law| variable.name.strip_prefix(law)).map(|rest| format!("`LAW{rest}`"));
             let name = format!("`{}`", variable.name);
-            assert!(text.contains(&name), "{name} is not in docs/output-format.md");
+            let is_there = text.contains(&name) || of_law.is_some_and(|name| text.contains(&name));
+            assert!(is_there, "{name} is not in docs/output-format.md");
         }
+        assert!(laws.iter().all(|law| text.contains(&format!("`{law}`"))), "{laws:?}");
     }
 }

@@ -4,30 +4,33 @@ use super::layout;
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations,
-    SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Corrected, Dimension, Distribution, Estimate, FirstSticks, Histogram, Law, PeriodMoments,
+    QUANTILE_LEVELS, Statistic, SubPhaseCounts, Summary, Transient,
 };
+use crate::sums::batches::BATCHES;
 use crate::sums::Measurement;
 use ndarray::Array2;
 
-/// Write the coordinates that are known before a run: statistics, quantile levels, and times.
+/// Write the coordinates that are known before a run: quantile levels and times.
 pub(crate) fn write_coordinates<D: Destination>(to: &mut D, time: &[f64]) -> Result<(), D::Error> {
-    write_statistics(to)?;
     to.write_variable(&layout::QUANTILE, &QUANTILE_LEVELS)?;
     to.write_variable(&layout::TIME, time)
 }
 
-/// Write the names, meanings and units of all statistics.
-pub(crate) fn write_statistics<D: Destination>(to: &mut D) -> Result<(), D::Error> {
-    let units = Statistic::ALL.map(|statistic| statistic.dimension().udunits(to.units()));
-    to.write_variable(&layout::STATISTIC, &texts(Statistic::ALL.map(Statistic::name)))?;
-    to.write_variable(&layout::STATISTIC_LONG_NAME, &texts(Statistic::ALL.map(Statistic::meaning)))?;
+/// Write the names, meanings and units of these statistics.
+pub(crate) fn write_statistics<D: Destination>(to: &mut D, statistics: &[Statistic]) -> Result<(), D::Error> {
+    let of = |of: fn(Statistic) -> &'static str| texts(statistics.iter().map(|statistic| of(*statistic)));
+    let units: Vec<String> = statistics.iter().map(|statistic| statistic.dimension().udunits(to.units())).collect();
+    to.write_variable(&layout::STATISTIC, &of(Statistic::name))?;
+    to.write_variable(&layout::STATISTIC_LONG_NAME, &of(Statistic::meaning))?;
     to.write_variable(&layout::STATISTIC_UNIT, &units)
 }
 
 /// Write all statistics of a run at its end.
 pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(), D::Error> {
-    walk(to, &mut summary.clone(), &texts(Statistic::ALL.map(Statistic::name)))
+    let asked: Vec<Statistic> = summary.asked().map(|e| e.statistic).collect();
+    write_statistics(to, &asked)?;
+    walk(to, &mut summary.clone(), &texts(asked.into_iter().map(Statistic::name)))
 }
 
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
@@ -40,24 +43,48 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
         completed_paths,
         diverged: Vec::new(),
         estimates: Statistic::ALL.map(|statistic| estimate_of(statistic, [f64::NAN; 7])),
-        stick_durations: StickDurations { step, ..StickDurations::default() },
+        stick_durations: Distribution { step, ..Distribution::default() },
+        first_sticks: FirstSticks::default(),
+        laws: None,
         sub_phases: SubPhaseCounts::default(),
         transient: None,
         periods: PeriodMoments::default(),
         bands: Bands { time: read_or_empty(from, &layout::TIME)?, ..Bands::default() },
     };
     walk(&mut Reading(from), &mut summary, &names)?;
+    if let Some(laws) = &mut summary.laws {
+        let of_time = laws.iter_mut().zip(Law::ASKED).filter(|(_, law)| law.dimension() == Dimension::TIME);
+        of_time.for_each(|(distribution, _)| distribution.step = step);
+    }
     Ok(summary)
 }
 
 /// Walk over all statistics; `names` are those of the data set. Another minor version may have
 /// fewer or more of them.
 fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Result<(), W::Error> {
-    let Summary { completed_paths: _, diverged, estimates, stick_durations, sub_phases, transient, periods, bands } =
-        summary;
+    let Summary {
+        completed_paths: _,
+        diverged,
+        estimates,
+        stick_durations,
+        first_sticks,
+        laws,
+        sub_phases,
+        transient,
+        periods,
+        bands,
+    } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
-    walk_stick_durations(walk, stick_durations)?;
+    // If the laws were asked for, that of sticks has batches too.
+    if walk.present(&layout::BATCH, laws).is_some() {
+        walk.derived(&layout::BATCH, &(0..BATCHES as u32).collect::<Vec<_>>())?;
+    }
+    walk_law(walk, &layout::of_law(Law::Stick), stick_durations)?;
+    walk_first_sticks(walk, first_sticks)?;
+    for (law, distribution) in Law::ASKED.into_iter().zip(laws.iter_mut().flatten()) {
+        walk_law(walk, &layout::of_law(law), distribution)?;
+    }
     walk_sub_phases(walk, sub_phases)?;
     walk_periods(walk, periods)?;
     if let Some(transient) = walk.present(&layout::TRANSIENT_END, transient) {
@@ -101,7 +128,8 @@ pub(super) fn corrected_of(e: &Estimate) -> [f64; 3] {
 }
 
 fn walk_estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[String]) -> Result<(), W::Error> {
-    let mut columns = columns_of(estimates.each_ref().map(numbers_of));
+    let is_there = |e: &&Estimate| names.iter().any(|name| name == e.statistic.name());
+    let mut columns = columns_of(estimates.iter().filter(is_there).map(numbers_of));
     for (variable, values) in PER_STATISTIC.iter().zip(&mut columns) {
         walk.variable(variable, values)?;
     }
@@ -114,7 +142,7 @@ fn walk_estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[Str
     if estimates.iter().all(|estimate| estimate.corrected().is_none()) {
         return Ok(());
     }
-    let corrected = columns_of(estimates.each_ref().map(corrected_of));
+    let corrected = columns_of(estimates.iter().filter(is_there).map(corrected_of));
     let variables = [&layout::ESTIMATE_CORRECTED, &layout::ESTIMATE_CORRECTED_LOW, &layout::ESTIMATE_CORRECTED_HIGH];
     variables.into_iter().zip(&corrected).try_for_each(|(variable, values)| walk.derived(variable, values))
 }
@@ -138,17 +166,13 @@ fn walk_bands<W: Walk>(walk: &mut W, bands: &mut Bands) -> Result<(), W::Error> 
     walk.curve(&layout::STATIC_PROBABILITY, static_probability, static_probability_ends)
 }
 
-fn walk_stick_durations<W: Walk>(walk: &mut W, sticks: &mut StickDurations) -> Result<(), W::Error> {
-    let StickDurations {
+fn walk_law<W: Walk>(walk: &mut W, layout: &layout::LawLayout, law: &mut Distribution) -> Result<(), W::Error> {
+    let Distribution {
         step: _,
         completed,
         completed_ends,
         censored,
         censored_ends,
-        first_completed,
-        first_completed_ends,
-        first_censored,
-        first_censored_ends,
         histogram: Histogram { edges, counts },
         count_ends,
         censored_counts,
@@ -157,20 +181,34 @@ fn walk_stick_durations<W: Walk>(walk: &mut W, sticks: &mut StickDurations) -> R
         survival_ends,
         quantiles,
         quantile_ends,
-    } = sticks;
+        batch_counts,
+        batch_censored_counts,
+    } = law;
     let mut lower = edges.get(..edges.len().saturating_sub(1)).unwrap_or_default().to_vec();
     let mut upper = edges.get(1..).unwrap_or_default().to_vec();
-    walk.variable(&layout::DURATION_BIN, &mut upper)?;
-    walk.variable(&layout::DURATION_BIN_LOWER, &mut lower)?;
+    walk.variable(&layout.bin, &mut upper)?;
+    walk.variable(&layout.bin_lower, &mut lower)?;
     *edges = lower.into_iter().chain(upper.last().copied()).collect();
-    walk.curve(&layout::STICK_DURATION_COUNT, counts, count_ends)?;
-    walk.curve(&layout::STICK_DURATION_CENSORED_COUNT, censored_counts, censored_count_ends)?;
-    walk.curve(&layout::STICK_DURATION_SURVIVAL, survival, survival_ends)?;
-    walk.curve(&layout::STICK_DURATION_QUANTILE, quantiles, quantile_ends)?;
-    walk.number(&layout::STICK_DURATION_COMPLETED, completed, completed_ends)?;
-    walk.number(&layout::STICK_DURATION_CENSORED, censored, censored_ends)?;
-    walk.number(&layout::FIRST_STICK_COMPLETED, first_completed, first_completed_ends)?;
-    walk.number(&layout::FIRST_STICK_CENSORED, first_censored, first_censored_ends)
+    walk.curve(&layout.count, counts, count_ends)?;
+    walk.curve(&layout.censored_count, censored_counts, censored_count_ends)?;
+    walk.curve(&layout.survival, survival, survival_ends)?;
+    walk.curve(&layout.quantile, quantiles, quantile_ends)?;
+    walk.number(&layout.completed, completed, completed_ends)?;
+    walk.number(&layout.censored, censored, censored_ends)?;
+    let mut batches = Some([std::mem::take(batch_counts), std::mem::take(batch_censored_counts)]);
+    batches = batches.filter(|[counts, _]| !counts.is_empty());
+    if let Some([counts, censored]) = walk.present(&layout.batch_count, &mut batches) {
+        walk.variable(&layout.batch_count, counts)?;
+        walk.variable(&layout.batch_censored_count, censored)?;
+    }
+    [*batch_counts, *batch_censored_counts] = batches.unwrap_or_default();
+    Ok(())
+}
+
+fn walk_first_sticks<W: Walk>(walk: &mut W, sticks: &mut FirstSticks) -> Result<(), W::Error> {
+    let FirstSticks { completed, completed_ends, censored, censored_ends } = sticks;
+    walk.number(&layout::FIRST_STICK_COMPLETED, completed, completed_ends)?;
+    walk.number(&layout::FIRST_STICK_CENSORED, censored, censored_ends)
 }
 
 fn walk_sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Result<(), W::Error> {

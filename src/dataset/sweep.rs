@@ -135,7 +135,7 @@ fn shape(design: &Design) -> Vec<&str> {
 }
 
 fn coordinates<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error> {
-    write_statistics(to)?;
+    write_statistics(to, &Statistic::ALL)?;
     to.write_variable(&own::GROUP, &(0..GROUPS as u32).collect::<Vec<_>>())?;
     let design = &sweep.question.design;
     if !matches!(design, Design::Grid(_)) {

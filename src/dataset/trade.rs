@@ -24,7 +24,7 @@ pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, trade: &Tra
     if let Some(samples) = &header.series {
         series::write(to, samples, header.series_start.as_deref())?;
     }
-    write_statistics(to)?;
+    write_statistics(to, &Statistic::ALL)?;
     to.write_variable(&RUNG, &(0..).take(trade.rungs.len()).collect::<Vec<u32>>())?;
     to.write_variable(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())))?;
     to.write_variable(&TARGET, &TARGETS)?;

@@ -56,7 +56,7 @@ impl Replay {
         let mut scenario = scenario.clone();
         let (output_step, rows) = finest_grid(&scenario);
         scenario.time.output_step = output_step;
-        let record = Record { paths: true, events: true, trajectories: path + 1 };
+        let record = Record { paths: true, events: true, trajectories: path + 1, ..Record::NOTHING };
         // The scenario in a file must be valid, and no valid scenario records more trajectories
         // than `MAX_TRAJECTORIES`.
         scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };

@@ -4,7 +4,7 @@
 use super::theme::Palette;
 use super::words::grouped;
 use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
-use crate::stats::{Dimension, StickDurations};
+use crate::stats::{Dimension, Distribution};
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last", draws: draw };
@@ -81,7 +81,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
 /// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to
 /// half a step beyond the multiples in it, and a bin without a multiple becomes part of its
 /// neighbours.
-fn bins(sticks: &StickDurations) -> Vec<Bin> {
+fn bins(sticks: &Distribution) -> Vec<Bin> {
     let edges = &sticks.histogram.edges;
     let mut out = Vec::new();
     for (i, &count) in sticks.histogram.counts.iter().enumerate() {
@@ -117,7 +117,7 @@ fn drawn(bins: &[Bin]) -> (&[Bin], u64) {
 }
 
 /// The shortest and the longest duration that is drawn; none if no stick has ended.
-pub(super) fn range(sticks: &StickDurations) -> Option<[f64; 2]> {
+pub(super) fn range(sticks: &Distribution) -> Option<[f64; 2]> {
     let all = bins(sticks);
     let (bins, _) = drawn(&all);
     Some([bins.first()?.edges[0], bins.last()?.edges[1]])
@@ -130,7 +130,7 @@ pub(super) struct Survival {
 }
 
 /// The survival curve of the file.
-pub(super) fn survival(sticks: &StickDurations) -> Survival {
+pub(super) fn survival(sticks: &Distribution) -> Survival {
     let edges = &sticks.histogram.edges;
     let mut curve = Survival { shares: Vec::new(), ends: Vec::new() };
     let mut put = |edge: f64, share: f64, [low, high]: [f64; 2]| {

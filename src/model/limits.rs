@@ -52,6 +52,14 @@ impl Model {
         self.force_bound(FARTHEST_SD, end)
     }
 
+    /// The size of a displacement up to `end`, to an order of magnitude: that of a spring that the
+    /// static friction holds, or of a body that it accelerates.
+    pub fn length_scale(&self, end: f64) -> f64 {
+        let Model { oscillator, friction, .. } = self;
+        let force = if friction.static_force > 0.0 { friction.static_force } else { 1.0 };
+        if oscillator.stiffness > 0.0 { force / oscillator.stiffness } else { force / oscillator.mass * end * end }
+    }
+
     /// The drift velocity in the long run, where it follows from the spring: the body stays within
     /// some distance of beta T, whose mean has a constant slope. None where nothing binds the body,
     /// where nothing takes its energy, where a force of the user's own acts, and where T is

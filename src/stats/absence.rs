@@ -1,19 +1,22 @@
 //! Why a statistic or its interval is missing.
 
 use super::need::Need;
-use super::{Estimate, Summary};
+use super::{Estimate, Law, Summary};
 
 /// Whether the summary shows that a need is not met. A need that a summary cannot show comes
 /// last in a row, and is what remains as the reason.
 fn is_missing(need: Need, summary: &Summary) -> bool {
     match need {
         Need::Stick => summary.stick_durations.completed == 0,
-        Need::FirstStick => summary.stick_durations.first_completed == 0,
+        Need::FirstStick => summary.first_sticks.completed == 0,
         Need::Slip => summary.sub_phases.counts.iter().all(|count| *count == 0),
         Need::Period => summary.counted_periods() < 1,
         Need::TwoPeriods => summary.counted_periods() < 2,
         Need::TwoPaths => summary.valid_paths() < 2,
+        Need::Recurrence => summary.law(Law::Recurrence).is_none_or(|law| law.completed == 0),
         Need::TwoSticks
+        | Need::TwoSlips
+        | Need::TwoRecurrences
         | Need::EndOfPeriod
         | Need::TwoDisplacements
         | Need::DifferentDisplacements

@@ -3,7 +3,9 @@
 
 use super::certain::Certain;
 use super::dimension::Dimension;
+use super::law::Law;
 use super::need::Need;
+use super::record::Record;
 use crate::sums::range::Range;
 
 /// What is known of a statistic before any path is simulated.
@@ -23,6 +25,17 @@ pub(crate) struct Row {
     is_certain: fn(Certain) -> bool,
     /// Why it may not exist: the first of these needs that is not met.
     pub needs: &'static [Need],
+    /// The law whose median it is, if it is a median.
+    pub median_of: Option<Law>,
+    /// What a run measures only on request, if the statistic belongs to it.
+    pub asked_by: Option<Extra>,
+}
+
+/// What a run measures only on request.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Extra {
+    /// `record.laws`.
+    Laws,
 }
 
 /// What a statistic is a mean over, or a number of.
@@ -34,6 +47,8 @@ pub(crate) enum Over {
     FirstSticks,
     /// Completed dynamic phases.
     Slips,
+    /// Times from the beginning of a dynamic phase to that of the next.
+    Recurrences,
     /// Paths, for each of which phases are counted.
     CountsOfPaths,
     /// Paths.
@@ -44,7 +59,7 @@ impl Over {
     /// Whether phases are counted or averaged over. There are infinitely many of them where slips
     /// of all sizes occur. Total times, the first stick and positions are not affected by that.
     pub fn counts_phases(self) -> bool {
-        matches!(self, Over::Sticks | Over::Slips | Over::CountsOfPaths)
+        matches!(self, Over::Sticks | Over::Slips | Over::Recurrences | Over::CountsOfPaths)
     }
 }
 
@@ -89,6 +104,8 @@ const OF_PATHS: Row = Row {
     step_error: StepError::FirstOrRoot,
     is_certain: |_| false,
     needs: &[],
+    median_of: None,
+    asked_by: None,
 };
 const OF_STICKS: Row = Row {
     dimension: Dimension::TIME,
@@ -106,6 +123,15 @@ const COUNTED: Row = Row {
     step_error: StepError::RootOfRare,
     is_certain: |scene| scene.never_sticks,
     ..OF_PATHS
+};
+/// A number of durations of slips, sizes of jumps or times from slip to slip, on request.
+const OF_LAWS: Row = Row { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Laws), ..OF_SLIPS };
+const OF_SLIP_DURATIONS: Row = Row { dimension: Dimension::TIME, ..OF_LAWS };
+const OF_RECURRENCE: Row = Row {
+    dimension: Dimension::TIME,
+    over: Over::Recurrences,
+    needs: &[Need::Recurrence],
+    ..OF_LAWS
 };
 const OF_PERIODS: Row = Row { needs: &[Need::Period], ..OF_PATHS };
 
@@ -132,6 +158,7 @@ catalogue! {
         words: "median stick duration",
         meaning: "median duration of the completed sticks",
         step_error: StepError::Jumps,
+        median_of: Some(Law::Stick),
         ..OF_STICKS
     },
     /// Mean duration D_0 of the first stick over the paths in which it ended.
@@ -297,6 +324,116 @@ catalogue! {
         needs: &[Need::Duration],
         ..OF_PATHS
     },
+    /// Coefficient of variation of the stick duration D_j over completed sticks, j >= 1.
+    StickDurationCv: Row {
+        name: "stick_duration_cv",
+        words: "variation of stick durations",
+        meaning: "coefficient of variation of the durations of the completed sticks",
+        dimension: Dimension::ONE,
+        step_error: StepError::RootOfRare,
+        needs: &[Need::Stick, Need::TwoSticks],
+        asked_by: Some(Extra::Laws),
+        ..OF_STICKS
+    },
+    /// Mean duration tau_{j+1} - tau_{j+1/2} over completed dynamic phases.
+    SlipDurationMean: Row {
+        name: "slip_duration_mean",
+        words: "mean slip duration",
+        meaning: "mean duration of the completed dynamic phases",
+        ..OF_SLIP_DURATIONS
+    },
+    /// Standard deviation of these durations.
+    SlipDurationSd: Row {
+        name: "slip_duration_sd",
+        words: "sd of slip durations",
+        meaning: "standard deviation of the durations of the completed dynamic phases",
+        needs: &[Need::Slip, Need::TwoSlips],
+        ..OF_SLIP_DURATIONS
+    },
+    /// Median of these durations.
+    SlipDurationMedian: Row {
+        name: "slip_duration_median",
+        words: "median slip duration",
+        meaning: "median duration of the completed dynamic phases",
+        step_error: StepError::Jumps,
+        median_of: Some(Law::Slip),
+        ..OF_SLIP_DURATIONS
+    },
+    /// Coefficient of variation of these durations.
+    SlipDurationCv: Row {
+        name: "slip_duration_cv",
+        words: "variation of slip durations",
+        meaning: "coefficient of variation of the durations of the completed dynamic phases",
+        dimension: Dimension::ONE,
+        needs: &[Need::Slip, Need::TwoSlips],
+        ..OF_SLIP_DURATIONS
+    },
+    /// Standard deviation of the jump x_{j+1} - x_j over completed dynamic phases.
+    JumpSd: Row {
+        name: "jump_sd",
+        words: "sd of jumps",
+        meaning: "standard deviation of the jump of the displacement in a dynamic phase",
+        needs: &[Need::Slip, Need::TwoSlips],
+        ..OF_LAWS
+    },
+    /// Standard deviation of its size |x_{j+1} - x_j|.
+    JumpAbsSd: Row {
+        name: "jump_abs_sd",
+        words: "sd of sizes of jumps",
+        meaning: "standard deviation of the size of the jump in a dynamic phase",
+        needs: &[Need::Slip, Need::TwoSlips],
+        ..OF_LAWS
+    },
+    /// Median of its size.
+    JumpAbsMedian: Row {
+        name: "jump_abs_median",
+        words: "median size of a jump",
+        meaning: "median size of the jump in a dynamic phase",
+        median_of: Some(Law::Jump),
+        ..OF_LAWS
+    },
+    /// Coefficient of variation of its size.
+    JumpAbsCv: Row {
+        name: "jump_abs_cv",
+        words: "variation of sizes of jumps",
+        meaning: "coefficient of variation of the size of the jump in a dynamic phase",
+        dimension: Dimension::ONE,
+        needs: &[Need::Slip, Need::TwoSlips],
+        ..OF_LAWS
+    },
+    /// Mean time tau_{j+3/2} - tau_{j+1/2} from the beginning of a dynamic phase to that of the next.
+    RecurrenceTimeMean: Row {
+        name: "recurrence_time_mean",
+        words: "mean time from slip to slip",
+        meaning: "mean time from the beginning of a dynamic phase to that of the next",
+        ..OF_RECURRENCE
+    },
+    /// Standard deviation of this time.
+    RecurrenceTimeSd: Row {
+        name: "recurrence_time_sd",
+        words: "sd of times from slip to slip",
+        meaning: "standard deviation of the time from a dynamic phase to the next",
+        needs: &[Need::Recurrence, Need::TwoRecurrences],
+        ..OF_RECURRENCE
+    },
+    /// Median of this time.
+    RecurrenceTimeMedian: Row {
+        name: "recurrence_time_median",
+        words: "median time from slip to slip",
+        meaning: "median time from the beginning of a dynamic phase to that of the next",
+        step_error: StepError::Jumps,
+        median_of: Some(Law::Recurrence),
+        ..OF_RECURRENCE
+    },
+    /// Coefficient of variation of this time.
+    RecurrenceTimeCv: Row {
+        name: "recurrence_time_cv",
+        words: "variation of times from slip to slip",
+        meaning: "coefficient of variation of the time from a dynamic phase to the next",
+        dimension: Dimension::ONE,
+        needs: &[Need::Recurrence, Need::TwoRecurrences],
+        ..OF_RECURRENCE
+    },
 }
 
 impl Statistic {
@@ -312,6 +449,19 @@ impl Statistic {
 
     pub(crate) fn row(self) -> &'static Row {
         &ROWS[self.index()]
+    }
+
+    /// Whether a run that records this reports the statistic.
+    pub fn is_asked_by(self, record: &Record) -> bool {
+        match self.row().asked_by {
+            None => true,
+            Some(Extra::Laws) => record.laws,
+        }
+    }
+
+    /// The statistics that a run reports that records this, in the order of tables and files.
+    pub fn asked_by(record: &Record) -> Vec<Statistic> {
+        Statistic::ALL.into_iter().filter(|statistic| statistic.is_asked_by(record)).collect()
     }
 
     /// Whether the scene alone decides the statistic, so that all paths must agree on it.

@@ -7,13 +7,14 @@
 //! ratios of runs then follow by the jackknife ([`crate::sums::jackknife`]). Groups hold whole
 //! paths, so the phases of a path may depend on each other in any way.
 //!
-//! A group holds moments alone. The median comes from the durations of the run, which are kept in
+//! A group holds moments alone. A median comes from the values of the run, which are kept in
 //! the same groups.
 
+use super::laws::LawFold;
 use super::path::PathFold;
 use super::periods::PeriodFold;
 use super::totals::PhaseSums;
-use super::{Companion, Statistic, Totals};
+use super::{Companion, Record, Statistic, Totals};
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use crate::sums::Merge;
@@ -35,6 +36,7 @@ pub struct Grouping {
     unit: Unit,
     start: f64,
     dynamic_force: f64,
+    with_laws: bool,
 }
 
 /// The moments of each group, in order.
@@ -57,19 +59,21 @@ impl Groups {
     pub fn without(&self, run: &Totals) -> Vec<GroupValues> {
         let Totals { timeline, counts, .. } = run;
         let some = &self.0[..GROUPS.min(counts.units() as usize)];
-        let medians = counts.durations.medians_without_each_batch();
         let empty = PhaseSums::empty(timeline);
         let value = |sums: &PhaseSums, statistic| sums.measured(statistic, timeline, counts).estimate();
         // The median is taken from the run, because computing it for every group would take long.
         let of = |sums: &PhaseSums| {
-            Statistic::ALL.map(|statistic| match statistic {
-                Statistic::StickDurationMedian => f64::NAN,
-                of_sums => value(sums, of_sums),
+            Statistic::ALL.map(|statistic| match statistic.row().median_of {
+                Some(_) => f64::NAN,
+                None => value(sums, statistic),
             })
         };
         let (_, mut without) = leaving_one_out(&empty, some, of);
-        for (values, median) in without.iter_mut().zip(medians) {
-            values[Statistic::StickDurationMedian.index()] = median;
+        let medians = Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, statistic.row().median_of?)));
+        for (statistic, law) in medians {
+            for (values, median) in without.iter_mut().zip(counts.medians_without_each_batch(law)) {
+                values[statistic.index()] = median;
+            }
         }
         without
     }
@@ -77,10 +81,11 @@ impl Groups {
 
 impl Grouping {
     /// A grouping for runs of this model on this timeline, whose independent units are paths or
-    /// pairs.
-    pub fn new(model: &Model, timeline: &Timeline, unit: Unit) -> Self {
+    /// pairs, and which measure what `record` asks for.
+    pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Unit) -> Self {
         let dynamic_force = model.friction.dynamic_force;
-        Grouping { timeline: *timeline, unit, start: model.initial_displacement, dynamic_force }
+        let (timeline, start, with_laws) = (*timeline, model.initial_displacement, record.laws);
+        Grouping { timeline, unit, start, dynamic_force, with_laws }
     }
 }
 
@@ -104,13 +109,15 @@ impl Companion for Grouping {
             Group { lanes, periods, displacement, velocity }
         };
         let path = PathFold::starting_at(self.start).counted_after(self.timeline.after);
-        GroupObserver { paths: vec![path; paths.len()], groups: lanes.into_iter().map(group).collect() }
+        let laws = self.with_laws.then(|| vec![LawFold::counted_after(self.timeline.after); paths.len()]);
+        GroupObserver { paths: vec![path; paths.len()], laws, groups: lanes.into_iter().map(group).collect() }
     }
 
-    fn finish(&self, GroupObserver { paths, groups }: GroupObserver, _: Unit) -> Groups {
+    fn finish(&self, GroupObserver { paths, laws, groups }: GroupObserver, _: Unit) -> Groups {
         let sums = |group: Group| {
             let own: Vec<PathFold> = group.lanes.iter().map(|&lane| paths[lane]).collect();
-            PhaseSums::of(&own, self.dynamic_force, group.periods.finish(), self.unit)
+            let laws = laws.as_ref().map(|laws| group.lanes.iter().map(|&lane| laws[lane]).collect::<Vec<_>>());
+            PhaseSums::of(&own, self.dynamic_force, group.periods.finish(), laws.as_deref(), self.unit)
         };
         Groups(groups.into_iter().map(sums).collect())
     }
@@ -120,6 +127,7 @@ impl Companion for Grouping {
 /// together.
 pub struct GroupObserver {
     paths: Vec<PathFold>,
+    laws: Option<Vec<LawFold>>,
     groups: Vec<Group>,
 }
 
@@ -135,6 +143,9 @@ impl Observer for GroupObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
         self.paths[lane].event(&event);
+        if let Some(laws) = &mut self.laws {
+            laws[lane].event(&event, |_, _| {});
+        }
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {

@@ -20,9 +20,11 @@ mod certain;
 pub(crate) mod column;
 mod corrected;
 mod dimension;
-mod durations;
 mod goal;
 mod groups;
+mod law;
+mod law_counts;
+mod laws;
 mod need;
 mod observer;
 mod path;
@@ -44,13 +46,14 @@ pub use corrected::Corrected;
 pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use groups::{GROUPS, GroupValues, Grouping, Groups};
+pub use law::Law;
 pub use observer::BlockObserver;
 pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
 pub use run_totals::RunTotals;
 pub use summary::{
-    Band, Bands, Bias, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, StickDurations, SubPhaseCounts, Summary,
-    Transient,
+    Band, Bands, Bias, Distribution, Estimate, FirstSticks, Histogram, PeriodMoments, QUANTILE_LEVELS, SubPhaseCounts,
+    Summary, Transient,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};

@@ -8,6 +8,10 @@ pub(crate) enum Need {
     TwoSticks,
     FirstStick,
     Slip,
+    TwoSlips,
+    /// A slip that began after another.
+    Recurrence,
+    TwoRecurrences,
     /// A whole period P.
     Period,
     TwoPeriods,
@@ -27,6 +31,9 @@ impl Need {
             Need::TwoSticks => "needs two sticks that ended",
             Need::FirstStick => "no first stick ended",
             Need::Slip => "no slip was completed",
+            Need::TwoSlips => "needs two slips that ended",
+            Need::Recurrence => "no path slipped twice",
+            Need::TwoRecurrences => "needs two times from slip to slip",
             Need::Period => "needs the ends of two periods",
             Need::TwoPeriods => "needs the ends of three periods",
             Need::EndOfPeriod => "needs the end of a period",

@@ -2,9 +2,11 @@
 //! single paths.
 
 use super::column::Columns as _;
+use super::laws::LawFold;
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
+use super::totals::PhaseSums;
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -22,6 +24,8 @@ pub struct BlockObserver {
     rows: usize,
     totals: Totals,
     periods: PeriodFold,
+    /// The laws of each path, if they are asked for.
+    laws: Option<Vec<LawFold>>,
     keeps_paths: bool,
     /// Events of each lane, if they are kept.
     events: Option<Vec<Vec<Event>>>,
@@ -50,13 +54,18 @@ impl BlockObserver {
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64]) -> Self {
         let rows = timeline.rows();
         let kept = paths.iter().take_while(|&&path| path < record.trajectories).enumerate();
+        let mut totals = Totals::empty(model, timeline);
+        if record.laws {
+            totals.counts.ask_for_laws();
+        }
         BlockObserver {
             path_numbers: paths.to_vec(),
             unit: Unit::Path,
             paths: vec![PathFold::starting_at(model.initial_displacement).counted_after(timeline.after); paths.len()],
             model: model.clone(),
             rows,
-            totals: Totals::empty(model, timeline),
+            totals,
+            laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); paths.len()]),
             periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
             keeps_paths: record.paths,
             events: record.events.then(|| vec![Vec::new(); paths.len()]),
@@ -69,7 +78,10 @@ impl BlockObserver {
 
     /// The same observer for a scheme with this step, if the scheme has one.
     pub fn with_step(mut self, step: Option<f64>) -> Self {
-        self.totals.counts.durations.set_step(step);
+        self.totals.counts.sticks.set_step(step);
+        if let Some(laws) = &mut self.totals.counts.laws {
+            laws.set_step(step);
+        }
         self
     }
 
@@ -84,15 +96,17 @@ impl BlockObserver {
     /// The result of the block, which has `path_count` paths from number `first_path` on. The paths
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
-        self.totals.sums.phases.periods = self.periods.finish();
-        self.totals.end(&self.paths, self.model.friction.dynamic_force, &diverged, self.unit);
+        let dynamic_force = self.model.friction.dynamic_force;
+        self.totals.sums.phases =
+            PhaseSums::of(&self.paths, dynamic_force, self.periods.finish(), self.laws.as_deref(), self.unit);
+        self.totals.end(&self.paths, &diverged, self.unit);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
         let (wanted, trajectories) = self.trajectories;
         BlockResult {
             first_path,
             paths: path_count,
             diverged,
-            path_columns: self.keeps_paths.then(|| block.path_columns(&self.paths, self.model.friction.dynamic_force)),
+            path_columns: self.keeps_paths.then(|| block.path_columns(&self.paths, dynamic_force)),
             events: self.events.map(|events| block.event_columns(&events)),
             trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
             totals: self.totals,
@@ -103,10 +117,15 @@ impl BlockObserver {
         let paths = self.paths.iter_mut().zip(&self.path_numbers);
         for ((path, &number), &displacement) in paths.zip(snapshot.displacement) {
             match path.end(snapshot.time, displacement) {
-                Some(Censored::FirstStick) => self.totals.counts.durations.first_censored(),
-                Some(Censored::Stick(so_far)) => self.totals.counts.durations.censored(self.unit.of(number), so_far),
+                Some(Censored::FirstStick) => self.totals.counts.first_censored += 1,
+                Some(Censored::Stick(so_far)) => self.totals.counts.sticks.censored(self.unit.of(number), so_far),
                 Some(Censored::Slip) => self.totals.counts.sub_phases.censored(),
                 None => {}
+            }
+        }
+        if let (Some(laws), Some(counts)) = (&self.laws, &mut self.totals.counts.laws) {
+            for (path, &number) in laws.iter().zip(&self.path_numbers) {
+                path.end(snapshot.time, |law, so_far| counts.law_mut(law).censored(self.unit.of(number), so_far));
             }
         }
     }
@@ -116,14 +135,18 @@ impl Observer for BlockObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
         match self.paths[lane].event(&event) {
-            Some(Completed::FirstStick) => self.totals.counts.durations.first_completed(),
+            Some(Completed::FirstStick) => self.totals.counts.first_completed += 1,
             Some(Completed::Stick(duration)) => {
-                self.totals.counts.durations.completed(self.unit.of(self.path_numbers[lane]), duration)
+                self.totals.counts.sticks.completed(self.unit.of(self.path_numbers[lane]), duration)
             }
             Some(Completed::Slip(sub_phases)) => {
                 self.totals.counts.sub_phases.completed(self.unit.of(self.path_numbers[lane]), sub_phases)
             }
             None => {}
+        }
+        if let (Some(laws), Some(counts)) = (&mut self.laws, &mut self.totals.counts.laws) {
+            let unit = self.unit.of(self.path_numbers[lane]);
+            laws[lane].event(&event, |law, value| counts.law_mut(law).completed(unit, value));
         }
         if let Some(events) = &mut self.events {
             events[lane].push(event);
@@ -191,7 +214,7 @@ impl Block<'_> {
                     first_stick_duration: path.first_duration.unwrap_or(f64::NAN),
                     stick_time: path.stick_time,
                     friction_work: dynamic_force * path.travel,
-                    sticks: path.sticks,
+                    sticks: path.sticks.count,
                     slips: path.slips,
                     sub_phases: path.sub_phases,
                     diverged: 0,
@@ -372,7 +395,7 @@ mod tests {
     #[test]
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
-        let record = Record { paths: true, events: true, trajectories: 103 };
+        let record = Record { paths: true, events: true, trajectories: 103, laws: true };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
         observer.event(1, slip(0.5, 6.0));
@@ -432,7 +455,7 @@ mod tests {
     #[test]
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
-        let record = Record { paths: true, events: true, trajectories: 2 };
+        let record = Record { paths: true, events: true, trajectories: 2, laws: true };
         let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));

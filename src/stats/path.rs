@@ -5,6 +5,7 @@
 //! instant would be a biased sample, because long ones are too frequent among them. Times and
 //! distances are counted from the end of the burn-in on, whatever phase they fall in.
 
+use super::law::Folded;
 use crate::model::{Event, EventKind, Sign};
 
 /// The running sums of one path. Every entry is a sum in time order, so it depends on this path
@@ -34,12 +35,9 @@ pub(super) struct PathFold {
     start: f64,
     /// x - x0 at the end of the burn-in.
     pub early_displacement: f64,
-    /// Completed sticks, j >= 1, that are counted. The sums below are also of counted phases.
-    pub sticks: u32,
-    /// Sum of the D_j of these sticks.
-    pub duration: f64,
-    /// Sum of the D_j^2 of these sticks.
-    pub duration_squared: f64,
+    /// The D_j of the completed sticks, j >= 1, that are counted. The sums below are also of counted
+    /// phases.
+    pub sticks: Folded,
     /// Duration D_0 of the first stick, once it has ended.
     pub first_duration: Option<f64>,
     /// Completed dynamic phases.
@@ -112,9 +110,7 @@ impl PathFold {
             early_slips: 0,
             start: x0,
             early_displacement: 0.0,
-            sticks: 0,
-            duration: 0.0,
-            duration_squared: 0.0,
+            sticks: Folded::default(),
             first_duration: None,
             slips: 0,
             sub_phases: 0,
@@ -174,9 +170,7 @@ impl PathFold {
             self.first_duration = Some(duration);
             Some(Completed::FirstStick)
         } else if self.is_counted {
-            self.sticks += 1;
-            self.duration += duration;
-            self.duration_squared += duration * duration;
+            self.sticks.add(duration);
             Some(Completed::Stick(duration))
         } else {
             self.early_sticks += 1;

@@ -13,11 +13,18 @@ pub struct Record {
     pub events: bool,
     /// How many paths, from the first on, are kept on the output grid.
     pub trajectories: u64,
+    /// Whether the laws of slips, jumps and times from slip to slip are reported.
+    pub laws: bool,
 }
 
 impl Record {
     /// Nothing is kept of single paths.
-    pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
+    pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0, laws: false };
+
+    /// The same statistics, without anything of single paths.
+    pub fn of_no_path(&self) -> Record {
+        Record { laws: self.laws, ..Record::NOTHING }
+    }
 }
 
 columns! {

@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// The first bytes of a state: a name, and the version of what follows.
 const MAGIC: &[u8; 8] = b"sticksum";
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 /// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no
 /// tree.

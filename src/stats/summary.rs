@@ -1,6 +1,7 @@
 //! The summary of an ensemble: plain numbers, ready to be printed or stored.
 
-use super::Statistic;
+use super::catalogue::Extra;
+use super::{Law, Statistic};
 use crate::sums::interval::Measured;
 use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
@@ -96,44 +97,55 @@ pub struct Histogram {
     pub counts: Vec<u64>,
 }
 
-/// Stick durations D_j, j >= 1, of the sticks that ended and of those that still run at t_end.
+/// The distribution of a quantity of phases ([`Law`]): of stick durations D_j, j >= 1, say. Phases
+/// that still run at t_end are right-censored.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct StickDurations {
-    /// h, where all durations are multiples of the step h of the scheme. Their quantiles are then
+pub struct Distribution {
+    /// h, where all values are multiples of the step h of the scheme. Their quantiles are then
     /// multiples of h as well.
     pub step: Option<f64>,
-    /// Sticks, j >= 1, that ended.
+    /// Phases that ended.
     pub completed: u64,
-    /// Interval of the expected number of these sticks in as many paths.
+    /// Interval of the expected number of these phases in as many paths.
     pub completed_ends: [f64; 2],
-    /// Sticks, j >= 1, that still run at t_end (right-censored).
+    /// Phases that still run at t_end (right-censored).
     pub censored: u64,
-    /// Interval of the expected number of these sticks in as many paths.
+    /// Interval of the expected number of these phases in as many paths.
     pub censored_ends: [f64; 2],
-    /// First sticks (j = 0) that ended.
-    pub first_completed: u64,
-    /// Interval of the expected number of these sticks in as many paths.
-    pub first_completed_ends: [f64; 2],
-    /// First sticks (j = 0) that still run at t_end.
-    pub first_censored: u64,
-    /// Interval of the expected number of these sticks in as many paths.
-    pub first_censored_ends: [f64; 2],
-    /// Durations of the completed sticks, in logarithmic bins.
+    /// Values of the completed phases, in logarithmic bins.
     pub histogram: Histogram,
-    /// Interval of the expected number in each bin among as many completed sticks.
+    /// Interval of the expected number in each bin among as many completed phases.
     pub count_ends: Ends,
-    /// Durations so far of the censored sticks, in the same bins.
+    /// Values so far of the censored phases, in the same bins.
     pub censored_counts: Vec<u64>,
-    /// Interval of the expected number of censored sticks in each bin in as many paths.
+    /// Interval of the expected number of censored phases in each bin in as many paths.
     pub censored_count_ends: Ends,
     /// Kaplan-Meier estimate of P(D > t) at the upper edge of each bin.
     pub survival: Vec<f64>,
     /// Interval of the survival probability at each edge.
     pub survival_ends: Ends,
-    /// Quantiles of the durations of the completed sticks, at QUANTILE_LEVELS.
+    /// Quantiles of the values of the completed phases, at QUANTILE_LEVELS.
     pub quantiles: Vec<f64>,
     /// Interval of each quantile.
     pub quantile_ends: Ends,
+    /// `histogram.counts` of each batch of paths, batch after batch; empty unless the laws were
+    /// asked for. A path is in the batch of its number modulo 32, and a pair in that of its number.
+    pub batch_counts: Vec<u64>,
+    /// `censored_counts` of each batch of paths, likewise.
+    pub batch_censored_counts: Vec<u64>,
+}
+
+/// First sticks (j = 0).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct FirstSticks {
+    /// First sticks that ended.
+    pub completed: u64,
+    /// Interval of the expected number of these sticks in as many paths.
+    pub completed_ends: [f64; 2],
+    /// First sticks that still run at t_end.
+    pub censored: u64,
+    /// Interval of the expected number of these sticks in as many paths.
+    pub censored_ends: [f64; 2],
 }
 
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
@@ -201,7 +213,11 @@ pub struct Summary {
     /// One estimate for each entry of `Statistic::ALL`, in that order.
     pub estimates: [Estimate; Statistic::ALL.len()],
     /// Distribution of the stick durations.
-    pub stick_durations: StickDurations,
+    pub stick_durations: Distribution,
+    /// First sticks.
+    pub first_sticks: FirstSticks,
+    /// The other laws, where they were asked for, in the order of [`Law::ASKED`].
+    pub laws: Option<[Distribution; Law::ASKED.len()]>,
     /// Distribution of the number of sub-phases of a dynamic phase.
     pub sub_phases: SubPhaseCounts,
     /// What the burn-in leaves out, if there is one.
@@ -216,6 +232,22 @@ impl Summary {
     /// The estimate of a statistic.
     pub fn estimate(&self, statistic: Statistic) -> &Estimate {
         &self.estimates[statistic.index()]
+    }
+
+    /// The distribution of a law; none if it was not asked for.
+    pub fn law(&self, law: Law) -> Option<&Distribution> {
+        match law {
+            Law::Stick => Some(&self.stick_durations),
+            asked => self.laws.as_ref()?.get(Law::ASKED.iter().position(|of| *of == asked)?),
+        }
+    }
+
+    /// The estimates of the statistics that were asked for, in the order of tables and files.
+    pub fn asked(&self) -> impl Iterator<Item = &Estimate> {
+        self.estimates.iter().filter(|e| match e.statistic.row().asked_by {
+            None => true,
+            Some(Extra::Laws) => self.laws.is_some(),
+        })
     }
 
     /// Whether the bias of any statistic is known.

@@ -3,10 +3,12 @@
 use super::bands::{self, BandCounts, BandSums};
 use super::catalogue::Over;
 use super::certain::Certain;
-use super::durations::{DurationCounts, OrderedDurations};
+use super::law::{Law, LawSums, rare_mean, rare_ratio};
+use super::law_counts::{LawCounts, OrderedLaw};
+use super::laws::{LawFold, LawsCounts, LawsSums};
 use super::path::PathFold;
 use super::periods::PeriodSums;
-use super::{Estimate, Statistic, StickDurations, SubPhaseCounts, Summary, Transient};
+use super::{Distribution, Estimate, FirstSticks, Statistic, SubPhaseCounts, Summary, Transient};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
@@ -17,8 +19,8 @@ use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
 use crate::sums::interval::Measured;
 use crate::sums::moments::{JointMoments, Moments};
 use crate::sums::range::{Range, Sample};
-use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
-use crate::sums::spread::{SpreadMoments, Tails};
+use crate::sums::rare::{FEWEST, Fourths, are_too_few, cautious};
+use crate::sums::spread::SpreadMoments;
 
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
@@ -50,9 +52,11 @@ codec_of_fields!(Sums { phases, bands });
 pub(super) struct PhaseSums {
     cascade: CascadeSums,
     pub(super) periods: PeriodSums,
+    /// The moments of the laws that are asked for.
+    pub(super) laws: Option<Box<LawsSums>>,
 }
 
-codec_of_fields!(PhaseSums { cascade, periods });
+codec_of_fields!(PhaseSums { cascade, periods, laws });
 
 /// Integers, extremes and lists of numbers. Merging them is exact in any order.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +69,14 @@ pub struct Counts {
     units: u64,
     /// Numbers of the diverged paths, in ascending order.
     diverged: Vec<u64>,
-    pub(super) durations: DurationCounts,
+    pub(super) sticks: LawCounts,
+    /// The other laws, if they are asked for.
+    pub(super) laws: Option<Box<LawsCounts>>,
+    /// The largest duration and length that are to be expected, roughly, for the bins of the laws.
+    scales: [f64; 2],
+    /// First sticks that ended, and those that run at t_end.
+    pub(super) first_completed: u64,
+    pub(super) first_censored: u64,
     pub(super) sub_phases: SubPhaseTotals,
     /// Completed sticks, j >= 1, and slips that began before the end of the burn-in.
     early_sticks: u64,
@@ -91,6 +102,16 @@ impl Merge for PhaseSums {
     fn merge(&mut self, other: &PhaseSums) {
         self.cascade.merge(&other.cascade);
         self.periods.merge(&other.periods);
+        merge_if_asked(&mut self.laws, other.laws.as_ref(), LawsSums::merge);
+    }
+}
+
+/// Add what was asked for in another part of the run. A part without paths has nothing of it.
+fn merge_if_asked<T: Clone>(mine: &mut Option<Box<T>>, other: Option<&Box<T>>, merge: impl Fn(&mut T, &T)) {
+    match (mine, other) {
+        (Some(mine), Some(other)) => merge(mine, other),
+        (mine @ None, Some(other)) => *mine = Some(other.clone()),
+        (_, None) => {}
     }
 }
 
@@ -102,7 +123,11 @@ impl Counts {
             paths: 0,
             units: 0,
             diverged: Vec::new(),
-            durations: DurationCounts::empty(timeline),
+            sticks: LawCounts::empty(timeline.end),
+            laws: None,
+            scales: [timeline.end, model.length_scale(timeline.end)],
+            first_completed: 0,
+            first_censored: 0,
             sub_phases: SubPhaseTotals::default(),
             early_sticks: 0,
             early_slips: 0,
@@ -110,9 +135,30 @@ impl Counts {
         }
     }
 
+    /// The same counts, with these laws counted.
+    pub(super) fn ask_for_laws(&mut self) -> &mut LawsCounts {
+        self.laws.get_or_insert_with(|| Box::new(LawsCounts::empty(self.scales)))
+    }
+
+    /// The counts of a law; none if it was not asked for.
+    fn law(&self, law: Law) -> Option<&LawCounts> {
+        match law {
+            Law::Stick => Some(&self.sticks),
+            asked => self.laws.as_ref().map(|laws| laws.law(asked)),
+        }
+    }
+
+    /// The median of a law without each batch; NaN where it was not asked for.
+    pub(super) fn medians_without_each_batch(&self, law: Law) -> [f64; BATCHES] {
+        self.law(law).map_or([f64::NAN; BATCHES], LawCounts::medians_without_each_batch)
+    }
+
     /// Counts what waits to be counted.
     pub(super) fn settle(&mut self) {
-        self.durations.settle();
+        self.sticks.settle();
+        if let Some(laws) = &mut self.laws {
+            laws.settle();
+        }
         self.bands.settle();
     }
 
@@ -142,7 +188,10 @@ impl Counts {
         if !self.diverged.is_sorted() {
             self.diverged.sort_unstable();
         }
-        self.durations.merge(&other.durations);
+        self.sticks.merge(&other.sticks);
+        merge_if_asked(&mut self.laws, other.laws.as_ref(), LawsCounts::merge);
+        self.first_completed += other.first_completed;
+        self.first_censored += other.first_censored;
         self.sub_phases.merge(&other.sub_phases);
         self.early_sticks += other.early_sticks;
         self.early_slips += other.early_slips;
@@ -155,7 +204,13 @@ impl Codec for Counts {
         self.paths.write(out);
         self.units.write(out);
         self.diverged.write(out);
-        self.durations.write(out);
+        self.sticks.write(out);
+        u64::from(self.laws.is_some()).write(out);
+        if let Some(laws) = &self.laws {
+            laws.write(out);
+        }
+        self.first_completed.write(out);
+        self.first_censored.write(out);
         self.sub_phases.write(out);
         self.early_sticks.write(out);
         self.early_slips.write(out);
@@ -172,7 +227,16 @@ impl Codec for Counts {
         if !self.diverged.is_sorted_by(|a, b| a < b) {
             return Err(Damaged);
         }
-        self.durations.read(from)?;
+        self.sticks.read(from)?;
+        let mut has_laws = 0_u64;
+        has_laws.read(from)?;
+        match has_laws {
+            0 => self.laws = None,
+            1 => self.ask_for_laws().read(from)?,
+            _ => return Err(Damaged),
+        }
+        self.first_completed.read(from)?;
+        self.first_censored.read(from)?;
         self.sub_phases.read(from)?;
         self.early_sticks.read(from)?;
         self.early_slips.read(from)?;
@@ -197,14 +261,13 @@ impl Totals {
         self.counts.bands.fold(row, snapshot);
     }
 
-    /// Set the sums and counts of the paths of one block, once these have reached t_end.
-    pub(super) fn end(&mut self, paths: &[PathFold], dynamic_force: f64, diverged: &[u64], unit: Unit) {
+    /// Set the counts of the paths of one block, once these have reached t_end.
+    pub(super) fn end(&mut self, paths: &[PathFold], diverged: &[u64], unit: Unit) {
         self.counts.paths = paths.len() as u64;
         self.counts.units = self.counts.paths / unit.size();
         self.counts.early_sticks = paths.iter().map(|path| u64::from(path.early_sticks)).sum();
         self.counts.early_slips = paths.iter().map(|path| u64::from(path.early_slips)).sum();
         self.counts.diverged = diverged.to_vec();
-        self.sums.phases.cascade = CascadeSums::of(paths, dynamic_force, unit);
     }
 
     /// Add the paths of `other`.
@@ -217,18 +280,30 @@ impl Totals {
     /// The summary: estimates with intervals, bands, and histograms.
     pub fn summary(&self) -> Summary {
         let Totals { timeline, sums, counts } = self;
-        let ordered = counts.durations.ordered();
-        let estimate = |statistic| match statistic {
-            Statistic::StickDurationMedian => {
-                Estimate::new(statistic, sums.phases.in_its_range(statistic, ordered.median(), counts))
-            }
-            other => self.estimate(other),
+        let ordered = |law| counts.law(law).map(LawCounts::ordered);
+        let (sticks, laws) = (counts.sticks.ordered(), Law::ASKED.map(ordered));
+        let of_law = |law: Law| match law {
+            Law::Stick => Some(&sticks),
+            asked => Law::ASKED.iter().zip(&laws).find(|(law, _)| **law == asked)?.1.as_ref(),
+        };
+        let estimate = |statistic: Statistic| match statistic.row().median_of.and_then(of_law) {
+            Some(law) => Estimate::new(statistic, sums.phases.in_its_range(statistic, law.median(), counts)),
+            None => self.estimate(statistic),
         };
         Summary {
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
             estimates: Statistic::ALL.map(estimate),
-            stick_durations: self.stick_durations(&ordered),
+            stick_durations: self.distribution(Law::Stick, &counts.sticks, &sticks),
+            first_sticks: self.first_sticks(),
+            laws: counts.laws.as_ref().map(|of| {
+                let empty = || LawCounts::empty(0.0).ordered();
+                let mut ordered = laws.into_iter();
+                Law::ASKED.map(|law| {
+                    let ordered = ordered.next().flatten().unwrap_or_else(empty);
+                    self.distribution(law, of.law(law), &ordered)
+                })
+            }),
             sub_phases: counts
                 .sub_phases
                 .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
@@ -238,18 +313,21 @@ impl Totals {
         }
     }
 
-    fn stick_durations(&self, ordered: &OrderedDurations) -> StickDurations {
+    fn distribution(&self, law: Law, of: &LawCounts, ordered: &OrderedLaw) -> Distribution {
         let Totals { sums, counts, .. } = self;
-        let chance = counts.chance(sums.phases.cascade.contributing.sticks);
-        let sticks_per_path = self.estimate(Statistic::SticksPerPath);
-        let completed = [sticks_per_path.low, sticks_per_path.high].map(|end| end * counts.paths as f64);
-        let mut sticks = counts.durations.summary(ordered, completed, chance, counts.sample());
-        if counts.certain.first_stick {
-            let certain = |count| Sample { is_random: false, ..counts.sample() }.number(count);
-            sticks.first_completed_ends = certain(sticks.first_completed);
-            sticks.first_censored_ends = certain(sticks.first_censored);
-        }
-        sticks
+        let Some(moments) = sums.phases.law(law) else { return Distribution::default() };
+        let chance = counts.chance(moments.contributing());
+        let of_phases = counts.chance(counts.units).filter(|_| !counts.certain.is_without_phases());
+        let number = moments.number().in_range(Range::NOT_NEGATIVE, of_phases).interval();
+        let completed = number.map(|end| end * counts.paths as f64);
+        of.summary(ordered, completed, chance, counts.sample(), counts.laws.is_some())
+    }
+
+    fn first_sticks(&self) -> FirstSticks {
+        let Counts { first_completed: completed, first_censored: censored, certain, .. } = self.counts;
+        let sample = Sample { is_random: self.counts.sample().is_random && !certain.first_stick, ..self.counts.sample() };
+        let [completed_ends, censored_ends] = [completed, censored].map(|count| sample.number(count));
+        FirstSticks { completed, completed_ends, censored, censored_ends }
     }
 
     fn transient(&self) -> Transient {
@@ -302,12 +380,32 @@ impl Merge for Totals {
 impl PhaseSums {
     /// The sums of no paths.
     pub(super) fn empty(timeline: &Timeline) -> Self {
-        PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline) }
+        PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline), laws: None }
     }
 
     /// The sums of paths that have reached t_end.
-    pub(super) fn of(paths: &[PathFold], dynamic_force: f64, periods: PeriodSums, unit: Unit) -> Self {
-        PhaseSums { cascade: CascadeSums::of(paths, dynamic_force, unit), periods }
+    pub(super) fn of(
+        paths: &[PathFold],
+        dynamic_force: f64,
+        periods: PeriodSums,
+        laws: Option<&[LawFold]>,
+        unit: Unit,
+    ) -> Self {
+        let laws = laws.map(|laws| Box::new(LawsSums::of(laws, unit)));
+        PhaseSums { cascade: CascadeSums::of(paths, dynamic_force, unit), periods, laws }
+    }
+
+    /// The moments of a law; none if it was not asked for.
+    fn law(&self, law: Law) -> Option<&LawSums> {
+        match law {
+            Law::Stick => Some(&self.cascade.sticks),
+            asked => self.laws.as_ref().map(|laws| laws.law(asked)),
+        }
+    }
+
+    /// A number from the moments of a law.
+    fn of_law(&self, law: Law, of: impl Fn(&LawSums) -> Measured) -> Measured {
+        self.law(law).map_or(Measured::NOTHING, of)
     }
 
     /// A statistic of the run that has these sums.
@@ -320,9 +418,10 @@ impl PhaseSums {
     fn in_its_range(&self, statistic: Statistic, measured: Measured, counts: &Counts) -> Measured {
         let contributing = &self.cascade.contributing;
         let units = match statistic.row().over {
-            Over::Sticks => contributing.sticks,
+            Over::Sticks => self.cascade.sticks.contributing(),
             Over::FirstSticks => contributing.first_sticks,
             Over::Slips => contributing.slips,
+            Over::Recurrences => self.law(Law::Recurrence).map_or(0, LawSums::contributing),
             Over::CountsOfPaths | Over::Paths => counts.units,
         };
         let range = statistic.row().range;
@@ -333,18 +432,33 @@ impl PhaseSums {
         let CascadeSums { sticks, first_sticks, slips, stick_time, work, sliding_path, displacement_end, .. } =
             &self.cascade;
         let (contributing, tails) = (&self.cascade.contributing, &self.cascade.tails);
+        let unit = counts.unit();
         match statistic {
-            Statistic::StickDurationMean => {
-                rare_ratio(sticks, STICK_SUM, STICKS, &tails.stick_duration, contributing.sticks, 0.0)
+            Statistic::StickDurationMean => sticks.mean(),
+            Statistic::StickDurationSd => sticks.sd(unit),
+            Statistic::StickDurationCv => self.of_law(Law::Stick, |law| law.coefficient_of_variation(unit)),
+            Statistic::SlipDurationMean => self.of_law(Law::Slip, LawSums::mean),
+            Statistic::SlipDurationSd => self.of_law(Law::Slip, |law| law.sd(unit)),
+            Statistic::SlipDurationCv => self.of_law(Law::Slip, |law| law.coefficient_of_variation(unit)),
+            Statistic::JumpSd => {
+                self.laws.as_ref().map_or(Measured::NOTHING, |laws| laws.signed_jumps().sd(unit))
             }
-            Statistic::StickDurationSd => {
-                stick_duration_sd(sticks, &self.cascade.stick_tails, contributing.sticks, counts.unit())
+            Statistic::JumpAbsSd => self.of_law(Law::Jump, |law| law.sd(unit)),
+            Statistic::JumpAbsCv => self.of_law(Law::Jump, |law| law.coefficient_of_variation(unit)),
+            Statistic::RecurrenceTimeMean => self.of_law(Law::Recurrence, LawSums::mean),
+            Statistic::RecurrenceTimeSd => self.of_law(Law::Recurrence, |law| law.sd(unit)),
+            Statistic::RecurrenceTimeCv => self.of_law(Law::Recurrence, |law| law.coefficient_of_variation(unit)),
+            Statistic::StickDurationMedian
+            | Statistic::SlipDurationMedian
+            | Statistic::JumpAbsMedian
+            | Statistic::RecurrenceTimeMedian => {
+                let counts = statistic.row().median_of.and_then(|law| counts.law(law));
+                counts.map_or(Measured::NOTHING, |law| law.ordered().median())
             }
-            Statistic::StickDurationMedian => counts.durations.ordered().median(),
             Statistic::FirstStickDurationMean => {
                 rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks, 0.0)
             }
-            Statistic::SticksPerPath => rare_mean(sticks, STICKS, &tails.sticks, contributing.sticks),
+            Statistic::SticksPerPath => sticks.number(),
             Statistic::SlipsPerPath => rare_mean(slips, SLIPS, &tails.slips, contributing.slips),
             Statistic::SubPhasesMean => {
                 rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips, 1.0)
@@ -363,7 +477,7 @@ impl PhaseSums {
             Statistic::DriftVelocity => self.periods.drift_velocity(timeline),
             Statistic::DiffusionCoefficient => self.periods.diffusion_coefficient(timeline),
             Statistic::PeriodDisplacementMean => self.periods.period_displacements.mean(),
-            Statistic::PeriodDisplacementSd => self.periods.period_displacements.sd(counts.unit()),
+            Statistic::PeriodDisplacementSd => self.periods.period_displacements.sd(unit),
             Statistic::PeriodDisplacementCorrelation => self.periods.period_displacements.correlation(),
             Statistic::PhaseDisplacementSd => self.periods.spread_at_phase(timeline),
             Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
@@ -373,11 +487,6 @@ impl PhaseSums {
         }
     }
 }
-
-// Entries of `CascadeSums::sticks`. The third, the sum of squares, is used by `stick_duration_sd`
-// alone.
-const STICKS: usize = 0;
-const STICK_SUM: usize = 1;
 
 // Entries of `CascadeSums::slips`.
 const SLIPS: usize = 0;
@@ -389,11 +498,9 @@ const JUMP_ABS: usize = 4;
 /// Moments over paths of the numbers that describe the cascade of a path.
 #[derive(Clone, Debug, Default, PartialEq)]
 struct CascadeSums {
-    /// Number of completed sticks, j >= 1, sum of D_j, sum of D_j^2.
-    sticks: JointMoments<3>,
-    /// Powers of the influences of paths on the standard deviation of D_j.
-    stick_tails: Tails,
-    /// Those on the means of positive numbers.
+    /// Durations D_j of completed sticks, j >= 1.
+    sticks: LawSums,
+    /// Powers of the influences of paths on the means of positive numbers.
     tails: CascadeTails,
     /// Whether the first stick ended, and its D_0.
     first_sticks: JointMoments<2>,
@@ -409,7 +516,6 @@ struct CascadeSums {
 
 codec_of_fields!(CascadeSums {
     sticks,
-    stick_tails,
     tails,
     first_sticks,
     slips,
@@ -424,32 +530,26 @@ codec_of_fields!(CascadeSums {
 /// Fourth powers of the numbers of units, for the tails of the errors of these means.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct CascadeTails {
-    stick_duration: Fourths,
     first_stick_duration: Fourths,
     sub_phases: Fourths,
     jump_size: Fourths,
-    sticks: Fourths,
     slips: Fourths,
     stick_time: Fourths,
 }
 
 codec_of_fields!(CascadeTails {
-    stick_duration,
     first_stick_duration,
     sub_phases,
     jump_size,
-    sticks,
     slips,
     stick_time
 });
 
 impl CascadeTails {
     fn merge(&mut self, other: &CascadeTails) {
-        self.stick_duration.merge(&other.stick_duration);
         self.first_stick_duration.merge(&other.first_stick_duration);
         self.sub_phases.merge(&other.sub_phases);
         self.jump_size.merge(&other.jump_size);
-        self.sticks.merge(&other.sticks);
         self.slips.merge(&other.slips);
         self.stick_time.merge(&other.stick_time);
     }
@@ -478,14 +578,13 @@ impl EarlySums {
 /// Number of units that completed at least one phase of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 struct Contributing {
-    sticks: u64,
     first_sticks: u64,
     slips: u64,
     /// Units with any static time.
     sticking: u64,
 }
 
-codec_of_fields!(Contributing { sticks, first_sticks, slips, sticking });
+codec_of_fields!(Contributing { first_sticks, slips, sticking });
 
 impl CascadeSums {
     fn of(paths: &[PathFold], dynamic_force: f64, unit: Unit) -> Self {
@@ -493,39 +592,21 @@ impl CascadeSums {
         let column = |of: fn(&PathFold) -> f64| unit.means(&of_paths(of)).into_owned();
         let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
         let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
-        let [sticks, durations] = [column(|p| p.sticks.into()), column(|p| p.duration)];
         let [first_sticks, first_durations] =
             [column(|p| f64::from(u8::from(p.first_duration.is_some()))), column(|p| p.first_duration.unwrap_or(0.0))];
         let [slips, sub_phases, jump_sizes] =
             [column(|p| p.slips.into()), column(|p| p.sub_phases.into()), column(|p| p.jump_abs)];
         let stick_times = column(|p| p.stick_time);
         let tails = CascadeTails {
-            stick_duration: Fourths::of(&durations, &sticks),
             first_stick_duration: Fourths::of(&first_durations, &first_sticks),
             sub_phases: Fourths::of(&sub_phases, &slips),
             jump_size: Fourths::of(&jump_sizes, &slips),
-            sticks: Fourths::of_mean(&sticks),
             slips: Fourths::of_mean(&slips),
             stick_time: Fourths::of_mean(&stick_times),
         };
-        let sticks = JointMoments::of([&sticks, &durations, &column(|p| p.duration_squared)]);
-        // The influence of a path is sum_j ((D_j - mean)^2 - sd^2), with the mean and sd of these
-        // paths.
-        let [number, sum, squares] = sticks.mean;
-        let (mean, variance) = (sum / number, squares / number - (sum / number) * (sum / number));
-        let influence = |p: &PathFold| {
-            p.duration_squared - 2.0 * mean * p.duration + (mean * mean - variance) * f64::from(p.sticks)
-        };
         CascadeSums {
-            stick_tails: match unit {
-                Unit::Path => Tails::of(paths.iter().filter(|p| p.sticks > 0).map(influence)),
-                Unit::Pair => {
-                    let influences: Vec<f64> = paths.iter().map(influence).collect();
-                    Tails::of(unit.means(&influences).iter().copied())
-                }
-            },
+            sticks: LawSums::of(paths, |path| path.sticks, unit),
             tails,
-            sticks,
             first_sticks: JointMoments::of([&first_sticks, &first_durations]),
             slips: JointMoments::of([
                 &slips,
@@ -544,7 +625,6 @@ impl CascadeSums {
                 displacement: Moments::of(&column(|p| p.early_displacement)),
             },
             contributing: Contributing {
-                sticks: count(|p| p.sticks > 0),
                 first_sticks: count(|p| p.first_duration.is_some()),
                 slips: count(|p| p.slips > 0),
                 sticking: count(|p| p.stick_time > 0.0),
@@ -554,7 +634,6 @@ impl CascadeSums {
 
     fn merge(&mut self, other: &CascadeSums) {
         self.sticks.merge(&other.sticks);
-        self.stick_tails.merge(&other.stick_tails);
         self.tails.merge(&other.tails);
         self.first_sticks.merge(&other.first_sticks);
         self.slips.merge(&other.slips);
@@ -563,65 +642,10 @@ impl CascadeSums {
         self.sliding_path.merge(&other.sliding_path);
         self.early.merge(&other.early);
         self.displacement_end.merge(&other.displacement_end);
-        self.contributing.sticks += other.contributing.sticks;
         self.contributing.first_sticks += other.contributing.first_sticks;
         self.contributing.slips += other.contributing.slips;
         self.contributing.sticking += other.contributing.sticking;
     }
-}
-
-/// A mean of positive numbers of events, as a ratio of sums over units, of which these contribute.
-/// No event has less than `floor`.
-fn rare_ratio<const N: usize>(
-    units: &JointMoments<N>,
-    top: usize,
-    bottom: usize,
-    tails: &Fourths,
-    contributing: u64,
-    floor: f64,
-) -> Measured {
-    let measured = Measured::ratio(units, top, bottom, contributing);
-    if are_too_few(contributing, units.count, FEWEST) {
-        return measured.without_interval();
-    }
-    let mut influence = [0.0; N];
-    (influence[top], influence[bottom]) = (1.0, -measured.estimate());
-    let squares = units.spread_along(influence);
-    let freedom = tails.freedom(measured.estimate(), squares, contributing);
-    measured.on_log_scale(floor, cautious(freedom, contributing, units.count))
-}
-
-/// A number of events per path, of which these units have any.
-fn rare_mean<const N: usize>(units: &JointMoments<N>, entry: usize, tails: &Fourths, contributing: u64) -> Measured {
-    let measured = Measured::mean_of(units, entry);
-    if are_too_few(contributing, units.count, FEWEST) {
-        return measured.without_interval();
-    }
-    let mut influence = [0.0; N];
-    influence[entry] = 1.0;
-    let freedom = tails.freedom(measured.estimate(), units.spread_along(influence), units.count);
-    measured.on_log_scale(0.0, cautious(freedom, contributing, units.count))
-}
-
-/// sqrt(q/n - (s/n)^2), where n, s and q are the means over paths of the number of sticks, of their
-/// summed durations and of their summed squares. An sd below 1e-8 of the root mean square is lost
-/// in rounding, and the result is zero.
-fn stick_duration_sd(units: &JointMoments<3>, tails: &Tails, contributing: u64, unit: Unit) -> Measured {
-    let [n, s, q] = units.mean;
-    // A single stick has no spread.
-    if n * (units.count * unit.size()) as f64 <= 1.5 {
-        return Measured::NOTHING;
-    }
-    let (mean, mean_square) = (s / n, q / n);
-    let variance = mean_square - mean * mean;
-    if variance <= 4.0 * f64::EPSILON * mean_square {
-        return Measured::smooth(0.0, units, [0.0; 3], contributing);
-    }
-    let sd = variance.sqrt();
-    let gradient = [2.0 * mean * mean - mean_square, -2.0 * mean, 1.0].map(|g| g / (2.0 * sd * n));
-    let error = Measured::smooth(sd, units, gradient, contributing).measurement().standard_error;
-    let spread = Measured::spread(sd, error, cautious(tails.freedom(contributing), contributing, units.count));
-    if are_too_few(contributing, units.count, FEWEST_FOR_SPREAD) { spread.without_interval() } else { spread }
 }
 
 /// Counts of k(j).
@@ -1238,7 +1262,7 @@ mod tests {
             for (i, (statistic, truth)) in truth.into_iter().enumerate() {
                 let e = totals.estimate(statistic);
                 held[i].count(e.low <= truth && truth <= e.high);
-                let contributing = totals.sums.phases.cascade.contributing.sticks;
+                let contributing = totals.sums.phases.cascade.sticks.contributing();
                 let m = if statistic == Statistic::StickDurationMean { contributing } else { 100 };
                 let half_width = crate::sums::interval::student(m - 1) * e.standard_error;
                 straight[i].count((e.estimate - truth).abs() <= half_width);

@@ -37,14 +37,14 @@ pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
 }
 
 fn statistics(summary: &Summary, info: &RunInfo) -> Value {
-    let all = &summary.estimates;
+    let all: Vec<&Estimate> = summary.asked().collect();
     let unit = |e: &Estimate| e.statistic.dimension().label(&info.provenance.units);
-    let column = |of: fn(&Estimate) -> f64| json!(all.iter().map(of).collect::<Vec<_>>());
+    let column = |of: fn(&Estimate) -> f64| json!(all.iter().map(|e| of(e)).collect::<Vec<_>>());
     // Columns are arrays of pairs, because an array keeps its order and the members of an object do
     // not.
     json!([
         ["statistic", all.iter().map(|e| e.statistic.name()).collect::<Vec<_>>()],
-        ["unit", all.iter().map(unit).collect::<Vec<_>>()],
+        ["unit", all.iter().map(|e| unit(e)).collect::<Vec<_>>()],
         ["estimate", column(|e| e.estimate)],
         ["standard_error", column(|e| e.standard_error)],
         ["low", column(|e| e.low)],

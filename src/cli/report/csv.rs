@@ -39,18 +39,18 @@ struct CsvLine {
 impl Csv {
     /// Adds the statistics of one file, or of one point of a sweep, where `at` holds the keys that
     /// are set at that point.
-    pub fn add(&mut self, file: &str, at: &[(String, f64)], estimates: &[Estimate], units: &Units) {
+    pub fn add(&mut self, file: &str, at: &[(String, f64)], estimates: impl Iterator<Item = Estimate>, units: &Units) {
         for (key, _) in at {
             if !self.keys.contains(key) {
                 self.keys.push(key.clone());
             }
         }
-        self.lines.extend(estimates.iter().map(|e| CsvLine {
+        self.lines.extend(estimates.map(|e| CsvLine {
             file: file.to_string(),
             at: at.to_vec(),
             statistic: e.statistic.name(),
             unit: e.statistic.dimension().label(units),
-            numbers: numbers(e),
+            numbers: numbers(&e),
         }));
     }
 
@@ -60,7 +60,9 @@ impl Csv {
         for (p, point) in done {
             let settings = sweep.question.design.settings(p).into_iter();
             let at: Vec<(String, f64)> = settings.map(|setting| (setting.key, setting.value)).collect();
-            self.add(file, &at, &point.estimates, &sweep.question.scenario.units);
+            let scenario = &sweep.question.scenario;
+            let asked = point.estimates.iter().filter(|e| e.statistic.is_asked_by(&scenario.record));
+            self.add(file, &at, asked.copied(), &scenario.units);
         }
     }
 

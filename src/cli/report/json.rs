@@ -11,7 +11,7 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
     let (sticks, run) = (&summary.stick_durations, &info.provenance);
     let Units { time, length, force, temperature } = &run.units;
     let unsettled = summary.unsettled().map(|unsettled| unsettled.into_iter().map(Statistic::name).collect::<Vec<_>>());
-    let statistics = summary.estimates.iter().map(|e| (e.statistic.name().to_string(), corrected_estimate(e)));
+    let statistics = summary.asked().map(|e| (e.statistic.name().to_string(), corrected_estimate(e)));
     let report = json!({
         "scenario": info.scenario,
         "title": run.title,
@@ -40,8 +40,8 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
         "sticks": {
             "completed": sticks.completed,
             "censored": sticks.censored,
-            "first_completed": sticks.first_completed,
-            "first_censored": sticks.first_censored,
+            "first_completed": summary.first_sticks.completed,
+            "first_censored": summary.first_sticks.censored,
         },
         // What happened before the time from which on statistics count; null where they count from
         // the beginning.

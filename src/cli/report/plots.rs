@@ -3,7 +3,7 @@
 use crate::cli::numbers::{percent, significant};
 use crate::cli::terminal::Letters;
 use stick_slip::scenario::Units;
-use stick_slip::stats::{Dimension, StickDurations, SubPhaseCounts, Summary};
+use stick_slip::stats::{Dimension, Distribution, SubPhaseCounts, Summary};
 
 /// The length of the longest bar, in cells.
 const CELLS: usize = 24;
@@ -27,7 +27,7 @@ struct Octave {
     survival: [f64; 3],
 }
 
-fn sticks(sticks: &StickDurations, unit: &str, letters: Letters) -> String {
+fn sticks(sticks: &Distribution, unit: &str, letters: Letters) -> String {
     let octaves = octaves(sticks);
     if octaves.is_empty() {
         return "no stick, the first of each path left out, has ended\n".into();
@@ -51,7 +51,7 @@ fn sticks(sticks: &StickDurations, unit: &str, letters: Letters) -> String {
 }
 
 /// The bins of the file put together to octaves. The first octave also holds all shorter sticks.
-fn octaves(sticks: &StickDurations) -> Vec<Octave> {
+fn octaves(sticks: &Distribution) -> Vec<Octave> {
     let total: u64 = sticks.histogram.counts.iter().sum();
     let (Some(last), true) = (sticks.histogram.counts.iter().rposition(|count| *count > 0), total > 0) else {
         return Vec::new();

@@ -32,8 +32,8 @@ fn sticks(summary: &Summary) -> String {
         "{} ended, {} still running at the end (censored); of the first ones, {} ended and {} were running",
         grouped(sticks.completed),
         grouped(sticks.censored),
-        grouped(sticks.first_completed),
-        grouped(sticks.first_censored)
+        grouped(summary.first_sticks.completed),
+        grouped(summary.first_sticks.censored)
     )
 }
 

@@ -25,7 +25,7 @@ pub fn json(sweep: &Sweep, output: &Path) -> String {
     match design {
         Design::Star { keys, relative_step } => {
             object["relative_step"] = json!(relative_step);
-            let of = |(k, (key, value)): (usize, &(String, f64))| json!({ "key": key, "value": value, "statistics": statistics(|s| sweep.elasticity(k, s).map(paired)) });
+            let of = |(k, (key, value)): (usize, &(String, f64))| json!({ "key": key, "value": value, "statistics": statistics(sweep, |s| sweep.elasticity(k, s).map(paired)) });
             object["elasticities"] = keys.iter().enumerate().map(of).collect();
         }
         Design::Grid(_) | Design::Zip(_) => object["differences"] = differences(sweep),
@@ -48,13 +48,14 @@ fn point(sweep: &Sweep, p: usize) -> Value {
         "completed_paths": completed_paths,
         "diverged_paths": diverged_paths,
         "cpu_seconds": seconds,
-        "statistics": statistics(|statistic| Some(estimate(&estimates[statistic.index()]))),
+        "statistics": statistics(sweep, |statistic| Some(estimate(&estimates[statistic.index()]))),
     })
 }
 
 /// Statistics by name, in the order of the table.
-fn statistics(of: impl Fn(Statistic) -> Option<Value>) -> Value {
-    let each = Statistic::ALL.into_iter().map(|statistic| (statistic.name().to_string(), of(statistic).into()));
+fn statistics(sweep: &Sweep, of: impl Fn(Statistic) -> Option<Value>) -> Value {
+    let asked = Statistic::asked_by(&sweep.question.scenario.record);
+    let each = asked.into_iter().map(|statistic| (statistic.name().to_string(), of(statistic).into()));
     Value::Object(each.collect())
 }
 
@@ -71,7 +72,7 @@ fn differences(sweep: &Sweep) -> Value {
         let pairs = (0..sweep.points.len()).filter_map(|from| Some((from, design.next(from, dimension)?)));
         let pair = |(from, to): (usize, usize)| {
             let of = |statistic| sweep.difference(from, dimension, statistic).map(paired);
-            json!({ "from": from, "to": to, "statistics": statistics(of) })
+            json!({ "from": from, "to": to, "statistics": statistics(sweep, of) })
         };
         json!({ "along": name, "pairs": pairs.map(pair).collect::<Vec<_>>() })
     });

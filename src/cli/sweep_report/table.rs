@@ -102,12 +102,17 @@ fn gain_cell(gain: f64) -> String {
     if gain.is_finite() { significant(gain, 2) } else { "none".into() }
 }
 
+/// The statistics that every point reports.
+fn asked(sweep: &Sweep) -> Vec<Statistic> {
+    Statistic::asked_by(&sweep.question.scenario.record)
+}
+
 /// The gain from common seeds for the differences of neighbouring points, for each statistic. The
 /// gain is the variance with independent seeds over that with common ones.
 fn gains(sweep: &Sweep) -> String {
     let along = sweep.question.design.along();
     let mut rows = vec![Row::labelled("gain along", along.iter().map(|name| name.to_string()))];
-    for statistic in Statistic::ALL {
+    for statistic in asked(sweep) {
         let gains: Vec<f64> = (0..along.len()).map(|dimension| sweep.gain(dimension, statistic)).collect();
         if gains.iter().any(|gain| gain.is_finite()) {
             rows.push(Row::labelled(statistic.name(), gains.into_iter().map(gain_cell)));
@@ -159,13 +164,13 @@ pub fn remarks(sweep: &Sweep) -> Vec<String> {
     }
     for (dimension, name) in sweep.question.design.along().into_iter().enumerate() {
         let is_low = |statistic: &Statistic| sweep.gain(dimension, *statistic) < LOW_GAIN;
-        let low: Vec<&str> = Statistic::ALL.into_iter().filter(is_low).map(Statistic::name).collect();
+        let low: Vec<&str> = asked(sweep).into_iter().filter(is_low).map(Statistic::name).collect();
         if !low.is_empty() {
             remarks.push(format!(
                 "common seeds make differences along {name} hardly sharper (gain below {LOW_GAIN}) in {} of {} statistics: {}. \
                  Closer values or another scheme raise it; with --independent the points at least err independently",
                 low.len(),
-                Statistic::ALL.len(),
+                asked(sweep).len(),
                 low.join(", ")
             ));
         }

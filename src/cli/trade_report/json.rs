@@ -1,6 +1,6 @@
 //! The report of a trade for programs: one JSON object.
 
-use super::{Asked, INTERVAL};
+use super::{Asked, INTERVAL, measured};
 use crate::cli::document::document;
 use serde_json::{Value, json};
 use stick_slip::scheme::Kind;
@@ -18,7 +18,7 @@ pub fn json(trade: &Trade, asked: &Asked<'_>) -> String {
         "threads": asked.threads,
         "reference": trade.reference().scheme.to_string(),
         "rungs": trade.rungs.iter().map(|rung| json_rung(trade, rung)).collect::<Vec<_>>(),
-        "statistics": Statistic::ALL.map(|statistic| json_statistic(trade, statistic)).to_vec(),
+        "statistics": measured().map(|statistic| json_statistic(trade, statistic)).collect::<Vec<_>>(),
         "winners": winners.map(|(statistic, target)| json_winner(trade, statistic, target)).collect::<Vec<_>>(),
         "left_out": left_out.collect::<Vec<_>>(),
     });
@@ -26,7 +26,7 @@ pub fn json(trade: &Trade, asked: &Asked<'_>) -> String {
 }
 
 fn json_rung(trade: &Trade, rung: &Rung) -> Value {
-    let statistics = Statistic::ALL.map(|statistic| {
+    let statistics = measured().map(|statistic| {
         let (estimate, bias) = (rung.estimate(statistic), trade.bias(rung, statistic));
         json!({
             "name": statistic.name(),
@@ -46,7 +46,7 @@ fn json_rung(trade: &Trade, rung: &Rung) -> Value {
         "diverged_paths": rung.diverged,
         "cpu_seconds_first_path": rung.cost.first,
         "cpu_seconds_per_path": rung.cost.each,
-        "statistics": statistics.to_vec(),
+        "statistics": statistics.collect::<Vec<_>>(),
     })
 }
 

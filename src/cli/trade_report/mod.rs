@@ -11,7 +11,7 @@ pub use table::table;
 use std::path::Path;
 use std::time::Duration;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::Statistic;
+use stick_slip::stats::{Record, Statistic};
 use stick_slip::study::trade::{Standing, Trade};
 
 /// What was asked for.
@@ -28,11 +28,16 @@ pub struct Asked<'a> {
     pub threads: usize,
 }
 
+/// The statistics that a trade measures: those that no scenario needs to ask for.
+fn measured() -> impl Iterator<Item = Statistic> {
+    Statistic::asked_by(&Record::NOTHING).into_iter()
+}
+
 /// The names of the statistics that no accuracy can be asked for, with the reason that they share.
 pub fn without_answer(trade: &Trade) -> Vec<(String, Standing)> {
     let reasons = [Standing::Zero, Standing::NoLimit, Standing::Absent].into_iter();
     let named = reasons.map(|reason| {
-        let here = Statistic::ALL.into_iter().filter(|statistic| trade.standing(*statistic) == reason);
+        let here = measured().filter(|statistic| trade.standing(*statistic) == reason);
         (here.map(Statistic::name).collect::<Vec<_>>().join(", "), reason)
     });
     named.filter(|(names, _)| !names.is_empty()).collect()

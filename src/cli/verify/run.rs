@@ -94,7 +94,7 @@ impl Claim<'_> {
 
     /// Whether the file has rows of single paths.
     fn has_rows(&self) -> bool {
-        let Record { paths, events, trajectories } = self.scenario.record;
+        let Record { paths, events, trajectories, .. } = self.scenario.record;
         paths || events || trajectories > self.origin()
     }
 
@@ -155,7 +155,7 @@ impl Claim<'_> {
                 listed(&again.blocks, &self.blocks)
             ),
         };
-        let Record { paths, events, trajectories } = self.scenario.record;
+        let Record { paths, events, trajectories, .. } = self.scenario.record;
         let kinds = [("paths", paths), ("events", events), ("trajectories", trajectories > 0)];
         let kept: Vec<&str> = kinds.into_iter().filter(|(_, is_kept)| *is_kept).map(|(kind, _)| kind).collect();
         let rows = match again.blocks.is_empty() || kept.is_empty() {

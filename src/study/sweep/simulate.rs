@@ -11,7 +11,7 @@ use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::Simulate as _;
-use crate::stats::{Companion as _, Grouping, Groups, Record, RunTotals};
+use crate::stats::{Companion as _, Grouping, Groups, RunTotals};
 use crate::study::clock::thread_seconds;
 use crate::sums::{Overlap, Unit};
 use std::ops::ControlFlow;
@@ -106,8 +106,9 @@ impl PointSetup {
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
         let Ensemble { paths, seed, antithetic } = scenario.ensemble;
         let unit = if antithetic { Unit::Pair } else { Unit::Path };
-        let grouping = Grouping::new(simulation.model(), simulation.timeline(), unit);
-        PointSetup { plan: Plan { simulation, record: Record::NOTHING, seed, paths, antithetic }, grouping }
+        let record = scenario.record.of_no_path();
+        let grouping = Grouping::new(simulation.model(), simulation.timeline(), &record, unit);
+        PointSetup { plan: Plan { simulation, record, seed, paths, antithetic }, grouping }
     }
 }
 

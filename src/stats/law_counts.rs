@@ -1,9 +1,11 @@
-//! Stick durations: their quantiles, the interval of their median, and their survival function,
-//! which takes the censored sticks into account.
+//! The counts of one law, such as that of stick durations: quantiles, the interval of the median, and
+//! the survival function, which takes the censored phases into account.
+//!
+//! The words below are those of stick durations. Jumps and times from slip to slip are counted in the
+//! same way.
 
 use super::survival::Survival;
-use super::{Histogram, QUANTILE_LEVELS, StickDurations};
-use crate::scheme::Timeline;
+use super::{Distribution, Histogram, QUANTILE_LEVELS};
 use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::bins::Shape;
@@ -20,7 +22,7 @@ use std::borrow::Cow;
 /// Fine bins per bin of the public histogram, which has 8 bins per octave.
 const COARSENING: i32 = 32;
 
-/// Below this share of t_end, durations are binned evenly instead of logarithmically.
+/// Below this share of the scale of a law, values are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// A batch keeps up to this many durations one by one, and counts more than these in up to as many
@@ -57,30 +59,28 @@ impl Batch {
     }
 }
 
-/// Counts of stick durations.
+/// Counts of the values of one law.
 #[derive(Clone, Debug)]
-pub(super) struct DurationCounts {
+pub(super) struct LawCounts {
     grid: LogGrid,
     /// h, if all durations are multiples of h. They are then counted as whole numbers of steps.
     step: Option<f64>,
     batches: [Batch; BATCHES],
     /// Sticks of a block that are in no batch yet, each with its batch and its duration, in the
-    /// order in which they ended. [`DurationCounts::merge`] counts them in the batches of the run,
+    /// order in which they ended. [`LawCounts::merge`] counts them in the batches of the run,
     /// so that mostly a block has no batches of its own to fill.
     listed: Vec<(u32, f64)>,
-    first_completed: u64,
-    first_censored: u64,
 }
 
-impl DurationCounts {
-    pub fn empty(timeline: &Timeline) -> Self {
-        DurationCounts {
-            grid: LogGrid::new(timeline.end * RESOLUTION),
+impl LawCounts {
+    /// No values. `scale` is the largest value that is to be expected, roughly; it determines the
+    /// bins.
+    pub fn empty(scale: f64) -> Self {
+        LawCounts {
+            grid: LogGrid::new(scale * RESOLUTION),
             step: None,
             batches: std::array::from_fn(|_| Batch::empty(false)),
             listed: Vec::new(),
-            first_completed: 0,
-            first_censored: 0,
         }
     }
 
@@ -128,19 +128,8 @@ impl DurationCounts {
         self.batches[batch_of(unit)].censored.push(self.grid.key(so_far));
     }
 
-    /// A first stick has ended.
-    #[inline]
-    pub fn first_completed(&mut self) {
-        self.first_completed += 1;
-    }
-
-    /// A first stick runs at t_end.
-    pub fn first_censored(&mut self) {
-        self.first_censored += 1;
-    }
-
     /// Add the counts of `other`. Counts that are still empty take over the step of `other`.
-    pub fn merge(&mut self, other: &DurationCounts) {
+    pub fn merge(&mut self, other: &LawCounts) {
         if self.step != other.step && other.step.is_some() {
             debug_assert_eq!(self.step, None, "durations of different steps");
             self.set_step(other.step);
@@ -149,17 +138,15 @@ impl DurationCounts {
             mine.merge(more);
         }
         count(&mut self.batches, &other.listed, self.step, self.grid);
-        self.first_completed += other.first_completed;
-        self.first_censored += other.first_censored;
     }
 
     /// The durations of each batch, and those of all batches, in order.
-    pub fn ordered(&self) -> OrderedDurations {
+    pub fn ordered(&self) -> OrderedLaw {
         let batches = self.batches();
         let mut pooled = Batch::empty(self.step.is_some()).durations;
         batches.iter().for_each(|batch| pooled.merge(&batch.durations));
         let of = |batch: &Batch| batch.durations.ordered();
-        OrderedDurations { step: self.step, batches: batches.iter().map(of).collect(), pooled: pooled.ordered() }
+        OrderedLaw { step: self.step, batches: batches.iter().map(of).collect(), pooled: pooled.ordered() }
     }
 
     /// The median without the sticks of each batch; NaN where durations are whole numbers of steps.
@@ -167,20 +154,22 @@ impl DurationCounts {
         if self.step.is_some() {
             return [f64::NAN; BATCHES];
         }
-        let OrderedDurations { batches, pooled, .. } = self.ordered();
+        let OrderedLaw { batches, pooled, .. } = self.ordered();
         std::array::from_fn(|batch| pooled.median_without(&batches[batch]))
     }
 
     /// Everything that is reported of the durations, which `ordered` holds in order.
     /// `completed_ends` is the interval of the number of completed sticks. `chance` is the number
-    /// of units with a completed stick, if these are random.
+    /// of units with a completed stick, if these are random. `with_batches` adds the counts of each
+    /// batch.
     pub fn summary(
         &self,
-        ordered: &OrderedDurations,
+        ordered: &OrderedLaw,
         completed_ends: [f64; 2],
         chance: Option<u64>,
         sample: Sample,
-    ) -> StickDurations {
+        with_batches: bool,
+    ) -> Distribution {
         let batches = self.batches();
         let pooled = |of: fn(&Batch) -> &LogBins| {
             let mut pooled = LogBins::default();
@@ -199,6 +188,10 @@ impl DurationCounts {
             counts
         };
         let batch_counts: Vec<Vec<u64>> = batches.iter().map(|batch| counts(&coarse(&batch.bins.bins()))).collect();
+        let of_batches = |of: &dyn Fn(&Batch) -> &LogBins| match with_batches {
+            true => batches.iter().flat_map(|batch| counts(&coarse(&of(batch).bins()))).collect(),
+            false => Vec::new(),
+        };
         let sizes: Vec<f64> = batch_counts.iter().map(|counts| counts.iter().sum::<u64>() as f64).collect();
         let share = |bin: usize| {
             Share::of(batch_counts.iter().zip(&sizes).map(|(counts, &size)| (counts[bin] as f64, size)))
@@ -209,16 +202,12 @@ impl DurationCounts {
         let each = batches.iter().map(|batch| (batch.bins.bins(), batch.censored.bins()));
         let survival = Survival::new(each.collect(), |key| (coarse_bin(key) - first) as usize, (end - first) as usize);
         let quantiles = QUANTILE_LEVELS.map(|p| ordered.quantile(p));
-        StickDurations {
+        Distribution {
             step: self.step,
             completed: number(&completed),
             completed_ends,
             censored: number(&censored),
             censored_ends: one_a_path(number(&censored)),
-            first_completed: self.first_completed,
-            first_completed_ends: one_a_path(self.first_completed),
-            first_censored: self.first_censored,
-            first_censored_ends: one_a_path(self.first_censored),
             histogram: Histogram {
                 edges: (first..=end).map(|edge| self.grid.edge(edge * COARSENING)).collect(),
                 counts: counts(&ended),
@@ -230,20 +219,22 @@ impl DurationCounts {
             survival: survival.curve,
             quantiles: quantiles.iter().map(|quantile| quantile.estimate()).collect(),
             quantile_ends: quantiles.iter().map(|quantile| quantile.interval()).collect(),
+            batch_counts: of_batches(&|batch| &batch.bins),
+            batch_censored_counts: of_batches(&|batch| &batch.censored),
         }
     }
 }
 
 /// The durations of completed sticks in order, in whole steps if there is a step. Putting them in
 /// order takes long, so this is done once for all statistics that need it.
-pub(super) struct OrderedDurations {
+pub(super) struct OrderedLaw {
     step: Option<f64>,
     batches: Vec<Ordered>,
     /// Those of all batches together.
     pooled: Ordered,
 }
 
-impl OrderedDurations {
+impl OrderedLaw {
     /// The median with its interval.
     pub fn median(&self) -> Measured {
         self.quantile(0.5)
@@ -270,10 +261,9 @@ fn count(batches: &mut [Batch; BATCHES], sticks: &[(u32, f64)], step: Option<f64
     }
 }
 
-impl PartialEq for DurationCounts {
+impl PartialEq for LawCounts {
     fn eq(&self, other: &Self) -> bool {
-        let numbers = |counts: &Self| (counts.grid, counts.step, counts.first_completed, counts.first_censored);
-        numbers(self) == numbers(other) && self.batches() == other.batches()
+        (self.grid, self.step) == (other.grid, other.step) && self.batches() == other.batches()
     }
 }
 
@@ -283,13 +273,11 @@ fn coarse_bin(key: i16) -> i32 {
     (i32::from(key) - 1).max(0) / COARSENING
 }
 
-impl Codec for DurationCounts {
+impl Codec for LawCounts {
     fn write(&self, out: &mut Vec<u8>) {
         // Zero stands for no step.
         self.step.unwrap_or(0.0).write(out);
         self.batches().write(out);
-        self.first_completed.write(out);
-        self.first_censored.write(out);
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
@@ -299,9 +287,7 @@ impl Codec for DurationCounts {
             return Err(Damaged);
         }
         self.set_step(Some(step).filter(|step| *step > 0.0));
-        self.batches.read(from)?;
-        self.first_completed.read(from)?;
-        self.first_censored.read(from)
+        self.batches.read(from)
     }
 }
 
@@ -314,10 +300,6 @@ mod tests {
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
 
-    fn timeline() -> Timeline {
-        Timeline { end: 64.0, output_step: 64.0, period: None, after: 0.0 }
-    }
-
     #[test]
     fn survival_is_that_of_the_textbook_example() {
         // Remission times in weeks of the 6-MP group of Freireich et al. (1963), the standard
@@ -327,7 +309,7 @@ mod tests {
         let censored = [6.0, 9.0, 10.0, 11.0, 17.0, 19.0, 20.0, 25.0, 32.0, 32.0, 34.0, 35.0];
         let printed =
             [(6.0, 0.857), (7.0, 0.807), (10.0, 0.753), (13.0, 0.690), (16.0, 0.627), (22.0, 0.538), (23.0, 0.448)];
-        let mut totals = DurationCounts::empty(&timeline());
+        let mut totals = LawCounts::empty(64.0);
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(0, d));
         let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(21), independent(21, true));
@@ -367,7 +349,7 @@ mod tests {
         let mut greenwood: [Coverage; 3] = Default::default();
         let (mut counts, mut quantiles) = (Coverage::default(), Coverage::default());
         for _ in 0..ensembles {
-            let mut totals = DurationCounts::empty(&timeline());
+            let mut totals = LawCounts::empty(64.0);
             let mut sticks = Vec::new();
             for path in 0..paths {
                 let mean = if Distribution::<f64>::sample(&StandardUniform, &mut rng) < 0.5 { 0.5 } else { 2.0 };
@@ -381,7 +363,7 @@ mod tests {
                     sticks.push((duration.min(clock), duration <= clock));
                 }
             }
-            let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(paths), independent(paths, true));
+            let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(paths), independent(paths, true), false);
             let edges = &summary.histogram.edges;
             let bin = |time: f64| edges.windows(2).position(|e| e[0] <= time && time < e[1]).expect("a bin");
             sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -418,11 +400,11 @@ mod tests {
     fn sticks_are_the_same_whether_they_are_listed_or_counted() {
         for step in [None, Some(1.0 / 1024.0)] {
             let empty = || {
-                let mut counts = DurationCounts::empty(&timeline());
+                let mut counts = LawCounts::empty(64.0);
                 counts.set_step(step);
                 counts
             };
-            let (mut whole, mut merged) = (empty(), DurationCounts::empty(&timeline()));
+            let (mut whole, mut merged) = (empty(), LawCounts::empty(64.0));
             for block in 0..1000 {
                 let mut part = empty();
                 for stick in 0..20 {
@@ -443,14 +425,14 @@ mod tests {
                 whole.medians_without_each_batch().map(f64::to_bits),
                 merged.medians_without_each_batch().map(f64::to_bits)
             );
-            let bytes = |counts: &DurationCounts| {
+            let bytes = |counts: &LawCounts| {
                 let mut bytes = Vec::new();
                 counts.write(&mut bytes);
                 bytes
             };
             assert_eq!(bytes(&whole), bytes(&merged));
-            let summary = |counts: &DurationCounts| {
-                counts.summary(&counts.ordered(), [0.0; 2], Some(1000), independent(1000, true))
+            let summary = |counts: &LawCounts| {
+                counts.summary(&counts.ordered(), [0.0; 2], Some(1000), independent(1000, true), false)
             };
             assert_eq!(format!("{:?}", summary(&whole)), format!("{:?}", summary(&merged)));
             // Counting what waits changes nothing, now and for sticks that come later.
@@ -467,27 +449,27 @@ mod tests {
 
     #[test]
     fn a_curve_that_few_tell_is_not_certain() {
-        let mut totals = DurationCounts::empty(&timeline());
+        let mut totals = LawCounts::empty(64.0);
         (0..4).for_each(|path| totals.completed(path, 1.0 + 0.4 * path as f64));
-        let sticks = totals.summary(&totals.ordered(), [0.0; 2], Some(4), independent(4, true));
+        let sticks = totals.summary(&totals.ordered(), [0.0; 2], Some(4), independent(4, true), false);
         let (last, low, high) = (sticks.survival.len() - 1, &sticks.survival_ends.low, &sticks.survival_ends.high);
         assert_eq!((sticks.survival[last], low[last]), (0.0, 0.0));
         assert!(high[last] > 0.2 && low[0] < 0.6, "{low:?} {high:?}");
         assert!(sticks.count_ends.high.iter().all(|high| *high > 1.0), "{:?}", sticks.count_ends);
         // Where nothing is random, every number is certain.
-        let sticks = totals.summary(&totals.ordered(), [0.0; 2], None, independent(4, false));
+        let sticks = totals.summary(&totals.ordered(), [0.0; 2], None, independent(4, false), false);
         assert_eq!(sticks.survival_ends.low, sticks.survival);
         assert_eq!(sticks.survival_ends.high, sticks.survival);
     }
 
     #[test]
     fn public_bins_are_eighths_of_octaves_and_hold_every_stick_once() {
-        let mut totals = DurationCounts::empty(&timeline());
+        let mut totals = LawCounts::empty(64.0);
         for i in 0..1000u64 {
             totals.completed(i, 0.75 + 0.001 * i as f64);
         }
         totals.completed(5, 0.0);
-        let histogram = totals.summary(&totals.ordered(), [0.0; 2], Some(1000), independent(1000, true)).histogram;
+        let histogram = totals.summary(&totals.ordered(), [0.0; 2], Some(1000), independent(1000, true), false).histogram;
         assert_eq!(histogram.edges.len(), histogram.counts.len() + 1);
         assert_eq!(histogram.edges[0], 0.0);
         for (edges, &count) in histogram.edges.windows(2).zip(&histogram.counts) {
@@ -505,7 +487,7 @@ mod tests {
 
     #[test]
     fn the_median_of_equal_paths_has_no_error() {
-        let mut totals = DurationCounts::empty(&timeline());
+        let mut totals = LawCounts::empty(64.0);
         for path in 0..100 {
             [1.1, 2.3, 3.7].iter().for_each(|&d| totals.completed(path, d));
         }
@@ -515,7 +497,7 @@ mod tests {
 
     #[test]
     fn few_sticks_bound_the_median_by_nothing() {
-        let mut totals = DurationCounts::empty(&timeline());
+        let mut totals = LawCounts::empty(64.0);
         assert!(totals.ordered().median().measurement().estimate.is_nan());
         totals.completed(0, 1.0);
         let one = totals.ordered().median().measurement();

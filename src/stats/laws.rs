@@ -1,0 +1,184 @@
+//! The laws that a run reports on request: durations of slips, sizes of jumps, and times from slip to
+//! slip, folded path by path ([`LawFold`]), as moments ([`LawsSums`]) and as counts ([`LawsCounts`]).
+
+use super::law::{Folded, Law, LawSums};
+use super::law_counts::LawCounts;
+use crate::model::{Event, EventKind};
+use crate::sums::Unit;
+use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
+
+/// Number of these laws.
+pub(super) const LAWS: usize = Law::ASKED.len();
+
+/// The running sums of one path. A slip is counted if it begins after the burn-in, and so is the time
+/// from its beginning to that of the next slip.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct LawFold {
+    /// The end of the burn-in.
+    after: f64,
+    /// When and where the present slip began, if it is counted.
+    running: Option<(f64, f64)>,
+    /// When the last slip began, if it is counted.
+    last_start: Option<f64>,
+    /// The values of each law, in the order of [`Law::ASKED`].
+    folded: [Folded; LAWS],
+    /// The signed jumps x_{j+1} - x_j.
+    signed_jumps: Folded,
+}
+
+impl LawFold {
+    /// A path with a burn-in that ends at this time.
+    pub fn counted_after(after: f64) -> Self {
+        let nothing = Folded::default();
+        LawFold { after, running: None, last_start: None, folded: [nothing; LAWS], signed_jumps: nothing }
+    }
+
+    /// Add the next event. `count` receives the values that it completes.
+    #[inline]
+    pub fn event(&mut self, event: &Event, mut count: impl FnMut(Law, f64)) {
+        match event.kind {
+            EventKind::SlipStarted(_) => {
+                if let Some(last) = self.last_start {
+                    self.add(Law::Recurrence, event.time - last, &mut count);
+                }
+                let is_counted = event.time >= self.after;
+                self.last_start = is_counted.then_some(event.time);
+                self.running = is_counted.then_some((event.time, event.displacement));
+            }
+            EventKind::StickEntered => {
+                let Some((time, displacement)) = self.running.take() else { return };
+                let jump = event.displacement - displacement;
+                self.signed_jumps.add(jump);
+                self.add(Law::Slip, event.time - time, &mut count);
+                self.add(Law::Jump, jump.abs(), &mut count);
+                match jump {
+                    jump if jump > 0.0 => self.add(Law::JumpForward, jump, &mut count),
+                    jump if jump < 0.0 => self.add(Law::JumpBackward, -jump, &mut count),
+                    _ => {}
+                }
+            }
+            EventKind::SubPhaseBoundary(_) => {}
+        }
+    }
+
+    fn add(&mut self, law: Law, value: f64, count: &mut impl FnMut(Law, f64)) {
+        self.folded[place(law)].add(value);
+        count(law, value);
+    }
+
+    /// The path ends at t_end. `censor` receives the times that are cut off. The jump of a slip that
+    /// is cut off may become larger or smaller, so it tells nothing.
+    pub fn end(&self, time: f64, mut censor: impl FnMut(Law, f64)) {
+        if let Some((start, _)) = self.running {
+            censor(Law::Slip, time - start);
+        }
+        if let Some(start) = self.last_start {
+            censor(Law::Recurrence, time - start);
+        }
+    }
+}
+
+/// The place of a law in [`Law::ASKED`].
+fn place(law: Law) -> usize {
+    Law::ASKED.iter().position(|asked| *asked == law).expect("a law that is reported on request")
+}
+
+/// Moments over paths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct LawsSums {
+    laws: [LawSums; LAWS],
+    signed_jumps: LawSums,
+}
+
+codec_of_fields!(LawsSums { laws, signed_jumps });
+
+impl LawsSums {
+    /// The sums over the paths of a block.
+    pub fn of(paths: &[LawFold], unit: Unit) -> Self {
+        LawsSums {
+            laws: std::array::from_fn(|law| LawSums::of(paths, |path| path.folded[law], unit)),
+            signed_jumps: LawSums::of(paths, |path| path.signed_jumps, unit),
+        }
+    }
+
+    pub fn merge(&mut self, other: &LawsSums) {
+        self.laws.iter_mut().zip(&other.laws).for_each(|(mine, more)| mine.merge(more));
+        self.signed_jumps.merge(&other.signed_jumps);
+    }
+
+    /// The moments of a law.
+    pub fn law(&self, law: Law) -> &LawSums {
+        &self.laws[place(law)]
+    }
+
+    /// The moments of signed jumps.
+    pub fn signed_jumps(&self) -> &LawSums {
+        &self.signed_jumps
+    }
+}
+
+/// The values of each law.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct LawsCounts([LawCounts; LAWS]);
+
+impl LawsCounts {
+    /// No values. The largest duration and the largest length that are to be expected, roughly,
+    /// determine the bins.
+    pub fn empty([time, length]: [f64; 2]) -> Self {
+        LawsCounts(Law::ASKED.map(|law| LawCounts::empty(if law.is_of_time() { time } else { length })))
+    }
+
+    /// Set the step of the scheme, if it has one, before anything is counted.
+    pub fn set_step(&mut self, step: Option<f64>) {
+        let of_time = self.0.iter_mut().zip(Law::ASKED).filter(|(_, law)| law.is_of_time());
+        of_time.for_each(|(counts, _)| counts.set_step(step));
+    }
+
+    /// The counts of a law.
+    pub fn law(&self, law: Law) -> &LawCounts {
+        &self.0[place(law)]
+    }
+
+    pub fn law_mut(&mut self, law: Law) -> &mut LawCounts {
+        &mut self.0[place(law)]
+    }
+
+    pub fn settle(&mut self) {
+        self.0.iter_mut().for_each(LawCounts::settle);
+    }
+
+    pub fn merge(&mut self, other: &LawsCounts) {
+        self.0.iter_mut().zip(&other.0).for_each(|(mine, more)| mine.merge(more));
+    }
+}
+
+impl Codec for LawsCounts {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.0.write(out);
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.0.read(from)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::synthetic::{slip, stick, turn};
+
+    /// Slips begin at 1, 4 and 6. The first begins before the end of the burn-in at 2, and the last
+    /// runs at t_end = 7.
+    #[test]
+    fn a_slip_is_counted_if_it_begins_after_the_burn_in_and_so_is_the_time_to_the_next() {
+        let events = [slip(1.0, 5.0), stick(3.0, 6.0), slip(4.0, 6.0), turn(4.5, 7.0), stick(5.5, 3.0), slip(6.0, 3.0)];
+        let mut path = LawFold::counted_after(2.0);
+        let (mut counted, mut censored) = (Vec::new(), Vec::new());
+        events.iter().for_each(|event| path.event(event, |law, value| counted.push((law, value))));
+        path.end(7.0, |law, value| censored.push((law, value)));
+        let slips = [(Law::Slip, 1.5), (Law::Jump, 3.0), (Law::JumpBackward, 3.0), (Law::Recurrence, 2.0)];
+        assert_eq!(counted, slips);
+        assert_eq!(censored, [(Law::Slip, 1.0), (Law::Recurrence, 1.0)]);
+        assert_eq!(path.signed_jumps, Folded { count: 1, sum: -3.0, squares: 9.0 });
+    }
+}
