@@ -177,6 +177,8 @@ keys! {
         EVENTS = other("events", "the event table of every path");
         TRAJECTORIES = other("trajectories", "so many paths, the first, on the output grid");
         LAWS = other("laws", "distributions of slips, jumps and times from slip to slip");
+        DENSITY = other("density", "densities of x and x' over time");
+        SPECTRUM = other("spectrum", "autocovariance and spectrum of x and x'");
     }
     "units" {
         TIME_LABEL = other("time", "label");

@@ -55,6 +55,8 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             events: record.flag_or(keys::EVENTS, false),
             trajectories: record.whole_or(keys::TRAJECTORIES, 0, (0, MAX_TRAJECTORIES)),
             laws: record.flag_or(keys::LAWS, false),
+            density: record.flag_or(keys::DENSITY, false),
+            spectrum: record.flag_or(keys::SPECTRUM, false),
         },
         units: Units {
             time: units.line_or(keys::TIME_LABEL, ""),

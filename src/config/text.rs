@@ -49,12 +49,14 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     other(&mut text, keys::PATHS, &ensemble.paths.to_string());
     other(&mut text, keys::SEED, &ensemble.seed.to_string());
     other(&mut text, keys::ANTITHETIC, &ensemble.antithetic.to_string());
-    let Record { paths, events, trajectories, laws } = *record;
+    let Record { paths, events, trajectories, laws, density, spectrum } = *record;
     table(&mut text, "record");
     other(&mut text, keys::RECORD_PATHS, &paths.to_string());
     other(&mut text, keys::EVENTS, &events.to_string());
     other(&mut text, keys::TRAJECTORIES, &trajectories.to_string());
     other(&mut text, keys::LAWS, &laws.to_string());
+    other(&mut text, keys::DENSITY, &density.to_string());
+    other(&mut text, keys::SPECTRUM, &spectrum.to_string());
     let Units { time, length, force, temperature } = units;
     table(&mut text, "units");
     let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];

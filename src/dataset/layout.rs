@@ -5,7 +5,7 @@
 
 pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
-use crate::stats::Law;
+use crate::stats::{Dimension, Law};
 
 /// Declares variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
@@ -60,6 +60,9 @@ macro_rules! measured {
     };
 }
 
+const SPECTRUM_OF_LENGTH: Unit = Unit::Of(Dimension { length: 2, time: 1, ..Dimension::ONE });
+const SPECTRUM_OF_VELOCITY: Unit = Unit::Of(Dimension { length: 2, time: -1, ..Dimension::ONE });
+
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
 
 table! {
@@ -91,6 +94,41 @@ table! {
 
     SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
     SERIES_TEMPERATURE = variable("series_temperature", &["series_time"], Unit::TEMPERATURE, "measured temperature");
+
+    VELOCITY_BIN = variable("velocity_bin", &["velocity_bin"], Unit::VELOCITY, "upper edge of the bin of the velocity");
+    VELOCITY_BIN_LOWER = variable("velocity_bin_lower", &["velocity_bin"], Unit::VELOCITY,
+        "lower edge of the bin of the velocity, itself inside the bin");
+    DISPLACEMENT_BIN = variable("displacement_bin", &["displacement_bin"], Unit::LENGTH,
+        "upper edge of the bin of the displacement");
+    DISPLACEMENT_BIN_LOWER = variable("displacement_bin_lower", &["displacement_bin"], Unit::LENGTH,
+        "lower edge of the bin of the displacement, itself inside the bin");
+    JOINT_DISPLACEMENT_BIN = variable("joint_displacement_bin", &["joint_displacement_bin"], Unit::LENGTH,
+        "upper edge of the bin of the displacement in the joint density");
+    JOINT_DISPLACEMENT_BIN_LOWER = variable("joint_displacement_bin_lower", &["joint_displacement_bin"], Unit::LENGTH,
+        "lower edge of the bin of the displacement in the joint density, itself inside the bin");
+    JOINT_VELOCITY_BIN = variable("joint_velocity_bin", &["joint_velocity_bin"], Unit::VELOCITY,
+        "upper edge of the bin of the velocity in the joint density");
+    JOINT_VELOCITY_BIN_LOWER = variable("joint_velocity_bin_lower", &["joint_velocity_bin"], Unit::VELOCITY,
+        "lower edge of the bin of the velocity in the joint density, itself inside the bin");
+    JOINT_DENSITY = variable("joint_density", &["joint_displacement_bin", "joint_velocity_bin"],
+        Unit::Of(Dimension { time: 1, length: -2, ..Dimension::ONE }),
+        "density of displacement and velocity in motion over the counted time");
+
+    LAG = variable("lag", &["lag"], Unit::TIME, "lag of the autocovariance");
+    FREQUENCY = variable("frequency", &["frequency"], Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
+        "angular frequency of the power spectrum");
+    SPECTRUM_SEGMENTS = variable("spectrum_segments", &[], Unit::ONE,
+        "number of segments of the output grid over which autocovariance and spectrum are averaged");
+    DISPLACEMENT_SPECTRUM_ALIASED = variable("displacement_spectrum_aliased", &["frequency"], SPECTRUM_OF_LENGTH,
+        "upper bound of the part of the spectrum of the displacement that belongs to frequencies beyond the output grid");
+    VELOCITY_SPECTRUM_ALIASED = variable("velocity_spectrum_aliased", &["frequency"], SPECTRUM_OF_VELOCITY,
+        "upper bound of the part of the spectrum of the velocity that belongs to frequencies beyond the output grid");
+    LINE_FREQUENCY = variable("line_frequency", &["line_frequency"], Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
+        "angular frequency of a harmonic of the forcing");
+    DISPLACEMENT_LINE = variable("displacement_line", &["line_frequency"], Unit::LENGTH,
+        "amplitude of the mean displacement at the harmonic");
+    VELOCITY_LINE = variable("velocity_line", &["line_frequency"], Unit::VELOCITY,
+        "amplitude of the mean velocity at the harmonic");
 
     BATCH = variable("batch", &["batch"], Unit::ONE,
         "batch of paths: those whose numbers leave this remainder when divided by the number of batches");
@@ -131,6 +169,24 @@ table! {
     FIRST_STICK_CENSORED = measured!("first_stick_duration_censored", &[], Unit::ONE,
         "first sticks still running at the end",
         ends of the "expected number of first sticks still running at the end in as many paths");
+
+    DISPLACEMENT_DENSITY = measured!("displacement_density", &["displacement_bin"],
+        Unit::Of(Dimension { length: -1, ..Dimension::ONE }),
+        "density of the displacement over the counted time").with(&[("coordinates", "displacement_bin_lower")]);
+    VELOCITY_DENSITY = measured!("velocity_density", &["velocity_bin"],
+        Unit::Of(Dimension { time: 1, length: -1, ..Dimension::ONE }),
+        "density of the velocity in motion over the counted time").with(&[("coordinates", "velocity_bin_lower")]);
+    REST_SHARE = measured!("rest_share", &[], Unit::ONE,
+        "share of the rows of the output grid that are counted at which the body is at rest");
+    DISPLACEMENT_AUTOCOVARIANCE = measured!("displacement_autocovariance", &["lag"], Unit::AREA,
+        "autocovariance of the displacement about its mean over paths");
+    VELOCITY_AUTOCOVARIANCE = measured!("velocity_autocovariance", &["lag"],
+        Unit::Of(Dimension { length: 2, time: -2, ..Dimension::ONE }),
+        "autocovariance of the velocity about its mean over paths");
+    DISPLACEMENT_SPECTRUM = measured!("displacement_spectrum", &["frequency"], SPECTRUM_OF_LENGTH,
+        "two-sided power spectrum of the displacement about its mean over paths");
+    VELOCITY_SPECTRUM = measured!("velocity_spectrum", &["frequency"], SPECTRUM_OF_VELOCITY,
+        "two-sided power spectrum of the velocity about its mean over paths");
 
     SUB_PHASE_COUNT = measured!("sub_phase_count", &["sub_phase"], Unit::ONE,
         "completed dynamic phases with so many sub-phases",

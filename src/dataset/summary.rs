@@ -4,8 +4,8 @@ use super::layout;
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Dimension, Distribution, Estimate, FirstSticks, Histogram, Law, PeriodMoments,
-    QUANTILE_LEVELS, Statistic, SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, FirstSticks, Fluctuations, Histogram, Law,
+    Line, PeriodMoments, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary, Transient,
 };
 use crate::sums::batches::BATCHES;
 use crate::sums::Measurement;
@@ -46,6 +46,8 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
         stick_durations: Distribution { step, ..Distribution::default() },
         first_sticks: FirstSticks::default(),
         laws: None,
+        densities: None,
+        spectrum: None,
         sub_phases: SubPhaseCounts::default(),
         transient: None,
         periods: PeriodMoments::default(),
@@ -73,6 +75,8 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
         transient,
         periods,
         bands,
+        densities,
+        spectrum,
     } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
@@ -87,6 +91,12 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
     }
     walk_sub_phases(walk, sub_phases)?;
     walk_periods(walk, periods)?;
+    if let Some(densities) = walk.present(&layout::REST_SHARE.value, densities) {
+        walk_densities(walk, densities)?;
+    }
+    if let Some(spectrum) = walk.present(&layout::SPECTRUM_SEGMENTS, spectrum) {
+        walk_spectrum(walk, spectrum)?;
+    }
     if let Some(transient) = walk.present(&layout::TRANSIENT_END, transient) {
         walk_transient(walk, transient)?;
     }
@@ -184,11 +194,7 @@ fn walk_law<W: Walk>(walk: &mut W, layout: &layout::LawLayout, law: &mut Distrib
         batch_counts,
         batch_censored_counts,
     } = law;
-    let mut lower = edges.get(..edges.len().saturating_sub(1)).unwrap_or_default().to_vec();
-    let mut upper = edges.get(1..).unwrap_or_default().to_vec();
-    walk.variable(&layout.bin, &mut upper)?;
-    walk.variable(&layout.bin_lower, &mut lower)?;
-    *edges = lower.into_iter().chain(upper.last().copied()).collect();
+    walk_edges(walk, [&layout.bin, &layout.bin_lower], edges)?;
     walk.curve(&layout.count, counts, count_ends)?;
     walk.curve(&layout.censored_count, censored_counts, censored_count_ends)?;
     walk.curve(&layout.survival, survival, survival_ends)?;
@@ -209,6 +215,69 @@ fn walk_first_sticks<W: Walk>(walk: &mut W, sticks: &mut FirstSticks) -> Result<
     let FirstSticks { completed, completed_ends, censored, censored_ends } = sticks;
     walk.number(&layout::FIRST_STICK_COMPLETED, completed, completed_ends)?;
     walk.number(&layout::FIRST_STICK_CENSORED, censored, censored_ends)
+}
+
+/// The edges of bins: the upper and the lower one of each.
+fn walk_edges<W: Walk>(
+    walk: &mut W,
+    [upper, lower]: [&layout::Variable; 2],
+    edges: &mut Vec<f64>,
+) -> Result<(), W::Error> {
+    let mut below = edges.get(..edges.len().saturating_sub(1)).unwrap_or_default().to_vec();
+    let mut above = edges.get(1..).unwrap_or_default().to_vec();
+    walk.variable(upper, &mut above)?;
+    walk.variable(lower, &mut below)?;
+    *edges = below.into_iter().chain(above.last().copied()).collect();
+    Ok(())
+}
+
+fn walk_densities<W: Walk>(walk: &mut W, densities: &mut Densities) -> Result<(), W::Error> {
+    let Densities { displacement, velocity, joint_edges, joint, at_rest, at_rest_ends } = densities;
+    walk.number(&layout::REST_SHARE, at_rest, at_rest_ends)?;
+    walk_edges(walk, [&layout::DISPLACEMENT_BIN, &layout::DISPLACEMENT_BIN_LOWER], &mut displacement.edges)?;
+    walk.curve(&layout::DISPLACEMENT_DENSITY, &mut displacement.density, &mut displacement.ends)?;
+    walk_edges(walk, [&layout::VELOCITY_BIN, &layout::VELOCITY_BIN_LOWER], &mut velocity.edges)?;
+    walk.curve(&layout::VELOCITY_DENSITY, &mut velocity.density, &mut velocity.ends)?;
+    let [rows, columns] = joint_edges;
+    walk_edges(walk, [&layout::JOINT_DISPLACEMENT_BIN, &layout::JOINT_DISPLACEMENT_BIN_LOWER], rows)?;
+    walk_edges(walk, [&layout::JOINT_VELOCITY_BIN, &layout::JOINT_VELOCITY_BIN_LOWER], columns)?;
+    let shape = (rows.len().saturating_sub(1), columns.len().saturating_sub(1));
+    let mut values = joint.iter().copied().collect();
+    walk.variable(&layout::JOINT_DENSITY, &mut values)?;
+    match Array2::from_shape_vec(shape, values) {
+        Ok(matrix) => *joint = matrix,
+        Err(error) => walk.refuse(error.to_string())?,
+    }
+    Ok(())
+}
+
+fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W::Error> {
+    let Spectrum { segments, lag, frequency, displacement, velocity, lines } = spectrum;
+    walk.scalar(&layout::SPECTRUM_SEGMENTS, segments)?;
+    walk.variable(&layout::LAG, lag)?;
+    walk.variable(&layout::FREQUENCY, frequency)?;
+    let of = [
+        (
+            displacement,
+            layout::DISPLACEMENT_AUTOCOVARIANCE,
+            layout::DISPLACEMENT_SPECTRUM,
+            layout::DISPLACEMENT_SPECTRUM_ALIASED,
+        ),
+        (velocity, layout::VELOCITY_AUTOCOVARIANCE, layout::VELOCITY_SPECTRUM, layout::VELOCITY_SPECTRUM_ALIASED),
+    ];
+    for (fluctuations, covariance, power, beyond) in of {
+        let Fluctuations { autocovariance, autocovariance_ends, spectrum, spectrum_ends, aliased } = fluctuations;
+        walk.curve(&covariance, autocovariance, autocovariance_ends)?;
+        walk.curve(&power, spectrum, spectrum_ends)?;
+        walk.variable(&beyond, aliased)?;
+    }
+    let [mut at, mut x, mut v] = columns_of(lines.iter().map(|line| [line.frequency, line.displacement, line.velocity]));
+    walk.variable(&layout::LINE_FREQUENCY, &mut at)?;
+    walk.variable(&layout::DISPLACEMENT_LINE, &mut x)?;
+    walk.variable(&layout::VELOCITY_LINE, &mut v)?;
+    let line = |((frequency, displacement), velocity)| Line { frequency, displacement, velocity };
+    *lines = at.into_iter().zip(x).zip(v).map(line).collect();
+    Ok(())
 }
 
 fn walk_sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Result<(), W::Error> {

@@ -86,7 +86,7 @@ prop_compose! {
             scheme,
             statistics: Statistics { after: burn_in * f64::from(steps) * step, period },
             ensemble: Ensemble { paths, seed, antithetic: paths % 4 == 2 },
-            record: Record { paths: keep_paths, events, trajectories, laws: events },
+            record: Record { paths: keep_paths, events, trajectories, laws: events, density: keep_paths, spectrum: events },
             units: Units { time, length, force, temperature },
         };
         let end = scenario.time.end;

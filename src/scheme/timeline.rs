@@ -60,6 +60,11 @@ impl Timeline {
         whole(self.end, self.output_step) + 1
     }
 
+    /// The first row of the output grid that is not before the end of the burn-in.
+    pub fn first_row(&self) -> usize {
+        (self.after / self.output_step * (1.0 - END_TOLERANCE)).ceil() as usize
+    }
+
     /// The number of whole periods up to the end.
     pub fn periods(&self) -> usize {
         self.period.map_or(0, |p| whole(self.end, p))

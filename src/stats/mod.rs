@@ -19,6 +19,7 @@ mod catalogue;
 mod certain;
 pub(crate) mod column;
 mod corrected;
+mod density;
 mod dimension;
 mod goal;
 mod groups;
@@ -33,6 +34,7 @@ mod periods;
 mod record;
 mod run_totals;
 mod settling;
+mod spectrum;
 mod summary;
 mod survival;
 #[cfg(test)]
@@ -52,8 +54,8 @@ pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows}
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
 pub use run_totals::RunTotals;
 pub use summary::{
-    Band, Bands, Bias, Distribution, Estimate, FirstSticks, Histogram, PeriodMoments, QUANTILE_LEVELS, SubPhaseCounts,
-    Summary, Transient,
+    Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, FirstSticks, Fluctuations, Histogram, Line,
+    PeriodMoments, QUANTILE_LEVELS, Spectrum, SubPhaseCounts, Summary, Transient,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};

@@ -2,10 +2,12 @@
 //! single paths.
 
 use super::column::Columns as _;
+use super::density::DensityFold;
 use super::laws::LawFold;
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
+use super::spectrum::SpectrumFold;
 use super::totals::PhaseSums;
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
@@ -26,7 +28,10 @@ pub struct BlockObserver {
     periods: PeriodFold,
     /// The laws of each path, if they are asked for.
     laws: Option<Vec<LawFold>>,
-    keeps_paths: bool,
+    /// What is asked for of the output grid.
+    density: Option<DensityFold>,
+    spectrum: Option<SpectrumFold>,
+    record: Record,
     /// Events of each lane, if they are kept.
     events: Option<Vec<Vec<Event>>>,
     /// How many of the first paths of the run are kept on the output grid, and which of them are in
@@ -67,7 +72,9 @@ impl BlockObserver {
             totals,
             laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); paths.len()]),
             periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
-            keeps_paths: record.paths,
+            density: record.density.then(|| DensityFold::new(timeline, paths)),
+            spectrum: record.spectrum.then(|| SpectrumFold::new(model, timeline, paths)),
+            record: *record,
             events: record.events.then(|| vec![Vec::new(); paths.len()]),
             trajectories: (
                 record.trajectories,
@@ -90,6 +97,12 @@ impl BlockObserver {
     pub fn in_units(mut self, unit: Unit) -> Self {
         self.unit = unit;
         self.periods.set_unit(unit);
+        if let Some(density) = &mut self.density {
+            density.set_unit(unit, &self.path_numbers);
+        }
+        if let Some(spectrum) = &mut self.spectrum {
+            spectrum.set_unit(unit, &self.path_numbers);
+        }
         self
     }
 
@@ -97,8 +110,10 @@ impl BlockObserver {
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
         let dynamic_force = self.model.friction.dynamic_force;
+        self.totals.counts.density = self.density.map(|density| Box::new(density.finish()));
         self.totals.sums.phases =
             PhaseSums::of(&self.paths, dynamic_force, self.periods.finish(), self.laws.as_deref(), self.unit);
+        self.totals.sums.spectrum = self.spectrum.map(|spectrum| Box::new(spectrum.finish()));
         self.totals.end(&self.paths, &diverged, self.unit);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
         let (wanted, trajectories) = self.trajectories;
@@ -106,7 +121,7 @@ impl BlockObserver {
             first_path,
             paths: path_count,
             diverged,
-            path_columns: self.keeps_paths.then(|| block.path_columns(&self.paths, dynamic_force)),
+            path_columns: self.record.paths.then(|| block.path_columns(&self.paths, dynamic_force)),
             events: self.events.map(|events| block.event_columns(&events)),
             trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
             totals: self.totals,
@@ -157,6 +172,12 @@ impl Observer for BlockObserver {
         match instant {
             Instant::Output(row) => {
                 self.totals.row(row, &snapshot, self.unit);
+                if let Some(density) = &mut self.density {
+                    density.row(row, &snapshot);
+                }
+                if let Some(spectrum) = &mut self.spectrum {
+                    spectrum.row(row, &snapshot);
+                }
                 for kept in &mut self.trajectories.1 {
                     let lane = kept.lane;
                     let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
@@ -395,7 +416,7 @@ mod tests {
     #[test]
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
-        let record = Record { paths: true, events: true, trajectories: 103, laws: true };
+        let record = Record { paths: true, events: true, trajectories: 103, laws: true, density: true, spectrum: true };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
         observer.event(1, slip(0.5, 6.0));
@@ -455,7 +476,7 @@ mod tests {
     #[test]
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
-        let record = Record { paths: true, events: true, trajectories: 2, laws: true };
+        let record = Record { paths: true, events: true, trajectories: 2, laws: true, density: true, spectrum: true };
         let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));

@@ -15,13 +15,18 @@ pub struct Record {
     pub trajectories: u64,
     /// Whether the laws of slips, jumps and times from slip to slip are reported.
     pub laws: bool,
+    /// Whether the densities of x and x' are reported.
+    pub density: bool,
+    /// Whether autocovariance and spectrum of x and x' are reported.
+    pub spectrum: bool,
 }
 
 impl Record {
     /// Nothing is kept of single paths.
-    pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0, laws: false };
+    pub const NOTHING: Record =
+        Record { paths: false, events: false, trajectories: 0, laws: false, density: false, spectrum: false };
 
-    /// The same statistics, without anything of single paths.
+    /// The same statistics, without anything of single paths or of the output grid.
     pub fn of_no_path(&self) -> Record {
         Record { laws: self.laws, ..Record::NOTHING }
     }

@@ -148,6 +148,83 @@ pub struct FirstSticks {
     pub censored_ends: [f64; 2],
 }
 
+/// A density, cell by cell.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct DensityCurve {
+    /// Edges of the cells, one more than there are cells.
+    pub edges: Vec<f64>,
+    /// The share of the counted time that is spent in each cell, divided by the width of the cell.
+    pub density: Vec<f64>,
+    /// Interval of each density.
+    pub ends: Ends,
+}
+
+/// The share of the counted time that the body spends in each part of its phase plane, from the rows
+/// of the output grid.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Densities {
+    /// Of x, at all times.
+    pub displacement: DensityCurve,
+    /// Of x' in motion. Its integral is one less the share of the time at rest.
+    pub velocity: DensityCurve,
+    /// The edges of the cells of `joint`: those of x, and those of x'.
+    pub joint_edges: [Vec<f64>; 2],
+    /// Of (x, x') in motion, with shape (x, x').
+    pub joint: Array2<f64>,
+    /// The share of the time at rest.
+    pub at_rest: f64,
+    /// Interval of this share.
+    pub at_rest_ends: [f64; 2],
+}
+
+/// Autocovariance and power spectrum of a variable about its mean over paths
+/// ([`crate::stats::Spectrum`]).
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Fluctuations {
+    /// The autocovariance at each lag.
+    pub autocovariance: Vec<f64>,
+    /// Interval of each autocovariance.
+    pub autocovariance_ends: Ends,
+    /// The two-sided power spectrum at each frequency.
+    pub spectrum: Vec<f64>,
+    /// Interval of each value of the spectrum.
+    pub spectrum_ends: Ends,
+    /// An upper bound of what frequencies that the output grid cannot tell from these add to each
+    /// value, if the spectrum falls at least as fast as 1/w^2 beyond the highest of them.
+    pub aliased: Vec<f64>,
+}
+
+/// The amplitude of the mean motion at one harmonic of the forcing.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Line {
+    /// Angular frequency.
+    pub frequency: f64,
+    /// Amplitude of the mean of x over paths.
+    pub displacement: f64,
+    /// Amplitude of the mean of x' over paths.
+    pub velocity: f64,
+}
+
+/// How x and x' fluctuate about their means over paths, on the rows of the output grid that are
+/// counted. The spectrum S(w) is the integral of the autocovariance C(t) times e^{-i w t}: its
+/// integral over all frequencies, positive and negative, divided by 2 pi, is the variance.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Spectrum {
+    /// Number of segments into which the rows are divided.
+    pub segments: u64,
+    /// Lags of the autocovariance.
+    pub lag: Vec<f64>,
+    /// Angular frequencies of the spectrum, from 0 on.
+    pub frequency: Vec<f64>,
+    /// Of x.
+    pub displacement: Fluctuations,
+    /// Of x'.
+    pub velocity: Fluctuations,
+    /// The mean motion at the harmonics of the forcing; empty without a period, or if fewer than
+    /// four of them are counted.
+    pub lines: Vec<Line>,
+}
+
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SubPhaseCounts {
@@ -226,6 +303,10 @@ pub struct Summary {
     pub periods: PeriodMoments,
     /// The variables on the output grid.
     pub bands: Bands,
+    /// The densities of x and x', where they were asked for.
+    pub densities: Option<Densities>,
+    /// Autocovariance and spectrum of x and x', where they were asked for.
+    pub spectrum: Option<Spectrum>,
 }
 
 impl Summary {

@@ -3,11 +3,13 @@
 use super::bands::{self, BandCounts, BandSums};
 use super::catalogue::Over;
 use super::certain::Certain;
+use super::density::DensityCounts;
 use super::law::{Law, LawSums, rare_mean, rare_ratio};
 use super::law_counts::{LawCounts, OrderedLaw};
 use super::laws::{LawFold, LawsCounts, LawsSums};
 use super::path::PathFold;
 use super::periods::PeriodSums;
+use super::spectrum::SpectrumSums;
 use super::{Distribution, Estimate, FirstSticks, Statistic, SubPhaseCounts, Summary, Transient};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
@@ -43,9 +45,11 @@ pub struct Totals {
 pub struct Sums {
     pub(super) phases: PhaseSums,
     bands: BandSums,
+    /// If it is asked for.
+    pub(super) spectrum: Option<Box<SpectrumSums>>,
 }
 
-codec_of_fields!(Sums { phases, bands });
+codec_of_fields!(Sums { phases, bands, spectrum });
 
 /// The moments from which statistics are estimated, without those of the bands.
 #[derive(Clone, Debug, PartialEq)]
@@ -82,12 +86,14 @@ pub struct Counts {
     early_sticks: u64,
     early_slips: u64,
     bands: BandCounts,
+    /// If they are asked for.
+    pub(super) density: Option<Box<DensityCounts>>,
 }
 
 impl Sums {
     /// The sums of no paths.
     pub fn empty(timeline: &Timeline) -> Self {
-        Sums { phases: PhaseSums::empty(timeline), bands: BandSums::empty(timeline.rows()) }
+        Sums { phases: PhaseSums::empty(timeline), bands: BandSums::empty(timeline.rows()), spectrum: None }
     }
 }
 
@@ -95,6 +101,7 @@ impl Merge for Sums {
     fn merge(&mut self, other: &Sums) {
         self.phases.merge(&other.phases);
         self.bands.merge(&other.bands);
+        merge_if_asked(&mut self.spectrum, other.spectrum.as_ref(), SpectrumSums::merge);
     }
 }
 
@@ -132,6 +139,7 @@ impl Counts {
             early_sticks: 0,
             early_slips: 0,
             bands: BandCounts::empty(model, timeline.rows()),
+            density: None,
         }
     }
 
@@ -196,6 +204,7 @@ impl Counts {
         self.early_sticks += other.early_sticks;
         self.early_slips += other.early_slips;
         self.bands.merge(&other.bands);
+        merge_if_asked(&mut self.density, other.density.as_ref(), DensityCounts::merge);
     }
 }
 
@@ -215,6 +224,7 @@ impl Codec for Counts {
         self.early_sticks.write(out);
         self.early_slips.write(out);
         self.bands.write(out);
+        self.density.write(out);
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
@@ -240,7 +250,8 @@ impl Codec for Counts {
         self.sub_phases.read(from)?;
         self.early_sticks.read(from)?;
         self.early_slips.read(from)?;
-        self.bands.read(from)
+        self.bands.read(from)?;
+        self.density.read(from)
     }
 }
 
@@ -290,7 +301,11 @@ impl Totals {
             Some(law) => Estimate::new(statistic, sums.phases.in_its_range(statistic, law.median(), counts)),
             None => self.estimate(statistic),
         };
+        let bands = bands::summary(&sums.bands, &counts.bands, timeline, counts.certain, counts.unit());
+        let mean_motion = [bands.displacement.mean.as_slice(), bands.velocity.mean.as_slice()];
         Summary {
+            spectrum: sums.spectrum.as_ref().map(|spectrum| spectrum.summary(timeline, mean_motion)),
+            densities: counts.density.as_ref().map(|density| density.summary(counts.chance(counts.units))),
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
             estimates: Statistic::ALL.map(estimate),
@@ -309,7 +324,7 @@ impl Totals {
                 .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
             transient: (timeline.after > 0.0).then(|| self.transient()),
             periods: sums.phases.periods.summary(timeline, !counts.certain.everything, counts.certain.drift),
-            bands: bands::summary(&sums.bands, &counts.bands, timeline, counts.certain, counts.unit()),
+            bands,
         }
     }
 

@@ -7,6 +7,7 @@
 //! codec                      sums as bytes
 //! dyadic, bins, log_bins     exact counts in bins, which merge in any order
 //! sketch, ordered, steps     many numbers in order, in bounded memory
+//! grid, fourier              counts of pairs in cells of a plane, and the discrete Fourier transform
 //! batches, jackknife         groups of paths, and the errors that follow from their scatter
 //! interval, range, quantile  an estimate with its 95 % interval
 //! unit                       what is independent: a path, or a pair of paths
@@ -18,6 +19,8 @@ pub(crate) mod codec;
 #[cfg(test)]
 pub(crate) mod coverage;
 pub(crate) mod dyadic;
+pub(crate) mod fourier;
+pub(crate) mod grid;
 pub(crate) mod interval;
 pub(crate) mod jackknife;
 pub(crate) mod log_bins;
