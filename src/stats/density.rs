@@ -91,9 +91,10 @@ pub(super) struct DensityFold {
     first_row: usize,
     /// The batch of each lane.
     batches: Vec<usize>,
-    /// The states that wait, and whether the body is at rest in them.
-    states: Vec<[f64; 2]>,
-    is_static: Vec<bool>,
+    /// x of the states that wait, row after row, and the states in motion among them with their
+    /// batches.
+    displacement: Vec<f64>,
+    moving: Vec<([f64; 2], usize)>,
     counts: DensityCounts,
 }
 
@@ -103,8 +104,8 @@ impl DensityFold {
         DensityFold {
             first_row: timeline.first_row(),
             batches: paths.iter().map(|path| batch_of(*path)).collect(),
-            states: Vec::new(),
-            is_static: Vec::new(),
+            displacement: Vec::new(),
+            moving: Vec::new(),
             counts: DensityCounts::default(),
         }
     }
@@ -119,26 +120,29 @@ impl DensityFold {
         if row < self.first_row {
             return;
         }
-        self.states.extend(snapshot.displacement.iter().zip(snapshot.velocity).map(|(x, v)| [*x, *v]));
-        self.is_static.extend_from_slice(snapshot.is_static);
-        if self.states.len() >= WAITING {
+        let Snapshot { displacement, velocity, is_static, .. } = snapshot;
+        self.displacement.extend_from_slice(displacement);
+        for (lane, &batch) in self.batches.iter().enumerate() {
+            self.counts.states[batch] += 1;
+            if is_static[lane] {
+                self.counts.at_rest[batch] += 1;
+            } else {
+                self.moving.push(([displacement[lane], velocity[lane]], batch));
+            }
+        }
+        if self.displacement.len() >= WAITING {
             self.count();
         }
     }
 
     fn count(&mut self) {
-        let DensityFold { batches, states, is_static, counts, .. } = self;
-        let all = || states.iter().zip(is_static.iter()).zip(batches.iter().cycle());
-        let moving = || all().filter(|((_, is_static), _)| !**is_static);
-        counts.displacement.count(all().map(|((state, _), batch)| ([state[0], 0.0], *batch)));
-        counts.velocity.count(moving().map(|((state, _), batch)| ([state[1], 0.0], *batch)));
-        counts.joint.count(moving().map(|((state, _), _)| (*state, 0)));
-        for ((_, is_static), batch) in all() {
-            counts.states[*batch] += 1;
-            counts.at_rest[*batch] += u64::from(*is_static);
-        }
-        self.states.clear();
-        self.is_static.clear();
+        let DensityFold { batches, displacement, moving, counts, .. } = self;
+        let rows = displacement.chunks(batches.len().max(1));
+        counts.displacement.count(rows.flat_map(|row| row.iter().zip(&*batches)).map(|(x, batch)| ([*x, 0.0], *batch)));
+        counts.velocity.count(moving.iter().map(|([_, v], batch)| ([*v, 0.0], *batch)));
+        counts.joint.count(moving.iter().map(|(state, _)| (*state, 0)));
+        displacement.clear();
+        moving.clear();
     }
 
     /// The counts of all rows.

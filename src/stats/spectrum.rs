@@ -69,7 +69,7 @@ impl Segments {
 /// Sums of |Y_k|^2 over the paths and segments of each batch, where Y_k is the transform of y'.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct SpectrumSums {
-    /// For each batch and variable, the sums at w_0, w_1, ..., w_{N/2}.
+    /// For each of the frequencies w_0, w_1, ..., w_{N/2} and each variable, the sums of the batches.
     powers: Vec<f64>,
     /// The number of paths times segments of each batch.
     weights: [f64; BATCHES],
@@ -86,15 +86,10 @@ impl SpectrumSums {
     /// The sums of a variable over all batches but one, divided by their weight.
     fn mean_power(&self, variable: usize, without: Option<usize>) -> Vec<f64> {
         let frequencies = self.powers.len() / (BATCHES * VARIABLES);
-        let mut mean = vec![0.0; frequencies];
-        let mut weight = 0.0;
-        for batch in (0..BATCHES).filter(|batch| Some(*batch) != without) {
-            let powers = &self.powers[(batch * VARIABLES + variable) * frequencies..][..frequencies];
-            mean.iter_mut().zip(powers).for_each(|(mean, power)| *mean += power);
-            weight += self.weights[batch];
-        }
-        mean.iter_mut().for_each(|mean| *mean /= weight);
-        mean
+        let sum = |of: &[f64]| -> f64 { (0..BATCHES).filter(|batch| Some(*batch) != without).map(|b| of[b]).sum() };
+        let weight = sum(&self.weights);
+        let at = |k: usize| sum(&self.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES]) / weight;
+        (0..frequencies).map(at).collect()
     }
 
     /// Autocovariance and spectrum, and the lines of the mean motion, which `bands` has at every row.
@@ -321,14 +316,26 @@ impl SpectrumFold {
                 }
             }
             self.fourier.transform(&mut real, &mut imaginary);
+            // Mostly the columns belong to successive batches.
+            let first = batches[0];
+            let is_in_a_row = batches.len() == COLUMNS && batches.iter().zip(first..).all(|(batch, next)| *batch == next);
             for k in 0..frequencies {
                 let mirrored = (padded - k) % padded;
                 let [a, b, c, d] = [real[k], real[mirrored], imaginary[k], imaginary[mirrored]];
-                for (column, batch) in batches.iter().enumerate() {
-                    let [a, b, c, d] = [a, b, c, d].map(|numbers| numbers[column]);
-                    let place = batch * VARIABLES * frequencies + k;
-                    self.sums.powers[place] += 0.25 * unbiased * ((a + b) * (a + b) + (c - d) * (c - d));
-                    self.sums.powers[place + frequencies] += 0.25 * unbiased * ((c + d) * (c + d) + (a - b) * (a - b));
+                let square = |y: f64, z: f64| 0.25 * unbiased * (y * y + z * z);
+                let power = |of: fn([f64; 4]) -> [f64; 2]| -> Numbers {
+                    std::array::from_fn(|i| {
+                        let [y, z] = of([a[i], b[i], c[i], d[i]]);
+                        square(y, z)
+                    })
+                };
+                let powers = [power(|[a, b, c, d]| [a + b, c - d]), power(|[a, b, c, d]| [c + d, a - b])];
+                for (variable, powers) in powers.iter().enumerate() {
+                    let sums = &mut self.sums.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES];
+                    match sums.get_mut(first..first + COLUMNS).filter(|_| is_in_a_row) {
+                        Some(sums) => sums.iter_mut().zip(powers).for_each(|(sum, power)| *sum += power),
+                        None => batches.iter().zip(powers).for_each(|(batch, power)| sums[*batch] += power),
+                    }
                 }
             }
             batches.iter().for_each(|batch| self.sums.weights[*batch] += 1.0);
