@@ -202,7 +202,8 @@ impl Differences {
         let groups = self.groups as u64;
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
-        let mut observer = GroupObserver::new((&self.model, &self.timeline, &self.record), first, width as usize, self.groups);
+        let mut observer =
+            GroupObserver::new((&self.model, &self.timeline, &self.record), first, width as usize, self.groups);
         let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut observer);
         (observer.finish(), lost.len())
     }

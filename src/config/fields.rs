@@ -152,6 +152,28 @@ impl<'a> Fields<'a> {
         Some(Read { value, place: Some(node.place) })
     }
 
+    /// The numbers of a list, at most `most` of them; none if the key is missing.
+    pub fn list(&self, key: Key, most: usize) -> Vec<f64> {
+        let Some(node) = self.node(key.name) else { return Vec::new() };
+        let path = self.dotted(key.name);
+        match &node.value {
+            Value::Array(items) if items.len() <= most => {
+                let read = |item: &Node| self.sources.or_report(self.number_in(item, key));
+                items.iter().map(|item| read(item).unwrap_or_else(|| key.range.stand_in())).collect()
+            }
+            Value::Array(items) => {
+                let problem = format!("holds {} numbers, more than {most}", items.len());
+                self.sources.report(self.fault(node, &path, problem, format!("leave out all but {most} of them")));
+                Vec::new()
+            }
+            _ => {
+                let remedy = format!("write {} = [1.0, 2.0]", key.name);
+                self.sources.report(wrong_kind(self.sources, node, &path, "a list of numbers", &remedy));
+                Vec::new()
+            }
+        }
+    }
+
     /// The number in the node of a key, checked.
     fn number_in(&self, node: &Node, key: Key) -> Result<f64, Box<Fault>> {
         self.number_of(node, key.name, key)

@@ -165,6 +165,7 @@ keys! {
     }
     "statistics" {
         AFTER = number("after", "", "statistics count from this time on", Range::NonNegative);
+        LEVELS = number("levels", "", "distances from the start whose first passages are reported", Range::Positive);
         COMPARED = number("period", "P", "x is compared at the times n P", Range::Positive);
     }
     "ensemble" {
@@ -178,6 +179,7 @@ keys! {
         TRAJECTORIES = other("trajectories", "so many paths, the first, on the output grid");
         LAWS = other("laws", "distributions of slips, jumps and times from slip to slip");
         DENSITY = other("density", "densities of x and x' over time");
+        ENERGY = other("energy", "work of every force");
         SPECTRUM = other("spectrum", "autocovariance and spectrum of x and x'");
     }
     "units" {

@@ -9,7 +9,7 @@ use super::source::Sources;
 use super::time::scheme_and_time;
 use super::tree;
 use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
-use crate::stats::Record;
+use crate::stats::{PassageLevels, Record};
 
 /// Number of paths if a scenario does not give it.
 const DEFAULT_PATHS: u64 = 10_000;
@@ -27,6 +27,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &model);
     // `abs` turns -0.0 into 0.0.
     let statistics = root.table("statistics");
+    let levels = PassageLevels::of(&statistics.list(keys::LEVELS, PassageLevels::MOST));
     let statistics = Statistics {
         after: statistics.number_or(keys::AFTER, 0.0).abs(),
         period: statistics.number_if_present(keys::COMPARED).map(|read| read.value),
@@ -57,6 +58,8 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             laws: record.flag_or(keys::LAWS, false),
             density: record.flag_or(keys::DENSITY, false),
             spectrum: record.flag_or(keys::SPECTRUM, false),
+            energy: record.flag_or(keys::ENERGY, false),
+            levels,
         },
         units: Units {
             time: units.line_or(keys::TIME_LABEL, ""),

@@ -38,6 +38,10 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     table(&mut text, "statistics");
     let Statistics { after, period } = *statistics;
     number(&mut text, keys::AFTER, after);
+    if !record.levels.is_empty() {
+        let levels: Vec<String> = record.levels.iter().map(|level| format!("{level:?}")).collect();
+        other(&mut text, keys::LEVELS, &format!("[{}]", levels.join(", ")));
+    }
     match (period, scenario.period()) {
         (Some(period), _) => number(&mut text, keys::COMPARED, period),
         (None, Some(Period { length, source })) => {
@@ -49,7 +53,7 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     other(&mut text, keys::PATHS, &ensemble.paths.to_string());
     other(&mut text, keys::SEED, &ensemble.seed.to_string());
     other(&mut text, keys::ANTITHETIC, &ensemble.antithetic.to_string());
-    let Record { paths, events, trajectories, laws, density, spectrum } = *record;
+    let Record { paths, events, trajectories, laws, density, spectrum, energy, levels: _ } = *record;
     table(&mut text, "record");
     other(&mut text, keys::RECORD_PATHS, &paths.to_string());
     other(&mut text, keys::EVENTS, &events.to_string());
@@ -57,6 +61,7 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     other(&mut text, keys::LAWS, &laws.to_string());
     other(&mut text, keys::DENSITY, &density.to_string());
     other(&mut text, keys::SPECTRUM, &spectrum.to_string());
+    other(&mut text, keys::ENERGY, &energy.to_string());
     let Units { time, length, force, temperature } = units;
     table(&mut text, "units");
     let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];

@@ -114,6 +114,8 @@ table! {
         Unit::Of(Dimension { time: 1, length: -2, ..Dimension::ONE }),
         "density of displacement and velocity in motion over the counted time");
 
+    LEVEL = variable("level", &["level"], Unit::LENGTH, "distance from the initial displacement");
+
     LAG = variable("lag", &["lag"], Unit::TIME, "lag of the autocovariance");
     FREQUENCY = variable("frequency", &["frequency"], Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
         "angular frequency of the power spectrum");
@@ -176,6 +178,8 @@ table! {
     VELOCITY_DENSITY = measured!("velocity_density", &["velocity_bin"],
         Unit::Of(Dimension { time: 1, length: -1, ..Dimension::ONE }),
         "density of the velocity in motion over the counted time").with(&[("coordinates", "velocity_bin_lower")]);
+    PASSAGE_SURVIVAL = measured!("passage_survival", &["level", "time"], Unit::ONE,
+        "probability that the displacement has not been so far from the start until then");
     REST_SHARE = measured!("rest_share", &[], Unit::ONE,
         "share of the rows of the output grid that are counted at which the body is at rest");
     DISPLACEMENT_AUTOCOVARIANCE = measured!("displacement_autocovariance", &["lag"], Unit::AREA,
@@ -269,18 +273,55 @@ macro_rules! law {
 /// The variables of a law.
 pub(crate) const fn of_law(law: Law) -> LawLayout {
     match law {
-        Law::Stick => law!("stick_duration", "duration_bin", Unit::TIME, "duration", "a stick",
-            "sticks, the first of each path left out"),
+        Law::Stick => law!(
+            "stick_duration",
+            "duration_bin",
+            Unit::TIME,
+            "duration",
+            "a stick",
+            "sticks, the first of each path left out"
+        ),
         Law::Slip => law!("slip_duration", "slip_duration_bin", Unit::TIME, "duration", "a slip", "slips"),
         Law::Jump => law!("jump_abs", "jump_abs_bin", Unit::LENGTH, "size", "a jump", "jumps"),
-        Law::JumpForward => law!("jump_forward", "jump_forward_bin", Unit::LENGTH, "size",
-            "a jump to larger displacements", "jumps to larger displacements"),
-        Law::JumpBackward => law!("jump_backward", "jump_backward_bin", Unit::LENGTH, "size",
-            "a jump to smaller displacements", "jumps to smaller displacements"),
-        Law::Recurrence => law!("recurrence_time", "recurrence_time_bin", Unit::TIME, "length",
-            "a time from the beginning of a slip to that of the next", "times from slip to slip"),
+        Law::JumpForward => law!(
+            "jump_forward",
+            "jump_forward_bin",
+            Unit::LENGTH,
+            "size",
+            "a jump to larger displacements",
+            "jumps to larger displacements"
+        ),
+        Law::JumpBackward => law!(
+            "jump_backward",
+            "jump_backward_bin",
+            Unit::LENGTH,
+            "size",
+            "a jump to smaller displacements",
+            "jumps to smaller displacements"
+        ),
+        Law::Recurrence => law!(
+            "recurrence_time",
+            "recurrence_time_bin",
+            Unit::TIME,
+            "length",
+            "a time from the beginning of a slip to that of the next",
+            "times from slip to slip"
+        ),
     }
 }
+
+/// The variables of the largest displacement and of the largest speed.
+pub(crate) const EXTREMES: [LawLayout; 2] = [
+    law!(
+        "largest_displacement",
+        "largest_displacement_bin",
+        Unit::LENGTH,
+        "largest distance from the start",
+        "a path",
+        "paths"
+    ),
+    law!("largest_speed", "largest_speed_bin", Unit::VELOCITY, "largest speed", "a path", "paths"),
+];
 
 impl LawLayout {
     /// Every variable of the law.
@@ -322,7 +363,8 @@ mod tests {
         let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
         let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
         let measured = measured.flat_map(|of| [of.value, of.low, of.high]);
-        let laws = Law::ASKED.into_iter().chain([Law::Stick]).flat_map(|law| of_law(law).all());
+        let laws = Law::ASKED.into_iter().chain([Law::Stick]).map(of_law).chain(EXTREMES);
+        let laws = laws.flat_map(|law| law.all());
         ALL.iter().copied().chain(measured).chain(laws).chain(kept.into_iter().map(|(of, _)| of)).collect()
     }
 
@@ -353,7 +395,8 @@ mod tests {
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
         // The page lists the variables of laws once, with LAW in place of the name of a law.
-        let laws = Law::ASKED.into_iter().chain([Law::Stick]).map(|law| of_law(law).count.value.name);
+        let laws = Law::ASKED.into_iter().chain([Law::Stick]).map(of_law).chain(EXTREMES);
+        let laws = laws.map(|law| law.count.value.name);
         let laws: Vec<&str> = laws.filter_map(|count| count.strip_suffix("_count")).collect();
         for variable in all() {
             let of_law = laws.iter().find_map(|law| variable.name.strip_prefix(law)).map(|rest| format!("`LAW{rest}`"));

@@ -4,11 +4,12 @@ use super::layout;
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, FirstSticks, Fluctuations, Histogram, Law,
-    Line, PeriodMoments, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extra, Extremes, FirstSticks,
+    Fluctuations, Histogram, Law, Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts,
+    Summary, Transient,
 };
 use crate::sums::batches::BATCHES;
-use crate::sums::Measurement;
+use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
 
 /// Write the coordinates that are known before a run: quantile levels and times.
@@ -48,6 +49,8 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
         laws: None,
         densities: None,
         spectrum: None,
+        extremes: None,
+        extras: Extra::ALL.into_iter().filter(|extra| names.iter().any(|name| extra.has(name))).collect(),
         sub_phases: SubPhaseCounts::default(),
         transient: None,
         periods: PeriodMoments::default(),
@@ -77,6 +80,8 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
         bands,
         densities,
         spectrum,
+        extremes,
+        extras: _,
     } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
@@ -93,6 +98,9 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
     walk_periods(walk, periods)?;
     if let Some(densities) = walk.present(&layout::REST_SHARE.value, densities) {
         walk_densities(walk, densities)?;
+    }
+    if let Some(extremes) = walk.present(&layout::LEVEL, extremes) {
+        walk_extremes(walk, extremes)?;
     }
     if let Some(spectrum) = walk.present(&layout::SPECTRUM_SEGMENTS, spectrum) {
         walk_spectrum(walk, spectrum)?;
@@ -251,6 +259,27 @@ fn walk_densities<W: Walk>(walk: &mut W, densities: &mut Densities) -> Result<()
     Ok(())
 }
 
+fn walk_extremes<W: Walk>(walk: &mut W, extremes: &mut Extremes) -> Result<(), W::Error> {
+    let Extremes { displacement, velocity, passages } = extremes;
+    for (layout, law) in layout::EXTREMES.iter().zip([displacement, velocity]) {
+        walk_law(walk, layout, law)?;
+    }
+    let mut levels: Vec<f64> = passages.iter().map(|of| of.level).collect();
+    let mut survival: Vec<f64> = passages.iter().flat_map(|of| of.survival.clone()).collect();
+    let ends = passages.iter().flat_map(|of| (0..of.survival.len()).map(|row| of.survival_ends.at(row)));
+    let mut ends: Ends = ends.collect();
+    walk.variable(&layout::LEVEL, &mut levels)?;
+    walk.curve(&layout::PASSAGE_SURVIVAL, &mut survival, &mut ends)?;
+    let rows = survival.len() / levels.len().max(1);
+    let of_level = |(i, level): (usize, &f64)| Passages {
+        level: *level,
+        survival: survival[i * rows..(i + 1) * rows].to_vec(),
+        survival_ends: (i * rows..(i + 1) * rows).map(|row| ends.at(row)).collect(),
+    };
+    *passages = levels.iter().enumerate().map(of_level).collect();
+    Ok(())
+}
+
 fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W::Error> {
     let Spectrum { segments, lag, frequency, displacement, velocity, lines } = spectrum;
     walk.scalar(&layout::SPECTRUM_SEGMENTS, segments)?;
@@ -271,7 +300,8 @@ fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W
         walk.curve(&power, spectrum, spectrum_ends)?;
         walk.variable(&beyond, aliased)?;
     }
-    let [mut at, mut x, mut v] = columns_of(lines.iter().map(|line| [line.frequency, line.displacement, line.velocity]));
+    let [mut at, mut x, mut v] =
+        columns_of(lines.iter().map(|line| [line.frequency, line.displacement, line.velocity]));
     walk.variable(&layout::LINE_FREQUENCY, &mut at)?;
     walk.variable(&layout::DISPLACEMENT_LINE, &mut x)?;
     walk.variable(&layout::VELOCITY_LINE, &mut v)?;

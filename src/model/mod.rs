@@ -72,4 +72,13 @@ impl Model {
             None => linear,
         }
     }
+
+    /// T at an event, from the force there; its mean where it does not act on the body.
+    pub fn temperature_at(&self, event: &Event) -> f64 {
+        let Event { time, displacement, force, .. } = *event;
+        match self.oscillator.force_per_temperature() {
+            0.0 => self.temperature.mean(time),
+            c => (force - self.total_force(time, 0.0, displacement, 0.0)) / c,
+        }
+    }
 }

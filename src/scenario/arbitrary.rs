@@ -4,7 +4,7 @@ use super::limits::MAX_PHASE;
 use super::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, SensorBearing, Statistics, Time, Units};
 use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scheme::{Kind, monitoring_shift};
-use crate::stats::Record;
+use crate::stats::{PassageLevels, Record};
 use proptest::prelude::*;
 
 /// A number of any magnitude for which K/m and the forces stay within the range of a double.
@@ -59,6 +59,7 @@ prop_compose! {
         (kind, tolerance) in (0..Kind::ALL.len(), 1e-9..=0.1f64),
         (paths, seed) in (1..=MAX_PATHS, any::<u64>()),
         (keep_paths, events, trajectories) in (any::<bool>(), any::<bool>(), 0..=MAX_TRAJECTORIES),
+        levels in proptest::collection::vec(size(), 0..=PassageLevels::MOST).prop_map(|levels| PassageLevels::of(&levels)),
         bearing in proptest::option::of((proptest::option::of(size()), signed())),
         (time, length, force, temperature) in (label(), label(), label(), label()),
     ) -> Scenario {
@@ -86,7 +87,7 @@ prop_compose! {
             scheme,
             statistics: Statistics { after: burn_in * f64::from(steps) * step, period },
             ensemble: Ensemble { paths, seed, antithetic: paths % 4 == 2 },
-            record: Record { paths: keep_paths, events, trajectories, laws: events, density: keep_paths, spectrum: events },
+            record: Record { paths: keep_paths, events, trajectories, laws: events, density: keep_paths, spectrum: events, energy: keep_paths, levels },
             units: Units { time, length, force, temperature },
         };
         let end = scenario.time.end;

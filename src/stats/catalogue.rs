@@ -36,6 +36,10 @@ pub(crate) struct Row {
 pub(crate) enum Extra {
     /// `record.laws`.
     Laws,
+    /// `record.energy`.
+    Energy,
+    /// `statistics.levels`.
+    Levels,
 }
 
 /// What a statistic is a mean over, or a number of.
@@ -60,6 +64,16 @@ impl Over {
     /// of all sizes occur. Total times, the first stick and positions are not affected by that.
     pub fn counts_phases(self) -> bool {
         matches!(self, Over::Sticks | Over::Slips | Over::Recurrences | Over::CountsOfPaths)
+    }
+}
+
+impl Extra {
+    /// Each of them.
+    pub const ALL: [Extra; 3] = [Extra::Laws, Extra::Energy, Extra::Levels];
+
+    /// Whether the statistic of this name belongs to it.
+    pub fn has(self, name: &str) -> bool {
+        Statistic::from_name(name).is_some_and(|statistic| statistic.row().asked_by == Some(self))
     }
 }
 
@@ -124,15 +138,15 @@ const COUNTED: Row = Row {
     is_certain: |scene| scene.never_sticks,
     ..OF_PATHS
 };
+/// Energy over the counted time, on request.
+const OF_ENERGY: Row = Row { dimension: Dimension::WORK, asked_by: Some(Extra::Energy), ..OF_PATHS };
+/// A number of the largest displacements or speeds, on request.
+const OF_EXTREMES: Row = Row { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Levels), ..OF_PATHS };
 /// A number of durations of slips, sizes of jumps or times from slip to slip, on request.
 const OF_LAWS: Row = Row { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Laws), ..OF_SLIPS };
 const OF_SLIP_DURATIONS: Row = Row { dimension: Dimension::TIME, ..OF_LAWS };
-const OF_RECURRENCE: Row = Row {
-    dimension: Dimension::TIME,
-    over: Over::Recurrences,
-    needs: &[Need::Recurrence],
-    ..OF_LAWS
-};
+const OF_RECURRENCE: Row =
+    Row { dimension: Dimension::TIME, over: Over::Recurrences, needs: &[Need::Recurrence], ..OF_LAWS };
 const OF_PERIODS: Row = Row { needs: &[Need::Period], ..OF_PATHS };
 
 catalogue! {
@@ -434,6 +448,82 @@ catalogue! {
         needs: &[Need::Recurrence, Need::TwoRecurrences],
         ..OF_RECURRENCE
     },
+    /// Mean over paths of the work of the temperature, the integral of c T x' dt over [after, t_end].
+    TemperatureWorkMean: Row {
+        name: "temperature_work_mean",
+        words: "mean work of the temperature",
+        meaning: "mean work of the temperature on the body",
+        ..OF_ENERGY
+    },
+    /// Mean over paths of the work of a force of the user's own, the integral of g x' dt.
+    OwnForceWorkMean: Row {
+        name: "own_force_work_mean",
+        words: "mean work of the own force",
+        meaning: "mean work of the force of your own on the body",
+        ..OF_ENERGY
+    },
+    /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
+    DampingWorkMean: Row {
+        name: "damping_work_mean",
+        words: "mean work of damping",
+        meaning: "mean work done against damping",
+        ..OF_ENERGY
+    },
+    /// Mean over paths of the change of m x'^2/2 + K x^2/2.
+    StoredEnergyMean: Row {
+        name: "stored_energy_change_mean",
+        words: "mean change of stored energy",
+        meaning: "mean change of kinetic energy and of that of the spring",
+        ..OF_ENERGY
+    },
+    /// Mean over paths of what is left of the energy balance.
+    EnergyResidualMean: Row {
+        name: "energy_residual_mean",
+        words: "mean residual of the energy",
+        meaning: "mean of what is left of the energy balance, an error of its integrals",
+        ..OF_ENERGY
+    },
+    /// Standard deviation over paths of what is left of the energy balance.
+    EnergyResidualSd: Row {
+        name: "energy_residual_sd",
+        words: "sd of the residual of the energy",
+        meaning: "standard deviation of what is left of the energy balance",
+        range: Range::NOT_NEGATIVE,
+        needs: &[Need::TwoPaths],
+        ..OF_ENERGY
+    },
+    /// Mean over paths of the largest |x - x0| over [0, t_end].
+    LargestDisplacementMean: Row {
+        name: "largest_displacement_mean",
+        words: "mean largest displacement",
+        meaning: "mean of the largest distance from the initial displacement",
+        ..OF_EXTREMES
+    },
+    /// Standard deviation over paths of the largest |x - x0|.
+    LargestDisplacementSd: Row {
+        name: "largest_displacement_sd",
+        words: "sd of the largest displacement",
+        meaning: "standard deviation of the largest distance from the initial displacement",
+        needs: &[Need::TwoPaths],
+        ..OF_EXTREMES
+    },
+    /// Mean over paths of the largest |x'| over [0, t_end].
+    LargestSpeedMean: Row {
+        name: "largest_speed_mean",
+        words: "mean largest speed",
+        meaning: "mean of the largest speed",
+        dimension: Dimension::VELOCITY,
+        ..OF_EXTREMES
+    },
+    /// Standard deviation over paths of the largest |x'|.
+    LargestSpeedSd: Row {
+        name: "largest_speed_sd",
+        words: "sd of the largest speed",
+        meaning: "standard deviation of the largest speed",
+        dimension: Dimension::VELOCITY,
+        needs: &[Need::TwoPaths],
+        ..OF_EXTREMES
+    },
 }
 
 impl Statistic {
@@ -456,6 +546,8 @@ impl Statistic {
         match self.row().asked_by {
             None => true,
             Some(Extra::Laws) => record.laws,
+            Some(Extra::Energy) => record.energy,
+            Some(Extra::Levels) => !record.levels.is_empty(),
         }
     }
 

@@ -5,7 +5,7 @@
 //! which is kept apart: the density of x' and that of (x, x') are those of the time in motion, and
 //! their integrals are the share of that time. The density of x is that of all time.
 
-use super::{DensityCurve, Densities};
+use super::{Densities, DensityCurve};
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
 use crate::sums::Unit;

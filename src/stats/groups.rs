@@ -11,9 +11,10 @@
 //! the same groups.
 
 use super::laws::LawFold;
+use super::motion::MotionFold;
 use super::path::PathFold;
 use super::periods::PeriodFold;
-use super::totals::PhaseSums;
+use super::totals::{Folds, PhaseSums};
 use super::{Companion, Record, Statistic, Totals};
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -36,7 +37,8 @@ pub struct Grouping {
     unit: Unit,
     start: f64,
     dynamic_force: f64,
-    with_laws: bool,
+    model: Model,
+    record: Record,
 }
 
 /// The moments of each group, in order.
@@ -84,8 +86,8 @@ impl Grouping {
     /// pairs, and which measure what `record` asks for.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Unit) -> Self {
         let dynamic_force = model.friction.dynamic_force;
-        let (timeline, start, with_laws) = (*timeline, model.initial_displacement, record.laws);
-        Grouping { timeline, unit, start, dynamic_force, with_laws }
+        let (timeline, start, model, record) = (*timeline, model.initial_displacement, model.clone(), *record);
+        Grouping { timeline, unit, start, dynamic_force, model, record }
     }
 }
 
@@ -109,15 +111,19 @@ impl Companion for Grouping {
             Group { lanes, periods, displacement, velocity }
         };
         let path = PathFold::starting_at(self.start).counted_after(self.timeline.after);
-        let laws = self.with_laws.then(|| vec![LawFold::counted_after(self.timeline.after); paths.len()]);
-        GroupObserver { paths: vec![path; paths.len()], laws, groups: lanes.into_iter().map(group).collect() }
+        let motion = self.record.has_motion().then(|| vec![MotionFold::starting_at(&self.model); paths.len()]);
+        let laws = self.record.laws.then(|| vec![LawFold::counted_after(self.timeline.after); paths.len()]);
+        let (groups, model) = (lanes.into_iter().map(group).collect(), self.model.clone());
+        GroupObserver { paths: vec![path; paths.len()], laws, motion, model, groups }
     }
 
-    fn finish(&self, GroupObserver { paths, laws, groups }: GroupObserver, _: Unit) -> Groups {
+    fn finish(&self, GroupObserver { paths, laws, motion, groups, .. }: GroupObserver, _: Unit) -> Groups {
         let sums = |group: Group| {
             let own: Vec<PathFold> = group.lanes.iter().map(|&lane| paths[lane]).collect();
             let laws = laws.as_ref().map(|laws| group.lanes.iter().map(|&lane| laws[lane]).collect::<Vec<_>>());
-            PhaseSums::of(&own, self.dynamic_force, group.periods.finish(), laws.as_deref(), self.unit)
+            let motion = motion.as_ref().map(|paths| group.lanes.iter().map(|&lane| paths[lane]).collect::<Vec<_>>());
+            let folds = Folds { laws: laws.as_deref(), motion: motion.as_deref(), record: &self.record };
+            PhaseSums::of(&own, self.dynamic_force, group.periods.finish(), folds, self.unit)
         };
         Groups(groups.into_iter().map(sums).collect())
     }
@@ -128,6 +134,8 @@ impl Companion for Grouping {
 pub struct GroupObserver {
     paths: Vec<PathFold>,
     laws: Option<Vec<LawFold>>,
+    motion: Option<Vec<MotionFold>>,
+    model: Model,
     groups: Vec<Group>,
 }
 
@@ -146,9 +154,16 @@ impl Observer for GroupObserver {
         if let Some(laws) = &mut self.laws {
             laws[lane].event(&event, |_, _| {});
         }
+        if let Some(motion) = &mut self.motion {
+            motion[lane].event(&self.model, &event);
+        }
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
+        for (lane, path) in self.motion.iter_mut().flatten().enumerate() {
+            let state = [snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]];
+            path.at(&self.model, instant, snapshot.time, state);
+        }
         let paths = self.paths.iter_mut().zip(snapshot.displacement);
         match instant {
             Instant::Output(_) => {}

@@ -469,7 +469,8 @@ mod tests {
             totals.completed(i, 0.75 + 0.001 * i as f64);
         }
         totals.completed(5, 0.0);
-        let histogram = totals.summary(&totals.ordered(), [0.0; 2], Some(1000), independent(1000, true), false).histogram;
+        let histogram =
+            totals.summary(&totals.ordered(), [0.0; 2], Some(1000), independent(1000, true), false).histogram;
         assert_eq!(histogram.edges.len(), histogram.counts.len() + 1);
         assert_eq!(histogram.edges[0], 0.0);
         for (edges, &count) in histogram.edges.windows(2).zip(&histogram.counts) {

@@ -26,6 +26,7 @@ mod groups;
 mod law;
 mod law_counts;
 mod laws;
+mod motion;
 mod need;
 mod observer;
 mod path;
@@ -43,19 +44,19 @@ mod tally;
 mod totals;
 
 pub use catalogue::Statistic;
-pub(crate) use catalogue::StepError;
+pub(crate) use catalogue::{Extra, StepError};
 pub use corrected::Corrected;
 pub use dimension::{Dimension, Units};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use groups::{GROUPS, GroupValues, Grouping, Groups};
 pub use law::Law;
 pub use observer::BlockObserver;
-pub use record::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
+pub use record::{BlockResult, EventColumns, PassageLevels, PathColumns, Record, TrajectoryRows};
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
 pub use run_totals::RunTotals;
 pub use summary::{
-    Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, FirstSticks, Fluctuations, Histogram, Line,
-    PeriodMoments, QUANTILE_LEVELS, Spectrum, SubPhaseCounts, Summary, Transient,
+    Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, Extremes, FirstSticks, Fluctuations, Histogram,
+    Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, SubPhaseCounts, Summary, Transient,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};

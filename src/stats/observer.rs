@@ -4,11 +4,12 @@
 use super::column::Columns as _;
 use super::density::DensityFold;
 use super::laws::LawFold;
+use super::motion::MotionFold;
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
 use super::spectrum::SpectrumFold;
-use super::totals::PhaseSums;
+use super::totals::{Folds, PhaseSums};
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -28,6 +29,8 @@ pub struct BlockObserver {
     periods: PeriodFold,
     /// The laws of each path, if they are asked for.
     laws: Option<Vec<LawFold>>,
+    /// The motion of each path, if its energy or its extremes are asked for.
+    motion: Option<Vec<MotionFold>>,
     /// What is asked for of the output grid.
     density: Option<DensityFold>,
     spectrum: Option<SpectrumFold>,
@@ -63,6 +66,9 @@ impl BlockObserver {
         if record.laws {
             totals.counts.ask_for_laws();
         }
+        if !record.levels.is_empty() {
+            totals.counts.ask_for_levels(record.levels);
+        }
         BlockObserver {
             path_numbers: paths.to_vec(),
             unit: Unit::Path,
@@ -72,6 +78,7 @@ impl BlockObserver {
             totals,
             laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); paths.len()]),
             periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
+            motion: record.has_motion().then(|| vec![MotionFold::starting_at(model); paths.len()]),
             density: record.density.then(|| DensityFold::new(timeline, paths)),
             spectrum: record.spectrum.then(|| SpectrumFold::new(model, timeline, paths)),
             record: *record,
@@ -111,8 +118,8 @@ impl BlockObserver {
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
         let dynamic_force = self.model.friction.dynamic_force;
         self.totals.counts.density = self.density.map(|density| Box::new(density.finish()));
-        self.totals.sums.phases =
-            PhaseSums::of(&self.paths, dynamic_force, self.periods.finish(), self.laws.as_deref(), self.unit);
+        let folds = Folds { laws: self.laws.as_deref(), motion: self.motion.as_deref(), record: &self.record };
+        self.totals.sums.phases = PhaseSums::of(&self.paths, dynamic_force, self.periods.finish(), folds, self.unit);
         self.totals.sums.spectrum = self.spectrum.map(|spectrum| Box::new(spectrum.finish()));
         self.totals.end(&self.paths, &diverged, self.unit);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
@@ -125,6 +132,24 @@ impl BlockObserver {
             events: self.events.map(|events| block.event_columns(&events)),
             trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
             totals: self.totals,
+        }
+    }
+
+    /// Adds the states at an instant to the motion of the paths, if that is asked for.
+    fn follow_motion(&mut self, instant: Instant, snapshot: &Snapshot<'_>) {
+        let Some(motion) = &mut self.motion else { return };
+        for (lane, path) in motion.iter_mut().enumerate() {
+            let state = [snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]];
+            path.at(&self.model, instant, snapshot.time, state);
+        }
+        let Some(extremes) = &mut self.totals.counts.extremes else { return };
+        match instant {
+            Instant::Output(row) => extremes.row(row, self.rows, &self.record.levels, motion),
+            Instant::End => {
+                let paths = motion.iter().zip(&self.path_numbers);
+                paths.for_each(|(path, number)| extremes.end(self.unit.of(*number), path));
+            }
+            Instant::Period(_) | Instant::Counting => {}
         }
     }
 
@@ -163,12 +188,16 @@ impl Observer for BlockObserver {
             let unit = self.unit.of(self.path_numbers[lane]);
             laws[lane].event(&event, |law, value| counts.law_mut(law).completed(unit, value));
         }
+        if let Some(motion) = &mut self.motion {
+            motion[lane].event(&self.model, &event);
+        }
         if let Some(events) = &mut self.events {
             events[lane].push(event);
         }
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
+        self.follow_motion(instant, &snapshot);
         match instant {
             Instant::Output(row) => {
                 self.totals.row(row, &snapshot, self.unit);
@@ -416,7 +445,15 @@ mod tests {
     #[test]
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
-        let record = Record { paths: true, events: true, trajectories: 103, laws: true, density: true, spectrum: true };
+        let record = Record {
+            paths: true,
+            events: true,
+            trajectories: 103,
+            laws: true,
+            density: true,
+            spectrum: true,
+            ..Record::NOTHING
+        };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
         observer.event(1, slip(0.5, 6.0));
@@ -476,7 +513,15 @@ mod tests {
     #[test]
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
-        let record = Record { paths: true, events: true, trajectories: 2, laws: true, density: true, spectrum: true };
+        let record = Record {
+            paths: true,
+            events: true,
+            trajectories: 2,
+            laws: true,
+            density: true,
+            spectrum: true,
+            ..Record::NOTHING
+        };
         let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));

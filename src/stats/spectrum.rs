@@ -318,7 +318,8 @@ impl SpectrumFold {
             self.fourier.transform(&mut real, &mut imaginary);
             // Mostly the columns belong to successive batches.
             let first = batches[0];
-            let is_in_a_row = batches.len() == COLUMNS && batches.iter().zip(first..).all(|(batch, next)| *batch == next);
+            let is_in_a_row =
+                batches.len() == COLUMNS && batches.iter().zip(first..).all(|(batch, next)| *batch == next);
             for k in 0..frequencies {
                 let mirrored = (padded - k) % padded;
                 let [a, b, c, d] = [real[k], real[mirrored], imaginary[k], imaginary[mirrored]];

@@ -225,6 +225,29 @@ pub struct Spectrum {
     pub lines: Vec<Line>,
 }
 
+/// When paths first reach a distance from their initial displacement.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Passages {
+    /// The distance.
+    pub level: f64,
+    /// The probability that |x - x0| has stayed below the distance until each time of the output
+    /// grid, between rows included.
+    pub survival: Vec<f64>,
+    /// Interval of each probability.
+    pub survival_ends: Ends,
+}
+
+/// How far and how fast the body gets.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extremes {
+    /// The distribution over paths of the largest |x - x0|.
+    pub displacement: Distribution,
+    /// The distribution over paths of the largest |x'|.
+    pub velocity: Distribution,
+    /// The first passages of each level that was asked for.
+    pub passages: Vec<Passages>,
+}
+
 /// Distribution of k(j), the number of sub-phases of a dynamic phase.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SubPhaseCounts {
@@ -307,6 +330,10 @@ pub struct Summary {
     pub densities: Option<Densities>,
     /// Autocovariance and spectrum of x and x', where they were asked for.
     pub spectrum: Option<Spectrum>,
+    /// How far and how fast the body gets, where levels were asked for.
+    pub extremes: Option<Extremes>,
+    /// What was asked for.
+    pub(crate) extras: Vec<Extra>,
 }
 
 impl Summary {
@@ -325,10 +352,7 @@ impl Summary {
 
     /// The estimates of the statistics that were asked for, in the order of tables and files.
     pub fn asked(&self) -> impl Iterator<Item = &Estimate> {
-        self.estimates.iter().filter(|e| match e.statistic.row().asked_by {
-            None => true,
-            Some(Extra::Laws) => self.laws.is_some(),
-        })
+        self.estimates.iter().filter(|e| e.statistic.row().asked_by.is_none_or(|extra| self.extras.contains(&extra)))
     }
 
     /// Whether the bias of any statistic is known.

@@ -1,16 +1,19 @@
 //! The sums from which every statistic is computed: empty, of a block, merged, and summarised.
 
 use super::bands::{self, BandCounts, BandSums};
-use super::catalogue::Over;
+use super::catalogue::{Extra, Over};
 use super::certain::Certain;
 use super::density::DensityCounts;
 use super::law::{Law, LawSums, rare_mean, rare_ratio};
 use super::law_counts::{LawCounts, OrderedLaw};
 use super::laws::{LawFold, LawsCounts, LawsSums};
+use super::motion::{EnergySums, ExtremeCounts, ExtremeSums, MotionFold};
 use super::path::PathFold;
 use super::periods::PeriodSums;
 use super::spectrum::SpectrumSums;
-use super::{Distribution, Estimate, FirstSticks, Statistic, SubPhaseCounts, Summary, Transient};
+use super::{
+    Distribution, Estimate, FirstSticks, PassageLevels, Record, Statistic, SubPhaseCounts, Summary, Transient,
+};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
@@ -58,9 +61,12 @@ pub(super) struct PhaseSums {
     pub(super) periods: PeriodSums,
     /// The moments of the laws that are asked for.
     pub(super) laws: Option<Box<LawsSums>>,
+    /// Energies and extremes, if they are asked for.
+    energy: Option<Box<EnergySums>>,
+    extremes: Option<Box<ExtremeSums>>,
 }
 
-codec_of_fields!(PhaseSums { cascade, periods, laws });
+codec_of_fields!(PhaseSums { cascade, periods, laws, energy, extremes });
 
 /// Integers, extremes and lists of numbers. Merging them is exact in any order.
 #[derive(Clone, Debug, PartialEq)]
@@ -88,6 +94,8 @@ pub struct Counts {
     bands: BandCounts,
     /// If they are asked for.
     pub(super) density: Option<Box<DensityCounts>>,
+    pub(super) extremes: Option<Box<ExtremeCounts>>,
+    levels: PassageLevels,
 }
 
 impl Sums {
@@ -110,6 +118,8 @@ impl Merge for PhaseSums {
         self.cascade.merge(&other.cascade);
         self.periods.merge(&other.periods);
         merge_if_asked(&mut self.laws, other.laws.as_ref(), LawsSums::merge);
+        merge_if_asked(&mut self.energy, other.energy.as_ref(), EnergySums::merge);
+        merge_if_asked(&mut self.extremes, other.extremes.as_ref(), ExtremeSums::merge);
     }
 }
 
@@ -140,12 +150,20 @@ impl Counts {
             early_slips: 0,
             bands: BandCounts::empty(model, timeline.rows()),
             density: None,
+            extremes: None,
+            levels: PassageLevels::NONE,
         }
     }
 
     /// The same counts, with these laws counted.
     pub(super) fn ask_for_laws(&mut self) -> &mut LawsCounts {
         self.laws.get_or_insert_with(|| Box::new(LawsCounts::empty(self.scales)))
+    }
+
+    /// The same counts, with extremes and these levels counted.
+    pub(super) fn ask_for_levels(&mut self, levels: PassageLevels) -> &mut ExtremeCounts {
+        self.levels = levels;
+        self.extremes.get_or_insert_with(|| Box::new(ExtremeCounts::empty(self.scales)))
     }
 
     /// The counts of a law; none if it was not asked for.
@@ -166,6 +184,9 @@ impl Counts {
         self.sticks.settle();
         if let Some(laws) = &mut self.laws {
             laws.settle();
+        }
+        if let Some(extremes) = &mut self.extremes {
+            extremes.settle();
         }
         self.bands.settle();
     }
@@ -205,6 +226,10 @@ impl Counts {
         self.early_slips += other.early_slips;
         self.bands.merge(&other.bands);
         merge_if_asked(&mut self.density, other.density.as_ref(), DensityCounts::merge);
+        merge_if_asked(&mut self.extremes, other.extremes.as_ref(), ExtremeCounts::merge);
+        if self.levels.is_empty() {
+            self.levels = other.levels;
+        }
     }
 }
 
@@ -225,6 +250,10 @@ impl Codec for Counts {
         self.early_slips.write(out);
         self.bands.write(out);
         self.density.write(out);
+        self.levels.iter().collect::<Vec<f64>>().write(out);
+        if let Some(extremes) = &self.extremes {
+            extremes.write(out);
+        }
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
@@ -251,7 +280,14 @@ impl Codec for Counts {
         self.early_sticks.read(from)?;
         self.early_slips.read(from)?;
         self.bands.read(from)?;
-        self.density.read(from)
+        self.density.read(from)?;
+        let mut levels = vec![0.0; from.clone().length()?.min(PassageLevels::MOST)];
+        levels.read(from)?;
+        self.extremes = None;
+        if !levels.is_empty() {
+            self.ask_for_levels(PassageLevels::of(&levels)).read(from)?;
+        }
+        Ok(())
     }
 }
 
@@ -305,6 +341,10 @@ impl Totals {
         let mean_motion = [bands.displacement.mean.as_slice(), bands.velocity.mean.as_slice()];
         Summary {
             spectrum: sums.spectrum.as_ref().map(|spectrum| spectrum.summary(timeline, mean_motion)),
+            extremes: counts.extremes.as_ref().map(|extremes| {
+                extremes.summary(&counts.levels, timeline, counts.chance(counts.units), counts.sample())
+            }),
+            extras: self.extras(),
             densities: counts.density.as_ref().map(|density| density.summary(counts.chance(counts.units))),
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
@@ -328,6 +368,14 @@ impl Totals {
         }
     }
 
+    /// What was asked for.
+    fn extras(&self) -> Vec<Extra> {
+        let PhaseSums { laws, energy, extremes, .. } = &self.sums.phases;
+        let asked =
+            [(Extra::Laws, laws.is_some()), (Extra::Energy, energy.is_some()), (Extra::Levels, extremes.is_some())];
+        asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(extra, _)| extra).collect()
+    }
+
     fn distribution(&self, law: Law, of: &LawCounts, ordered: &OrderedLaw) -> Distribution {
         let Totals { sums, counts, .. } = self;
         let Some(moments) = sums.phases.law(law) else { return Distribution::default() };
@@ -340,7 +388,8 @@ impl Totals {
 
     fn first_sticks(&self) -> FirstSticks {
         let Counts { first_completed: completed, first_censored: censored, certain, .. } = self.counts;
-        let sample = Sample { is_random: self.counts.sample().is_random && !certain.first_stick, ..self.counts.sample() };
+        let sample =
+            Sample { is_random: self.counts.sample().is_random && !certain.first_stick, ..self.counts.sample() };
         let [completed_ends, censored_ends] = [completed, censored].map(|count| sample.number(count));
         FirstSticks { completed, completed_ends, censored, censored_ends }
     }
@@ -392,10 +441,24 @@ impl Merge for Totals {
     }
 }
 
+/// What is folded on request, path by path.
+#[derive(Clone, Copy)]
+pub(super) struct Folds<'a> {
+    pub laws: Option<&'a [LawFold]>,
+    pub motion: Option<&'a [MotionFold]>,
+    pub record: &'a Record,
+}
+
 impl PhaseSums {
     /// The sums of no paths.
     pub(super) fn empty(timeline: &Timeline) -> Self {
-        PhaseSums { cascade: CascadeSums::default(), periods: PeriodSums::empty(timeline), laws: None }
+        PhaseSums {
+            cascade: CascadeSums::default(),
+            periods: PeriodSums::empty(timeline),
+            laws: None,
+            energy: None,
+            extremes: None,
+        }
     }
 
     /// The sums of paths that have reached t_end.
@@ -403,11 +466,17 @@ impl PhaseSums {
         paths: &[PathFold],
         dynamic_force: f64,
         periods: PeriodSums,
-        laws: Option<&[LawFold]>,
+        Folds { laws, motion, record }: Folds<'_>,
         unit: Unit,
     ) -> Self {
-        let laws = laws.map(|laws| Box::new(LawsSums::of(laws, unit)));
-        PhaseSums { cascade: CascadeSums::of(paths, dynamic_force, unit), periods, laws }
+        let motion = motion.unwrap_or_default();
+        PhaseSums {
+            cascade: CascadeSums::of(paths, dynamic_force, unit),
+            periods,
+            laws: laws.map(|laws| Box::new(LawsSums::of(laws, unit))),
+            energy: record.energy.then(|| Box::new(EnergySums::of(motion, unit))),
+            extremes: (!record.levels.is_empty()).then(|| Box::new(ExtremeSums::of(motion, unit))),
+        }
     }
 
     /// The moments of a law; none if it was not asked for.
@@ -416,6 +485,14 @@ impl PhaseSums {
             Law::Stick => Some(&self.cascade.sticks),
             asked => self.laws.as_ref().map(|laws| laws.law(asked)),
         }
+    }
+
+    fn of_energy(&self, of: impl Fn(&EnergySums) -> Measured) -> Measured {
+        self.energy.as_ref().map_or(Measured::NOTHING, |energy| of(energy))
+    }
+
+    fn of_extremes(&self, of: impl Fn(&ExtremeSums) -> Measured) -> Measured {
+        self.extremes.as_ref().map_or(Measured::NOTHING, |extremes| of(extremes))
     }
 
     /// A number from the moments of a law.
@@ -455,14 +532,22 @@ impl PhaseSums {
             Statistic::SlipDurationMean => self.of_law(Law::Slip, LawSums::mean),
             Statistic::SlipDurationSd => self.of_law(Law::Slip, |law| law.sd(unit)),
             Statistic::SlipDurationCv => self.of_law(Law::Slip, |law| law.coefficient_of_variation(unit)),
-            Statistic::JumpSd => {
-                self.laws.as_ref().map_or(Measured::NOTHING, |laws| laws.signed_jumps().sd(unit))
-            }
+            Statistic::JumpSd => self.laws.as_ref().map_or(Measured::NOTHING, |laws| laws.signed_jumps().sd(unit)),
             Statistic::JumpAbsSd => self.of_law(Law::Jump, |law| law.sd(unit)),
             Statistic::JumpAbsCv => self.of_law(Law::Jump, |law| law.coefficient_of_variation(unit)),
             Statistic::RecurrenceTimeMean => self.of_law(Law::Recurrence, LawSums::mean),
             Statistic::RecurrenceTimeSd => self.of_law(Law::Recurrence, |law| law.sd(unit)),
             Statistic::RecurrenceTimeCv => self.of_law(Law::Recurrence, |law| law.coefficient_of_variation(unit)),
+            Statistic::TemperatureWorkMean => self.of_energy(EnergySums::temperature),
+            Statistic::OwnForceWorkMean => self.of_energy(EnergySums::own_force),
+            Statistic::DampingWorkMean => self.of_energy(EnergySums::damping),
+            Statistic::StoredEnergyMean => self.of_energy(EnergySums::change),
+            Statistic::EnergyResidualMean => self.of_energy(EnergySums::residual),
+            Statistic::EnergyResidualSd => self.of_energy(EnergySums::residual_sd),
+            Statistic::LargestDisplacementMean => self.of_extremes(|of| Measured::mean(&of.displacement().units)),
+            Statistic::LargestDisplacementSd => self.of_extremes(|of| of.displacement().standard_deviation()),
+            Statistic::LargestSpeedMean => self.of_extremes(|of| Measured::mean(&of.velocity().units)),
+            Statistic::LargestSpeedSd => self.of_extremes(|of| of.velocity().standard_deviation()),
             Statistic::StickDurationMedian
             | Statistic::SlipDurationMedian
             | Statistic::JumpAbsMedian
@@ -552,13 +637,7 @@ struct CascadeTails {
     stick_time: Fourths,
 }
 
-codec_of_fields!(CascadeTails {
-    first_stick_duration,
-    sub_phases,
-    jump_size,
-    slips,
-    stick_time
-});
+codec_of_fields!(CascadeTails { first_stick_duration, sub_phases, jump_size, slips, stick_time });
 
 impl CascadeTails {
     fn merge(&mut self, other: &CascadeTails) {

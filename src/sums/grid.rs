@@ -165,8 +165,8 @@ impl Grid {
     fn add(&mut self, axes: [Axis; 2], counts: &[u64]) {
         for (at, more) in counts.chunks(self.batches).enumerate() {
             let [row, column] = [at / axes[1].cells, at % axes[1].cells];
-            let place = axes[0].place_in(self.axes[0], row) * self.axes[1].cells
-                + axes[1].place_in(self.axes[1], column);
+            let place =
+                axes[0].place_in(self.axes[0], row) * self.axes[1].cells + axes[1].place_in(self.axes[1], column);
             let mine = &mut self.counts[place * self.batches..][..self.batches];
             mine.iter_mut().zip(more).for_each(|(mine, more)| *mine += more);
         }
