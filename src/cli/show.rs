@@ -9,9 +9,9 @@ use super::terminal::Letters;
 use super::{calibrate, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::engine::Provenance;
+use stick_slip::engine::{Cycle, Provenance};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::Summary;
+use stick_slip::stats::{Family, Fit, FitError, Law, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
 
 const EXAMPLES: &str = "\
@@ -22,6 +22,7 @@ Examples:
   mc show rho025.h5 --scenario > again.toml   the scenario that was run
   mc show coarse.h5 fine.h5                 one table, with differences from the first file
   mc show rho025.h5 rho025-sweep.h5 --csv   one line for each statistic
+  mc show rho025.h5 --fit slip              laws fitted to slip durations, if record.laws was set
   mc show rho025.h5 --cite                  what to write in a paper";
 
 /// Arguments of `mc show`.
@@ -45,6 +46,13 @@ pub struct Show {
     /// the model
     #[arg(long, conflicts_with_all = ["json", "plot", "csv"])]
     cite: bool,
+    /// Fit laws to a distribution of a run with `record.laws`, by maximum likelihood: exponential,
+    /// Weibull and lognormal
+    #[arg(long, value_name = "stick|slip|jump|recurrence", value_parser = law, conflicts_with_all = ["csv", "plot", "cite"])]
+    fit: Option<Law>,
+    /// Fit only what values exceed this by, to see how a tail falls
+    #[arg(long, value_name = "VALUE", requires = "fit")]
+    beyond: Option<f64>,
     /// Print the scenario that the file was made with instead, with every default written out: a
     /// file for mc run
     #[arg(long, conflicts_with_all = ["json", "csv", "plot", "cite"])]
@@ -61,6 +69,9 @@ impl Show {
         }
         if self.scenario {
             return self.print_scenario();
+        }
+        if let Some(law) = self.fit {
+            return self.print_fit(law);
         }
         match self.files.as_slice() {
             [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
@@ -147,6 +158,31 @@ impl Show {
         print(&report::comparison(&summaries, &infos))
     }
 
+    fn print_fit(&self, law: Law) -> Result<(), Failure> {
+        let [file] = self.files.as_slice() else {
+            return Err(Failure::usage("--fit fits the values of one file", "give one file"));
+        };
+        let run = files::read(file, store::read)?;
+        let from = self.beyond.unwrap_or(0.0);
+        let fits = match run.summary.law(law) {
+            Some(distribution) => Family::ALL.into_iter().map(|family| distribution.fit_beyond(family, from)).collect(),
+            None => Err(FitError::NoBatches),
+        };
+        let fits: Vec<Fit> = fits.map_err(|error| {
+            let problem = format!("{}: {error}", file.display());
+            let remedy = match error {
+                FitError::NoBatches => "run the scenario again with --set record.laws=true",
+                FitError::TooFew => "run more paths, or choose a lower --beyond",
+            };
+            Failure::usage(problem, remedy)
+        })?;
+        let unit = law.dimension().label(&run.header.units);
+        match self.json {
+            true => print_data(&report::fits_json(law, from, &fits)),
+            false => print(&report::fits_table(law, from, &unit, &fits)),
+        }
+    }
+
     fn print_citations(&self) -> Result<(), Failure> {
         let sentences = self.files.iter().map(|file| Ok(report::citation(&files::read(file, store::read)?)));
         let sentences: Vec<[String; 2]> = sentences.collect::<Result<_, Failure>>()?;
@@ -168,6 +204,14 @@ impl Show {
         }
         print_data(&table.text())
     }
+}
+
+/// The law of this name.
+fn law(name: &str) -> Result<Law, String> {
+    Law::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = std::iter::once(Law::Stick).chain(Law::ASKED).map(Law::name).collect();
+        format!("take one of {}", names.join(", "))
+    })
 }
 
 /// Whether the file holds a sweep. A file that cannot be read counts as no sweep here, because the
@@ -192,6 +236,7 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),
+        cycle: scenario.and_then(Cycle::of),
     }
 }
 

@@ -197,6 +197,7 @@ impl<'a> Sitting<'a> {
             file: file.display().to_string(),
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
+            cycle: Cycle::of(scenario),
         }
     }
 }

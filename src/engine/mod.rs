@@ -21,6 +21,7 @@ mod alarm;
 mod asked;
 mod course;
 mod crew;
+mod cycle;
 mod ending;
 mod error;
 mod outcome;
@@ -32,6 +33,7 @@ mod sink;
 
 pub use asked::{Asked, NoPart, Part};
 pub use crew::{Crew, Deliver, Portion, Work};
+pub use cycle::{Cycle, Repeats};
 pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use error::RunError;
 pub use outcome::{BiasReport, Outcome, Status};

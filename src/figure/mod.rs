@@ -15,16 +15,20 @@
 
 mod axis;
 mod calibration;
+mod density;
 mod drift;
 mod fan;
 mod hysteresis;
 mod kit;
+mod laws;
 mod overview;
 mod page;
 mod panel;
 mod path;
 mod residuals;
+mod section;
 mod sheet;
+mod spectrum;
 mod sticks;
 mod sub_phases;
 mod subject;
@@ -52,9 +56,13 @@ pub const FIGURES: &[Figure] = &[
     sticks::FIGURE,
     sub_phases::FIGURE,
     drift::FIGURE,
+    laws::FIGURE,
+    density::FIGURE,
+    spectrum::FIGURE,
     trade::FIGURE,
     sweep::FIGURE,
     tornado::FIGURE,
+    section::FIGURE,
     calibration::FIGURE,
     hysteresis::FIGURE,
     residuals::FIGURE,

@@ -105,7 +105,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
 }
 
 /// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.
-fn horizontal(axis: &sweep::SweepAxis) -> Axis {
+pub(super) fn horizontal(axis: &sweep::SweepAxis) -> Axis {
     let values = &axis.values;
     let title = symbol(&axis.name, &axis.key);
     let [low, high] = range_of(values.iter().copied());

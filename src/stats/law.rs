@@ -39,6 +39,11 @@ impl Law {
     /// The laws that a run reports on request (`record.laws`). That of sticks is always reported.
     pub const ASKED: [Law; 5] = [Law::Slip, Law::Jump, Law::JumpForward, Law::JumpBackward, Law::Recurrence];
 
+    /// The law with this name, if there is one.
+    pub fn from_name(name: &str) -> Option<Law> {
+        Law::ASKED.into_iter().chain([Law::Stick]).find(|law| law.name() == name)
+    }
+
     /// The name of the law on the command line.
     pub fn name(self) -> &'static str {
         match self {

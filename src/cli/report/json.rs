@@ -3,6 +3,7 @@
 use super::RunInfo;
 use crate::cli::document::{JsonWarning, document, estimate, sha256};
 use serde_json::{Map, Value, json};
+use stick_slip::engine::Cycle;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
 
@@ -46,6 +47,8 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
         // What happened before the time from which on statistics count; null where they count from
         // the beginning.
         "start": summary.transient.map(start),
+        // What the path does in the end, where nothing is random.
+        "cycle": info.cycle.as_ref().map(cycle),
         "counted_periods": summary.counted_periods(),
         // The statistics that are zero once x has settled but are significantly not zero here; null
         // where the paths are too few to decide.
@@ -54,6 +57,21 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
         "warnings": warnings,
     });
     document("run", report)
+}
+
+fn cycle(cycle: &Cycle) -> Value {
+    let repeats = cycle.repeats.as_ref().map(|repeats| {
+        json!({
+            "period": repeats.period,
+            "forcing_periods": repeats.forcing_periods,
+            "advance": repeats.advance,
+            "slips": repeats.slips,
+            "sticks": repeats.sticks,
+            "at_rest": repeats.at_rest,
+            "is_symmetric": repeats.is_symmetric,
+        })
+    });
+    json!({ "amplitude": cycle.amplitude, "repeats": repeats, "section": cycle.section })
 }
 
 fn start(Transient { end, sticks, slips, displacement, .. }: Transient) -> Value {

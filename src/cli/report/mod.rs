@@ -10,12 +10,14 @@
 //! csv          statistics of several files or points, a line each
 //! citation     how to cite a run
 //! comparison   several files as one table, with their differences
+//! fits         laws that were fitted to a distribution
 //! ```
 
 mod bias;
 mod citation;
 mod comparison;
 mod csv;
+mod fits;
 mod info;
 mod json;
 mod plots;
@@ -28,6 +30,7 @@ pub use bias::{bias_cells, dominating_bias};
 pub use citation::citation;
 pub use comparison::comparison;
 pub use csv::Csv;
+pub use fits::{fits_json, fits_table};
 pub use info::RunInfo;
 pub use json::json;
 pub use plots::plots;

@@ -3,7 +3,7 @@
 use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
-use stick_slip::engine::Status;
+use stick_slip::engine::{Cycle, Status};
 use stick_slip::scheme::Timeline;
 use stick_slip::stats::{Dimension, Estimate, Statistic, SubPhaseCounts, Summary, Transient};
 
@@ -13,6 +13,8 @@ pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)>
     remarks.extend(multiples(summary).map(|line| ("", line)));
     remarks.push(("slips", slips(summary)));
     remarks.extend(long_slips(summary).map(|line| ("", line)));
+    remarks.extend(info.cycle.as_ref().map(|cycle| ("cycle", of_cycle(cycle, info))));
+    remarks.extend(spectrum(summary, info).map(|line| ("", line)));
     remarks.extend(start(summary, info).map(|line| ("start", line)));
     remarks.extend(few_periods(summary).map(|line| ("drift", line)));
     remarks.extend(unsettled(summary).map(|line| ("drift", line)));
@@ -63,6 +65,61 @@ fn long_slips(summary: &Summary) -> Option<String> {
         "sub_phases_* and jump_* count only slips that ended, and long ones are missing most often; compare with a later `time.end`".into()
     })
 }
+
+/// Says what the path of a scene without noise does in the end.
+fn of_cycle(cycle: &Cycle, info: &RunInfo) -> String {
+    let number = |x: f64| significant(x, 8);
+    let with_unit = |x: f64, dimension: Dimension| {
+        format!("{} {}", number(x), dimension.label(&info.provenance.units)).trim_end().to_string()
+    };
+    let amplitude = with_unit(cycle.amplitude, Dimension::LENGTH);
+    let Some(repeats) = &cycle.repeats else {
+        return format!("no state comes back within the counted time; x spans twice {amplitude}");
+    };
+    let period = with_unit(repeats.period, Dimension::TIME);
+    let name = match repeats.forcing_periods {
+        Some(n) => format!("period-{n}: the motion repeats itself after {period}, {}", counted(n as u64, "period P")),
+        None => format!("the motion repeats itself after {period}, {}", counted(repeats.slips as u64, "slip")),
+    };
+    let advance = match repeats.advance {
+        0.0 => String::new(),
+        advance => format!(", {} further", with_unit(advance, Dimension::LENGTH)),
+    };
+    let symmetry = match (repeats.is_symmetric, repeats.advance == 0.0) {
+        (true, _) => ", symmetric",
+        (false, true) => ", not symmetric",
+        (false, false) => "",
+    };
+    let rest = match repeats.sticks {
+        0 => "no stick".to_string(),
+        n => {
+            format!("{}, {} % of the time at rest", counted(n as u64, "stick"), significant(100.0 * repeats.at_rest, 4))
+        }
+    };
+    format!("{name}{advance}; amplitude {amplitude}{symmetry}; {rest}")
+}
+
+/// Says how the spectrum is formed, and up to which frequency it can be trusted.
+fn spectrum(summary: &Summary, info: &RunInfo) -> Option<String> {
+    let spectrum = summary.spectrum.as_ref()?;
+    let of = &spectrum.velocity;
+    let is_sound = |k: &usize| of.aliased[*k] <= ALIASED * of.spectrum[*k];
+    let trusted = (0..spectrum.frequency.len()).take_while(is_sound).last();
+    let unit = Dimension { time: -1, ..Dimension::ONE }.label(&info.provenance.units);
+    let until = trusted.map_or("nowhere".to_string(), |k| {
+        format!("up to w = {}", format!("{} {unit}", significant(spectrum.frequency[k], 3)).trim_end())
+    });
+    let segments = counted(spectrum.segments, "segment");
+    Some(format!(
+        "spectra are means over paths and {segments} of {} rows, with Parzen's lag window; frequencies beyond the output \
+         grid add at most {} % to that of x' {until}",
+        spectrum.lag.len(),
+        100.0 * ALIASED
+    ))
+}
+
+/// The part of a spectrum that may belong to frequencies beyond the output grid.
+const ALIASED: f64 = 0.05;
 
 /// Says what is left out of the statistics because it happened before the time from which on they
 /// count.

@@ -1,0 +1,64 @@
+//! The laws of slips, jumps and times from slip to slip: how large a share exceeds each value.
+
+use super::sticks::survival;
+use super::words::grouped;
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
+use crate::stats::{Distribution, Law};
+
+/// The figure.
+pub const FIGURE: Figure =
+    Figure { name: "laws", shows: "how long slips last, how far they go, and how often they come", draws: draw };
+
+/// The laws that are drawn, with the titles of their axes.
+const DRAWN: [(Law, &str); 3] =
+    [(Law::Slip, "slip duration"), (Law::Jump, "size of a jump"), (Law::Recurrence, "time from slip to slip")];
+
+/// The share of values that may lie below the axis.
+const NEXT_TO_NONE: f64 = 1e-3;
+
+fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+    let (scenario, summary) = subject.run()?;
+    if summary.laws.is_none() {
+        return Err(Absent::Nothing("the run has no laws: set record.laws = true"));
+    }
+    let palette = style.palette();
+    let mut panels = Vec::new();
+    let mut ended = Vec::new();
+    for (law, title) in DRAWN {
+        let Some(distribution) = summary.law(law).filter(|distribution| distribution.completed > 0) else { continue };
+        let Some([least, most]) = range(distribution) else { continue };
+        let unit = law.dimension().label(&scenario.units);
+        let shares = || distribution.survival.iter().copied().filter(|share| *share > 0.0);
+        let (vertical, title) = match style.log {
+            true => (Axis::log([range_of(shares())[0] / 1.2, 1.2], Label::new("share beyond"), ""), title),
+            false => (Axis::linear([0.0, 1.05], Label::new("share beyond"), ""), title),
+        };
+        let mut panel = Panel::new(Axis::log([least, most], Label::new(title), &unit), vertical, 60.0);
+        survival(distribution).draw(palette, &mut panel);
+        panels.push(panel);
+        ended.push(grouped(distribution.completed));
+    }
+    if panels.is_empty() {
+        return Err(Absent::Nothing("no slip was completed"));
+    }
+    let legend = [
+        LegendEntry::words(Label::verbatim(&format!("{} values", ended.join(", ")))),
+        LegendEntry::line(solid(palette.first), "Kaplan\u{2013}Meier"),
+        LegendEntry::area(palette.narrow, "95 % interval"),
+    ];
+    Ok(sheet(style, &format!("Laws: {}", scenario.title), &legend, &panels))
+}
+
+/// From where all but next to none of the values lie, to the largest one.
+fn range(of: &Distribution) -> Option<[f64; 2]> {
+    let (edges, counts) = (&of.histogram.edges, &of.histogram.counts);
+    let few = NEXT_TO_NONE * of.completed as f64;
+    let mut below = 0;
+    let first = counts.iter().position(|count| {
+        below += count;
+        below as f64 > few
+    })?;
+    let last = counts.iter().rposition(|count| *count > 0)?;
+    let least = edges[first..].iter().copied().find(|edge| *edge > 0.0)?;
+    Some([least, edges[last + 1].max(2.0 * least)])
+}
