@@ -7,7 +7,7 @@ use super::report::{self, RunInfo};
 use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
+use stick_slip::engine::{Asked, Cycle, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
