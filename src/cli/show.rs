@@ -199,7 +199,7 @@ impl Show {
                 table.add_sweep(&name, &sweep::stored(file, files::read(file, store::read_sweep)?)?);
             } else {
                 let run = files::read(file, store::read)?;
-                table.add(&name, &[], run.summary.asked().copied(), &run.header.units);
+                table.add(&name, &[], run.summary.reported().copied(), &run.header.units);
             }
         }
         print_data(&table.text())

@@ -4,9 +4,9 @@ use super::layout;
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
-    Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extra, Extremes, FirstSticks,
-    Fluctuations, Histogram, Law, Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts,
-    Summary, Transient,
+    Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extremes, FirstSticks, Fluctuations,
+    Histogram, Law, Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary,
+    Transient,
 };
 use crate::sums::batches::BATCHES;
 use crate::sums::{Ends, Measurement};
@@ -29,7 +29,7 @@ pub(crate) fn write_statistics<D: Destination>(to: &mut D, statistics: &[Statist
 
 /// Write all statistics of a run at its end.
 pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(), D::Error> {
-    let asked: Vec<Statistic> = summary.asked().map(|e| e.statistic).collect();
+    let asked: Vec<Statistic> = summary.reported().map(|e| e.statistic).collect();
     write_statistics(to, &asked)?;
     walk(to, &mut summary.clone(), &texts(asked.into_iter().map(Statistic::name)))
 }
@@ -50,7 +50,7 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
         densities: None,
         spectrum: None,
         extremes: None,
-        extras: Extra::ALL.into_iter().filter(|extra| names.iter().any(|name| extra.has(name))).collect(),
+        asked: names.iter().filter_map(|name| Statistic::from_name(name)).collect(),
         sub_phases: SubPhaseCounts::default(),
         transient: None,
         periods: PeriodMoments::default(),
@@ -81,7 +81,7 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
         densities,
         spectrum,
         extremes,
-        extras: _,
+        asked: _,
     } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;

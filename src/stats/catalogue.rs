@@ -67,16 +67,6 @@ impl Over {
     }
 }
 
-impl Extra {
-    /// Each of them.
-    pub const ALL: [Extra; 3] = [Extra::Laws, Extra::Energy, Extra::Levels];
-
-    /// Whether the statistic of this name belongs to it.
-    pub fn has(self, name: &str) -> bool {
-        Statistic::from_name(name).is_some_and(|statistic| statistic.row().asked_by == Some(self))
-    }
-}
-
 /// How the error of the time step depends on the step h.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum StepError {

@@ -312,7 +312,7 @@ mod tests {
         let mut totals = LawCounts::empty(64.0);
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(0, d));
-        let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(21), independent(21, true));
+        let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(21), independent(21, true), false);
         assert_eq!((summary.completed, summary.censored), (9, 12));
         // All these times lie in different public bins, except 22 and 23 (bins are 2 wide there).
         for (time, survival) in printed.into_iter().filter(|p| p.0 != 22.0) {

@@ -45,7 +45,7 @@ mod tally;
 mod totals;
 
 pub use catalogue::Statistic;
-pub(crate) use catalogue::{Extra, StepError};
+pub(crate) use catalogue::StepError;
 pub use corrected::Corrected;
 pub use dimension::{Dimension, Units};
 pub use fit::{Family, Fit, FitError};

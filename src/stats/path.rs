@@ -244,7 +244,7 @@ mod tests {
         let end = path.end(13.0, 6.341_054_759_946_978);
         assert_eq!((slip, turn, stick), (Some(Completed::FirstStick), None, Some(Completed::Slip(2))));
         assert_eq!(end, Some(Censored::Stick(13.0 - 12.276_691_944_097_36)));
-        assert_eq!((path.sticks, path.slips, path.sub_phases, path.multiple), (0, 1, 2, 1));
+        assert_eq!((path.sticks.count, path.slips, path.sub_phases, path.multiple), (0, 1, 2, 1));
         assert_eq!(path.first_duration, Some(1.287_002_217_586_568_8));
         assert_eq!(path.max_displacement, 9.743_812_675_160_928);
         // The travel is 15.7438... + 16.0849..., with the rounding of two differences of numbers
@@ -285,7 +285,7 @@ mod tests {
     fn a_path_that_never_moves_sticks_all_the_time_and_ends_no_stick() {
         let mut path = PathFold::starting_at(6.0);
         assert_eq!(path.end(60.0, 6.0), Some(Censored::FirstStick));
-        assert_eq!((path.stick_time, path.first_duration, path.sticks), (60.0, None, 0));
+        assert_eq!((path.stick_time, path.first_duration, path.sticks.count), (60.0, None, 0));
     }
 
     #[test]
@@ -297,7 +297,7 @@ mod tests {
         path.event(&event(EventKind::StickEntered, 14.0, -1.0));
         path.event(&event(EventKind::SlipStarted(Negative), 17.0, -1.0));
         assert_eq!(ended, Some(Completed::Stick(2.0)));
-        assert_eq!((path.sticks, path.duration, path.duration_squared), (2, 5.0, 13.0));
+        assert_eq!(path.sticks, Folded { count: 2, sum: 5.0, squares: 13.0 });
         assert_eq!((path.jump, path.jump_abs), (-1.0, 3.0));
     }
 
@@ -325,7 +325,7 @@ mod tests {
         assert_eq!(seen, counted);
         assert_eq!(path.end(14.0, 5.0), Some(Censored::Slip));
         assert_eq!((path.first_duration, path.early_sticks, path.early_slips), (Some(1.0), 1, 2));
-        assert_eq!((path.sticks, path.duration, path.duration_squared), (2, 4.0, 10.0));
+        assert_eq!(path.sticks, Folded { count: 2, sum: 4.0, squares: 10.0 });
         assert_eq!((path.slips, path.sub_phases, path.multiple, path.jump, path.jump_abs), (1, 2, 1, -1.0, 1.0));
         assert_eq!((path.stick_time, path.travel, path.early_displacement), (4.0, 1.5 + 1.0 + 2.0 + 3.0, 1.5));
         assert_eq!((path.max_displacement, path.displacement_end), (5.0, 5.0));
@@ -345,7 +345,7 @@ mod tests {
         assert_eq!(ended.event(&event(EventKind::SlipStarted(Negative), 8.0, 1.0)), None);
         assert_eq!(ended.event(&event(EventKind::StickEntered, 9.0, 0.0)), Some(Completed::Slip(1)));
         assert_eq!(ended.end(10.0, 0.0), Some(Censored::Stick(1.0)));
-        assert_eq!((ended.sticks, ended.early_sticks, ended.stick_time, ended.travel), (0, 1, 4.0, 1.0));
+        assert_eq!((ended.sticks.count, ended.early_sticks, ended.stick_time, ended.travel), (0, 1, 4.0, 1.0));
         let mut cut = sticking();
         assert_eq!(cut.end(10.0, 1.0), None);
         assert_eq!((cut.early_sticks, cut.stick_time, cut.travel), (0, 5.0, 0.0));

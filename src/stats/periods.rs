@@ -345,7 +345,7 @@ mod tests {
             let snapshot = Snapshot { time, displacement: &displacement, velocity: &velocity, temperature, is_static };
             fold.observe(n, &snapshot);
         }
-        for (n, mean) in (1..=3).zip(fold.finish().summary(&timeline, true).mean) {
+        for (n, mean) in (1..=3).zip(fold.finish().summary(&timeline, true, None).mean) {
             let exact = x(f64::from(n) * period);
             assert!((mean - exact).abs() <= 0.7 * 0.005f64.powi(2) + 1e-12, "{n}: {mean}, not {exact}");
         }

@@ -1,6 +1,5 @@
 //! The summary of an ensemble: plain numbers, ready to be printed or stored.
 
-use super::catalogue::Extra;
 use super::{Law, Statistic};
 use crate::sums::interval::Measured;
 use crate::sums::{Ends, Measurement};
@@ -332,8 +331,9 @@ pub struct Summary {
     pub spectrum: Option<Spectrum>,
     /// How far and how fast the body gets, where levels were asked for.
     pub extremes: Option<Extremes>,
-    /// What was asked for.
-    pub(crate) extras: Vec<Extra>,
+    /// The statistics that were asked for, in the order of tables and files. The estimates of the
+    /// others are NaN.
+    pub asked: Vec<Statistic>,
 }
 
 impl Summary {
@@ -351,8 +351,8 @@ impl Summary {
     }
 
     /// The estimates of the statistics that were asked for, in the order of tables and files.
-    pub fn asked(&self) -> impl Iterator<Item = &Estimate> {
-        self.estimates.iter().filter(|e| e.statistic.row().asked_by.is_none_or(|extra| self.extras.contains(&extra)))
+    pub fn reported(&self) -> impl Iterator<Item = &Estimate> {
+        self.asked.iter().map(|statistic| self.estimate(*statistic))
     }
 
     /// Whether the bias of any statistic is known.

@@ -344,7 +344,7 @@ impl Totals {
             extremes: counts.extremes.as_ref().map(|extremes| {
                 extremes.summary(&counts.levels, timeline, counts.chance(counts.units), counts.sample())
             }),
-            extras: self.extras(),
+            asked: self.asked(),
             densities: counts.density.as_ref().map(|density| density.summary(counts.chance(counts.units))),
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
@@ -368,12 +368,16 @@ impl Totals {
         }
     }
 
-    /// What was asked for.
-    fn extras(&self) -> Vec<Extra> {
+    /// The statistics that were asked for.
+    fn asked(&self) -> Vec<Statistic> {
         let PhaseSums { laws, energy, extremes, .. } = &self.sums.phases;
-        let asked =
-            [(Extra::Laws, laws.is_some()), (Extra::Energy, energy.is_some()), (Extra::Levels, extremes.is_some())];
-        asked.into_iter().filter(|(_, is_asked)| *is_asked).map(|(extra, _)| extra).collect()
+        let is_asked = |statistic: &Statistic| match statistic.row().asked_by {
+            None => true,
+            Some(Extra::Laws) => laws.is_some(),
+            Some(Extra::Energy) => energy.is_some(),
+            Some(Extra::Levels) => extremes.is_some(),
+        };
+        Statistic::ALL.into_iter().filter(is_asked).collect()
     }
 
     fn distribution(&self, law: Law, of: &LawCounts, ordered: &OrderedLaw) -> Distribution {
@@ -1053,7 +1057,7 @@ mod tests {
         check(Statistic::StickDurationSd, 2.0, 0.0);
         assert_eq!(summary.sub_phases.counts[..3], [2, 1, 0]);
         assert_eq!((summary.sub_phases.censored, summary.stick_durations.censored), (1, 1));
-        assert_eq!((summary.stick_durations.completed, summary.stick_durations.first_completed), (2, 2));
+        assert_eq!((summary.stick_durations.completed, summary.first_sticks.completed), (2, 2));
         assert_eq!(summary.periods.mean, [1.0, 1.0]);
         assert_eq!(summary.periods.variance, [8.0, 12.5]);
     }
@@ -1278,9 +1282,9 @@ mod tests {
         check(Statistic::SubPhasesMean, 1.5, (2.0f64 * (0.25 + 0.25)).sqrt() / 4.0);
         // The first sticks are those of the whole run.
         let first = estimate(&summary, Statistic::FirstStickDurationMean);
-        assert!((first.estimate - 3.0).abs() < 1e-12 && summary.stick_durations.first_completed == 4);
+        assert!((first.estimate - 3.0).abs() < 1e-12 && summary.first_sticks.completed == 4);
         let sticks = &summary.stick_durations;
-        assert_eq!((sticks.completed, sticks.censored, sticks.first_censored), (4, 1, 1));
+        assert_eq!((sticks.completed, sticks.censored, summary.first_sticks.censored), (4, 1, 1));
         // Path 0 is static at t_end, from 9 on. Of the slips that run at t_end, those of paths 1
         // and 3 began after 4.5.
         assert_eq!((summary.sub_phases.censored, &summary.sub_phases.counts[..3]), (2, &[3, 0, 1][..]));
@@ -1447,7 +1451,7 @@ mod tests {
         }
         let fraction = estimate(&summary, Statistic::StickingFraction);
         assert_eq!((fraction.estimate, fraction.standard_error, fraction.low), (1.0, 0.0, 1.0));
-        assert_eq!(summary.stick_durations.first_censored, 10);
+        assert_eq!(summary.first_sticks.censored, 10);
         assert!(summary.stick_durations.histogram.counts.is_empty());
     }
 
@@ -1479,8 +1483,8 @@ mod tests {
         }
         assert_eq!(interval(Statistic::DisplacementEndMean), [f64::NEG_INFINITY, f64::INFINITY]);
         let sticks = &summary.stick_durations;
-        assert_eq!((sticks.completed_ends, sticks.first_completed), ([0.0, f64::INFINITY], 0));
-        assert!((sticks.first_completed_ends[1] - 4.0 * few).abs() < 1e-5, "{sticks:?}");
+        assert_eq!((sticks.completed_ends, summary.first_sticks.completed), ([0.0, f64::INFINITY], 0));
+        assert!((summary.first_sticks.completed_ends[1] - 4.0 * few).abs() < 1e-5, "{sticks:?}");
         // At the start every path is at x0, whatever the noise. All are static, but it is not
         // certain that other paths are static later.
         let (bands, x) = (&summary.bands, &summary.bands.displacement);

@@ -70,7 +70,7 @@ where
     S: Fn(&[u64], &mut BlockObserver) -> Vec<usize> + Sync,
 {
     const THREADS: u64 = 2;
-    let record = Record { paths: false, events: false, trajectories: 0 };
+    let record = Record::NOTHING;
     let work = |thread: u64| {
         let mut totals = Totals::empty(model, timeline);
         for block in (thread..paths.div_ceil(BLOCK_SIZE)).step_by(THREADS as usize) {

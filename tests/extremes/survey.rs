@@ -203,7 +203,7 @@ fn check_summary(summary: &Summary, scenario: &Scenario, lost: u64) -> Result<()
         (FrictionWorkMean, some),
         (StickingFraction, some && scenario.time.end > 0.0),
         (StickDurationMean, summary.stick_durations.completed > 0),
-        (FirstStickDurationMean, summary.stick_durations.first_completed > 0),
+        (FirstStickDurationMean, summary.first_sticks.completed > 0),
         (SubPhasesMean, summary.sub_phases.counts.iter().any(|n| *n > 0)),
     ] {
         let value = value(statistic);

@@ -81,7 +81,7 @@ fn reported(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize
 
 fn run(model: &Model, scheme: Scheme, seed: u64, paths: u64, threads: usize) -> Summary {
     let simulation = scheme.simulation(model, &timeline(model));
-    let record = Record { paths: false, events: false, trajectories: 0 };
+    let record = Record::NOTHING;
     Plan { simulation, record, seed, paths, antithetic: false }.run(threads)
 }
 
@@ -253,7 +253,7 @@ fn the_bias_of_each_statistic_falls_with_the_step_as_its_order_says() {
         let timeline = Timeline { end, ..timeline(&model) };
         let seen_at = |h: f64, finer: usize| {
             let simulation = plain(h).simulation(&model, &timeline).fed_by_finer(finer);
-            let record = Record { paths: false, events: false, trajectories: 0 };
+            let record = Record::NOTHING;
             Plan { simulation, record, seed: 5, paths: 10_000, antithetic: false }.run(2)
         };
         let told_at = |h| biases(&Differences::new(plain(h), &model, &timeline, 6, 480_000).expect("enough paths"), 2);

@@ -66,7 +66,7 @@ fn bits(summary: &Summary) -> Vec<u64> {
     all.extend([transient.sticks, transient.slips]);
     all.extend([transient.displacement.estimate, transient.displacement.high].map(f64::to_bits));
     all.extend([transient.stick_ends[1], transient.slip_ends[1]].map(f64::to_bits));
-    let sticks = &summary.stick_durations;
+    let (sticks, first) = (&summary.stick_durations, &summary.first_sticks);
     all.extend(sticks.histogram.counts.iter().chain(&sticks.censored_counts));
     all.extend(sticks.survival.iter().chain(&sticks.quantiles).chain(&sticks.histogram.edges).map(|x| x.to_bits()));
     let (periods, phases) = (&summary.periods, &summary.sub_phases);
@@ -75,8 +75,7 @@ fn bits(summary: &Summary) -> Vec<u64> {
     curves.extend([&sticks.count_ends, &sticks.censored_count_ends, &sticks.survival_ends, &sticks.quantile_ends]);
     curves.extend([&phases.count_ends, &phases.share_ends, &periods.mean_ends, &periods.variance_ends]);
     all.extend(curves.iter().flat_map(|ends| ends.low.iter().chain(&ends.high)).map(|x| x.to_bits()));
-    let scalars =
-        [sticks.completed_ends, sticks.censored_ends, sticks.first_completed_ends, sticks.first_censored_ends];
+    let scalars = [sticks.completed_ends, sticks.censored_ends, first.completed_ends, first.censored_ends];
     all.extend(scalars.iter().chain([&phases.censored_ends]).flatten().map(|x| x.to_bits()));
     all
 }

@@ -24,7 +24,7 @@ fn plan_on(model: &Model, timeline: &Timeline, h: f64, paths: u64) -> Plan {
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(model, timeline);
     Plan {
         simulation,
-        record: Record { paths: true, events: true, trajectories: 3 },
+        record: Record { paths: true, events: true, trajectories: 3, ..Record::NOTHING },
         seed: 1,
         paths,
         antithetic: false,
@@ -199,7 +199,7 @@ fn blocks_in_flight_together_are_the_blocks_alone() {
     let scheme = Scheme::from(EventDriven { tolerance: 1e-3 });
     let simulation = scheme.simulation(&model, &timeline).with_work_limit(340);
     assert!(simulation.paths_abreast() as u64 >= 2 * BLOCK_SIZE);
-    let record = Record { paths: true, events: true, trajectories: 3 };
+    let record = Record { paths: true, events: true, trajectories: 3, ..Record::NOTHING };
     let paths = 17 * BLOCK_SIZE + 40;
     let plan = Plan { simulation, record, seed: 1, paths, antithetic: false };
     let together = blocks(&plan, 1);
@@ -277,15 +277,15 @@ fn what_the_scene_alone_decides_has_an_interval_of_width_zero() {
         (Scheme::from(EventDriven { tolerance: 1e-3 }), false),
     ] {
         let timeline = Timeline { end: 20.0, output_step: 5.0, period: None, after: 0.0 };
-        let record = Record { paths: false, events: false, trajectories: 0 };
+        let record = Record::NOTHING;
         let simulation = scheme.simulation(&model, &timeline);
         let summary = Plan { simulation, record, seed: 1, paths: 20, antithetic }.run(2);
         for statistic in [Statistic::FrictionWorkMean, Statistic::FirstStickDurationMean] {
             let e = summary.estimate(statistic);
             assert_eq!([e.estimate, e.low, e.high], [0.0; 3], "{}", statistic.name());
         }
-        let sticks = &summary.stick_durations;
-        assert_eq!((sticks.first_completed_ends, sticks.first_censored_ends), ([20.0; 2], [0.0; 2]));
+        let sticks = &summary.first_sticks;
+        assert_eq!((sticks.completed_ends, sticks.censored_ends), ([20.0; 2], [0.0; 2]));
         let ends = &summary.bands.static_probability_ends;
         assert_eq!([ends.low[0], ends.high[0]], [0.0; 2]);
         assert!(ends.high[1] > 0.1, "{ends:?}");

@@ -65,8 +65,8 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
     let numbers = [
         ("stick_duration_completed", sticks.completed as f64, sticks.completed_ends),
         ("stick_duration_censored", sticks.censored as f64, sticks.censored_ends),
-        ("first_stick_duration_completed", sticks.first_completed as f64, sticks.first_completed_ends),
-        ("first_stick_duration_censored", sticks.first_censored as f64, sticks.first_censored_ends),
+        ("first_stick_duration_completed", s.first_sticks.completed as f64, s.first_sticks.completed_ends),
+        ("first_stick_duration_censored", s.first_sticks.censored as f64, s.first_sticks.censored_ends),
         ("sub_phase_censored", sub.censored as f64, sub.censored_ends),
         ("transient_sticks", transient.sticks as f64, transient.stick_ends),
         ("transient_slips", transient.slips as f64, transient.slip_ends),

@@ -7,14 +7,14 @@ use std::path::Path;
 use stick_slip::dataset::Rows;
 use stick_slip::engine::{Provenance, Status};
 use stick_slip::stats::{
-    Band, Bands, Bias, Estimate, EventColumns, Histogram, PathColumns, PeriodMoments, QUANTILE_LEVELS, Record,
-    Statistic, StickDurations, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
+    Band, Bands, Bias, Distribution, Estimate, EventColumns, FirstSticks, Histogram, PathColumns, PeriodMoments,
+    QUANTILE_LEVELS, Record, Statistic, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
 };
 use stick_slip::store::Writer;
 use stick_slip::sums::{Ends, Measurement};
 
-pub const EVERYTHING: Record = Record { paths: true, events: true, trajectories: 40 };
-pub const NOTHING: Record = Record { paths: false, events: false, trajectories: 0 };
+pub const EVERYTHING: Record = Record { paths: true, events: true, trajectories: 40, ..Record::NOTHING };
+pub const NOTHING: Record = Record::NOTHING;
 
 /// A deterministic number in [0, 1) that differs for every pair of arguments.
 pub fn noise(path: u64, salt: u64) -> f64 {
@@ -159,16 +159,12 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         completed_paths: paths,
         diverged: if paths > 7 { vec![7] } else { Vec::new() },
         estimates: Statistic::ALL.map(estimate),
-        stick_durations: StickDurations {
+        stick_durations: Distribution {
             step: header.step,
             completed: 10,
             completed_ends: [8.5, f64::INFINITY],
             censored: 3,
             censored_ends: [1.0, 7.0],
-            first_completed: 4,
-            first_completed_ends: [2.0, 6.0],
-            first_censored: 0,
-            first_censored_ends: [0.0, 0.5],
             histogram: Histogram { edges: vec![0.0, 0.1, 1.0, 10.0, f64::INFINITY], counts: vec![1, 4, 5, 0] },
             count_ends: ends(4, 80),
             censored_counts: vec![0, 1, 2, 0],
@@ -177,7 +173,14 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
             survival_ends: ends(4, 82),
             quantiles: vec![0.05, 0.2, 0.5, 2.0, 7.0],
             quantile_ends: ends(5, 83),
+            ..Distribution::default()
         },
+        first_sticks: FirstSticks { completed: 4, completed_ends: [2.0, 6.0], censored: 0, censored_ends: [0.0, 0.5] },
+        laws: None,
+        densities: None,
+        spectrum: None,
+        extremes: None,
+        asked: Statistic::asked_by(&NOTHING),
         sub_phases: SubPhaseCounts {
             counts: vec![7, 2, 1],
             count_ends: ends(3, 84),
@@ -187,6 +190,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
             censored_ends: [0.5, 4.0],
         },
         periods: PeriodMoments {
+            drift_limit: Some(0.0),
             time: vec![25.1, 50.3],
             mean: vec![0.1, -0.2],
             mean_ends: ends(2, 86),

@@ -37,7 +37,7 @@ pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
 }
 
 fn statistics(summary: &Summary, info: &RunInfo) -> Value {
-    let all: Vec<&Estimate> = summary.asked().collect();
+    let all: Vec<&Estimate> = summary.reported().collect();
     let unit = |e: &Estimate| e.statistic.dimension().label(&info.provenance.units);
     let column = |of: fn(&Estimate) -> f64| json!(all.iter().map(|e| of(e)).collect::<Vec<_>>());
     // Columns are arrays of pairs, because an array keeps its order and the members of an object do

@@ -28,7 +28,7 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
     }
     let mut rows = vec![Row::labelled("statistic", headings)];
     let asked =
-        |statistic: &Statistic| summaries.iter().any(|summary| summary.asked().any(|e| e.statistic == *statistic));
+        |statistic: &Statistic| summaries.iter().any(|summary| summary.reported().any(|e| e.statistic == *statistic));
     for statistic in Statistic::ALL.into_iter().filter(asked) {
         let first = summaries[0].estimate(statistic);
         let mut cells = with_error(first.estimate, first.standard_error).to_vec();

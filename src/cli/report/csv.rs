@@ -119,11 +119,11 @@ mod tests {
         summary.estimates[0].bias = Some(Bias { estimate: 0.05, uncertainty: 0.01, order: None });
         summary.estimates[1].high = f64::INFINITY;
         let mut csv = Csv::default();
-        csv.add("a, \"b\".h5", &[], &summary.estimates, &info().provenance.units);
+        csv.add("a, \"b\".h5", &[], summary.reported().copied(), &info().provenance.units);
         csv.add(
             "point.h5",
             &[("friction.static".to_string(), 1.25)],
-            &summary.estimates[..1],
+            summary.estimates[..1].iter().copied(),
             &info().provenance.units,
         );
         let text = csv.text();

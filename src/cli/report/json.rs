@@ -12,7 +12,7 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
     let (sticks, run) = (&summary.stick_durations, &info.provenance);
     let Units { time, length, force, temperature } = &run.units;
     let unsettled = summary.unsettled().map(|unsettled| unsettled.into_iter().map(Statistic::name).collect::<Vec<_>>());
-    let statistics = summary.asked().map(|e| (e.statistic.name().to_string(), corrected_estimate(e)));
+    let statistics = summary.reported().map(|e| (e.statistic.name().to_string(), corrected_estimate(e)));
     let report = json!({
         "scenario": info.scenario,
         "title": run.title,

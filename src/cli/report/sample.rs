@@ -5,8 +5,8 @@ use ndarray::Array2;
 use stick_slip::engine::{Provenance, Status};
 use stick_slip::scenario::{Scenario, Units};
 use stick_slip::stats::{
-    Band, Bands, Estimate, Histogram, PeriodMoments, QUANTILE_LEVELS, Statistic, StickDurations, SubPhaseCounts,
-    Summary,
+    Band, Bands, Distribution, Estimate, FirstSticks, Histogram, PeriodMoments, QUANTILE_LEVELS, Record, Statistic,
+    SubPhaseCounts, Summary,
 };
 use stick_slip::sums::Ends;
 
@@ -34,16 +34,12 @@ pub fn summary() -> Summary {
         completed_paths: 10_000,
         diverged: vec![],
         estimates,
-        stick_durations: StickDurations {
+        stick_durations: Distribution {
             step: None,
             completed: 141_226,
             completed_ends: [141_083.0, 141_369.0],
             censored: 812,
             censored_ends: [759.0, 868.0],
-            first_completed: 10_000,
-            first_completed_ends: [9_996.0, 10_000.0],
-            first_censored: 0,
-            first_censored_ends: [0.0, 4.0],
             histogram: Histogram { edges: vec![0.0, 1.0], counts: vec![141_226] },
             count_ends: Ends::default(),
             censored_counts: vec![812],
@@ -52,7 +48,19 @@ pub fn summary() -> Summary {
             survival_ends: Ends::default(),
             quantiles: vec![0.5; QUANTILE_LEVELS.len()],
             quantile_ends: Ends::default(),
+            ..Distribution::default()
         },
+        first_sticks: FirstSticks {
+            completed: 10_000,
+            completed_ends: [9_996.0, 10_000.0],
+            censored: 0,
+            censored_ends: [0.0, 4.0],
+        },
+        laws: None,
+        densities: None,
+        spectrum: None,
+        extremes: None,
+        asked: Statistic::asked_by(&Record::NOTHING),
         sub_phases: SubPhaseCounts {
             counts: vec![100_000, 42_000],
             count_ends: Ends::default(),
@@ -62,6 +70,7 @@ pub fn summary() -> Summary {
             censored_ends: [8_939.0, 9_057.0],
         },
         periods: PeriodMoments {
+            drift_limit: Some(0.0),
             time: vec![25.1, 50.3],
             mean: vec![0.0; 2],
             mean_ends: Ends::default(),

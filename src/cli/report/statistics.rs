@@ -106,10 +106,10 @@ fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
 
 fn table(summary: &Summary, units: &Units) -> Vec<Line> {
     let has_bias = summary.has_bias();
-    let labels: Vec<String> = summary.asked().map(|e| e.statistic.dimension().label(units)).collect();
+    let labels: Vec<String> = summary.reported().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
     let of = |(e, note)| Line { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
-    let lines = summary.asked().zip(labels).map(of);
+    let lines = summary.reported().zip(labels).map(of);
     std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
 }
 
