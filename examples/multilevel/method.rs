@@ -219,7 +219,7 @@ impl Multilevel {
             let timeline = Timeline { end: self.end, output_step: self.end, period: None, after: 0.0 };
             let scheme = Scheme::from(CorrectedVi { step: self.end / steps });
             let simulation = scheme.simulation(&self.model, &timeline).fed_by_finer(refinement);
-            let record = Record { paths: true, events: false, trajectories: 0 };
+            let record = Record { paths: true, ..Record::NOTHING };
             Plan { simulation, record, seed: self.seed, paths: u64::MAX, antithetic: false }
         };
         let steps = self.coarsest_steps * 2f64.powi(l as i32);

@@ -13,7 +13,7 @@ pub(crate) const FORMAT_NAME: &str = "stick-slip ensemble";
 
 /// Major and minor version of the format. A new minor version only adds to it; a new major version
 /// may change or remove.
-pub const FORMAT_VERSION: (u32, u32) = (1, 3);
+pub const FORMAT_VERSION: (u32, u32) = (1, 4);
 
 /// Version of the CF conventions that every data set follows.
 pub(crate) const CONVENTIONS: &str = "CF-1.11";

@@ -67,10 +67,12 @@ impl Model {
     /// b(x, x', t), where the temperature has this value: the sum of all forces except friction.
     pub fn total_force(&self, time: f64, temperature: f64, displacement: f64, velocity: f64) -> f64 {
         let linear = self.oscillator.force(temperature, displacement, velocity);
-        match &self.force {
-            Some(own) => linear + own.at(InstructionSet::detect(), displacement, velocity, time),
-            None => linear,
-        }
+        self.own_force(time, displacement, velocity).map_or(linear, |own| linear + own)
+    }
+
+    /// g(x, x', t), the force of the user's own, if there is one.
+    pub fn own_force(&self, time: f64, displacement: f64, velocity: f64) -> Option<f64> {
+        Some(self.force.as_ref()?.at(InstructionSet::detect(), displacement, velocity, time))
     }
 
     /// T at an event, from the force there; its mean where it does not act on the body.

@@ -16,7 +16,6 @@
 
 use super::law_counts::LawCounts;
 use super::{Extremes, PassageLevels, Passages};
-use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Sign};
 use crate::scheme::{Instant, Timeline};
 use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
@@ -138,9 +137,9 @@ impl MotionFold {
             // A slip that takes no time.
             false => c * 0.5 * (begin.temperature + end.temperature) * distance,
         };
-        if let Some(force) = &model.force {
+        if model.force.is_some() {
             let displacement = Cubic::new(length, [begin.x, end.x], [begin.v, end.v]).at(0.5);
-            let power = |x: f64, v: f64, t: f64| force.at(InstructionSet::detect(), x, v, t) * v;
+            let power = |x: f64, v: f64, t: f64| model.own_force(t, x, v).unwrap_or(0.0) * v;
             let powers = [(begin.x, begin.v, begin.time), (displacement, middle, time), (end.x, end.v, end.time)];
             works.own_force += simpson(powers.map(|(x, v, t)| power(x, v, t)));
         }
