@@ -24,6 +24,12 @@ mc plot run.h5 --only sticks --log -o sticks.png
 mc plot run.h5 --only sub-phases --log -o sub-phases.png
 mc run scenarios/rho025.toml --scheme event-driven --paths 2000 --until 176 --set statistics.after=50 -o long.h5
 mc plot long.h5 --only drift -o drift.png
+mc run scenarios/rho025.toml --scheme event-driven --paths 4000 --until 150 --set statistics.after=30 --set time.output_step=0.15 --set record.laws=true --set record.density=true --set record.spectrum=true --quiet -o asked.h5
+mc plot asked.h5 --only laws -o laws.png
+mc plot asked.h5 --only density -o density.png
+mc plot asked.h5 --only spectrum -o spectrum.png
+mc sweep scenarios/shaw.toml --scheme event-driven --until 4000 --set statistics.after=3000 --vary w=temperature.harmonics.0.angular_frequency=0.2:1.4:241 --quiet -o shaw-w.h5
+mc plot shaw-w.h5 --only section -o section.png
 mc plot run.h5 --theme dark -o page-dark.png
 mc sweep scenarios/rho025.toml --scheme event-driven --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet -o event-driven.h5
 mc sweep scenarios/rho025.toml --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet --no-bias -o discrete-vi.h5

@@ -59,6 +59,15 @@ run biased rho025 --paths 10000 \
     --set units.time=s --set units.length=mm --set units.force=N --set units.temperature=K
 target/venv/bin/python tests/python/recompute.py --bias "$folder/biased.h5"
 
+# Everything that is measured on request, of three blocks with a burn-in and of antithetic pairs.
+for pairs in false true; do
+    run "requested-$pairs" rho025 --scheme event-driven --paths 600 --until 60 --set statistics.after=10 \
+        --set ensemble.antithetic=$pairs --set record.laws=true --set record.density=true --set record.spectrum=true \
+        --set record.energy=true --set statistics.levels=[12.0,13.5] --set oscillator.damping=0.05 \
+        --set record.events=true --set record.trajectories=600
+    target/venv/bin/python tests/python/on_request.py "$folder/requested-$pairs.h5"
+done
+
 # A measured temperature, compared with the file that it was read from.
 target/venv/bin/python tests/python/recompute.py --measured "$folder/bearing.h5" scenarios/bridge.csv
 

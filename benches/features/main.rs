@@ -115,7 +115,20 @@ fn event_driven(c: &mut Criterion) {
     bench("121 rows", &[]);
     bench("per-path scalars", &["record.paths=true"]);
     bench("events", &["record.events=true"]);
+    for (name, set) in ON_REQUEST {
+        bench(name, set);
+    }
 }
+
+/// What is measured on request.
+const ON_REQUEST: [(&str, &[&str]); 6] = [
+    ("laws", &["record.laws=true"]),
+    ("density", &["record.density=true"]),
+    ("spectrum", &["record.spectrum=true"]),
+    ("density and spectrum", &["record.density=true", "record.spectrum=true"]),
+    ("energy", &["record.energy=true"]),
+    ("levels", &["statistics.levels=[12.0]"]),
+];
 
 fn print_prices() {
     let block = (BLOCK_SIZE * STEPS) as f64;
@@ -145,7 +158,8 @@ fn print_prices() {
         ("per-path scalars", path("121 rows"), path("per-path scalars")),
         ("events", path("121 rows"), path("events")),
     ];
-    print("event-driven (us a path)", &lines);
+    let on_request = ON_REQUEST.map(|(name, _)| (name, path("121 rows"), path(name)));
+    print("event-driven (us a path)", &[&lines[..], &on_request].concat());
 }
 
 fn print(what: &str, lines: &[(&str, Option<f64>, Option<f64>)]) {

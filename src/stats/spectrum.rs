@@ -9,8 +9,8 @@
 //! spectrum         S(w) = s [C(0) + 2 sum_{l=1}^{L-1} q(l/L) C(l) cos(w l s)]
 //! ```
 //!
-//! with Parzen's lag window q(u) = 1 - 6 u^2 + 6 u^3 for u <= 1/2 and 2 (1 - u)^3 beyond, which makes
-//! the spectrum non-negative in the mean (E. Parzen, *Mathematical considerations in the estimation of
+//! with Parzen's lag window q(u) = 1 - 6 u^2 + 6 u^3 for u <= 1/2 and 2 (1 - u)^3 beyond, whose side
+//! lobes fall as 1/w^4 (E. Parzen, *Mathematical considerations in the estimation of
 //! spectra*, Technometrics 3 (1961)). S is two-sided: its integral over w from -pi/s to pi/s, divided
 //! by 2 pi, is the variance C(0), exactly. At the frequencies w_k = 2 pi k/(N s), N >= 2 L a power of
 //! two, both follow from the transform of the segments, padded with zeros to N rows.
