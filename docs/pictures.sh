@@ -28,7 +28,7 @@ mc run scenarios/rho025.toml --scheme event-driven --paths 4000 --until 150 --se
 mc plot asked.h5 --only laws -o laws.png
 mc plot asked.h5 --only density -o density.png
 mc plot asked.h5 --only spectrum -o spectrum.png
-mc sweep scenarios/shaw.toml --scheme event-driven --until 4000 --set statistics.after=3000 --vary w=temperature.harmonics.0.angular_frequency=0.2:1.4:241 --quiet -o shaw-w.h5
+mc sweep scenarios/shaw.toml --scheme event-driven --until 4000 --set statistics.after=3000 --set oscillator.damping=0.02 --vary w=temperature.harmonics.0.angular_frequency=0.15:0.45:241 --quiet -o shaw-w.h5
 mc plot shaw-w.h5 --only section -o section.png
 mc plot run.h5 --theme dark -o page-dark.png
 mc sweep scenarios/rho025.toml --scheme event-driven --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet -o event-driven.h5

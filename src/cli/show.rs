@@ -9,9 +9,9 @@ use super::terminal::Letters;
 use super::{calibrate, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::engine::{Cycle, Provenance};
+use stick_slip::engine::{LimitCycle, Provenance};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Family, Fit, FitError, Law, Summary};
+use stick_slip::stats::{Family, Fit, FitError, PhaseLaw, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
 
 const EXAMPLES: &str = "\
@@ -49,7 +49,7 @@ pub struct Show {
     /// Fit laws to a distribution of a run with `record.laws`, by maximum likelihood: exponential,
     /// Weibull and lognormal
     #[arg(long, value_name = "stick|slip|jump|recurrence", value_parser = law, conflicts_with_all = ["csv", "plot", "cite"])]
-    fit: Option<Law>,
+    fit: Option<PhaseLaw>,
     /// Fit only what values exceed this by, to see how a tail falls
     #[arg(long, value_name = "VALUE", requires = "fit")]
     beyond: Option<f64>,
@@ -158,7 +158,7 @@ impl Show {
         print(&report::comparison(&summaries, &infos))
     }
 
-    fn print_fit(&self, law: Law) -> Result<(), Failure> {
+    fn print_fit(&self, law: PhaseLaw) -> Result<(), Failure> {
         let [file] = self.files.as_slice() else {
             return Err(Failure::usage("--fit fits the values of one file", "give one file"));
         };
@@ -207,9 +207,9 @@ impl Show {
 }
 
 /// The law of this name.
-fn law(name: &str) -> Result<Law, String> {
-    Law::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = std::iter::once(Law::Stick).chain(Law::ASKED).map(Law::name).collect();
+fn law(name: &str) -> Result<PhaseLaw, String> {
+    PhaseLaw::from_name(name).ok_or_else(|| {
+        let names: Vec<&str> = std::iter::once(PhaseLaw::Stick).chain(PhaseLaw::ASKED).map(PhaseLaw::name).collect();
         format!("take one of {}", names.join(", "))
     })
 }
@@ -236,7 +236,7 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),
-        cycle: scenario.and_then(Cycle::of),
+        cycle: scenario.and_then(LimitCycle::of),
     }
 }
 

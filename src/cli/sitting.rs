@@ -7,7 +7,7 @@ use super::report::{self, RunInfo};
 use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use stick_slip::engine::{Asked, Cycle, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
+use stick_slip::engine::{Asked, EndedBy, LimitCycle, Outcome, Run, RunError, Sink, SoFar, Status};
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
@@ -197,7 +197,7 @@ impl<'a> Sitting<'a> {
             file: file.display().to_string(),
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
-            cycle: Cycle::of(scenario),
+            cycle: LimitCycle::of(scenario),
         }
     }
 }

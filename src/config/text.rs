@@ -45,7 +45,7 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     match (period, scenario.period()) {
         (Some(period), _) => number(&mut text, keys::COMPARED, period),
         (None, Some(Period { length, source })) => {
-            let _ = writeln!(text, "# no period: x is compared at the times n P, P = {length:?}, {}", source.words());
+            let _ = writeln!(text, "# no period, so P is {}, {length:?}", source.words());
         }
         (None, None) => {}
     }

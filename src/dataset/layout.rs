@@ -5,7 +5,7 @@
 
 pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
-use crate::stats::{Dimension, Law};
+use crate::stats::{Dimension, PhaseLaw};
 
 /// Declares variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
@@ -271,9 +271,9 @@ macro_rules! law {
 }
 
 /// The variables of a law.
-pub(crate) const fn of_law(law: Law) -> LawLayout {
+pub(crate) const fn of_law(law: PhaseLaw) -> LawLayout {
     match law {
-        Law::Stick => law!(
+        PhaseLaw::Stick => law!(
             "stick_duration",
             "duration_bin",
             Unit::TIME,
@@ -281,9 +281,9 @@ pub(crate) const fn of_law(law: Law) -> LawLayout {
             "a stick",
             "sticks, the first of each path left out"
         ),
-        Law::Slip => law!("slip_duration", "slip_duration_bin", Unit::TIME, "duration", "a slip", "slips"),
-        Law::Jump => law!("jump_abs", "jump_abs_bin", Unit::LENGTH, "size", "a jump", "jumps"),
-        Law::JumpForward => law!(
+        PhaseLaw::Slip => law!("slip_duration", "slip_duration_bin", Unit::TIME, "duration", "a slip", "slips"),
+        PhaseLaw::Jump => law!("jump_abs", "jump_abs_bin", Unit::LENGTH, "size", "a jump", "jumps"),
+        PhaseLaw::JumpForward => law!(
             "jump_forward",
             "jump_forward_bin",
             Unit::LENGTH,
@@ -291,7 +291,7 @@ pub(crate) const fn of_law(law: Law) -> LawLayout {
             "a jump to larger displacements",
             "jumps to larger displacements"
         ),
-        Law::JumpBackward => law!(
+        PhaseLaw::JumpBackward => law!(
             "jump_backward",
             "jump_backward_bin",
             Unit::LENGTH,
@@ -299,7 +299,7 @@ pub(crate) const fn of_law(law: Law) -> LawLayout {
             "a jump to smaller displacements",
             "jumps to smaller displacements"
         ),
-        Law::Recurrence => law!(
+        PhaseLaw::Recurrence => law!(
             "recurrence_time",
             "recurrence_time_bin",
             Unit::TIME,
@@ -363,7 +363,7 @@ mod tests {
         let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
         let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
         let measured = measured.flat_map(|of| [of.value, of.low, of.high]);
-        let laws = Law::ASKED.into_iter().chain([Law::Stick]).map(of_law).chain(EXTREMES);
+        let laws = PhaseLaw::ASKED.into_iter().chain([PhaseLaw::Stick]).map(of_law).chain(EXTREMES);
         let laws = laws.flat_map(|law| law.all());
         ALL.iter().copied().chain(measured).chain(laws).chain(kept.into_iter().map(|(of, _)| of)).collect()
     }
@@ -395,8 +395,7 @@ mod tests {
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
         // The page lists the variables of laws once, with LAW in place of the name of a law.
-        let laws = Law::ASKED.into_iter().chain([Law::Stick]).map(of_law).chain(EXTREMES);
-        let laws = laws.map(|law| law.count.value.name);
+        let laws = PhaseLaw::ASKED.map(of_law).into_iter().chain(EXTREMES).map(|law| law.count.value.name);
         let laws: Vec<&str> = laws.filter_map(|count| count.strip_suffix("_count")).collect();
         for variable in all() {
             let of_law = laws.iter().find_map(|law| variable.name.strip_prefix(law)).map(|rest| format!("`LAW{rest}`"));

@@ -5,7 +5,7 @@ use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
     Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extremes, FirstSticks, Fluctuations,
-    Histogram, Law, Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary,
+    Histogram, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary,
     Transient,
 };
 use crate::sums::batches::BATCHES;
@@ -58,7 +58,7 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
     };
     walk(&mut Reading(from), &mut summary, &names)?;
     if let Some(laws) = &mut summary.laws {
-        let of_time = laws.iter_mut().zip(Law::ASKED).filter(|(_, law)| law.dimension() == Dimension::TIME);
+        let of_time = laws.iter_mut().zip(PhaseLaw::ASKED).filter(|(_, law)| law.dimension() == Dimension::TIME);
         of_time.for_each(|(distribution, _)| distribution.step = step);
     }
     Ok(summary)
@@ -85,13 +85,14 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
     } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
-    // If the laws were asked for, that of sticks has batches too.
-    if walk.present(&layout::BATCH, laws).is_some() {
+    // If other laws were asked for, that of sticks has batches too.
+    let has_laws = walk.present(&layout::of_law(PhaseLaw::Slip).completed.value, laws).is_some();
+    if has_laws || walk.present(&layout::LEVEL, extremes).is_some() {
         walk.derived(&layout::BATCH, &(0..BATCHES as u32).collect::<Vec<_>>())?;
     }
-    walk_law(walk, &layout::of_law(Law::Stick), stick_durations)?;
+    walk_law(walk, &layout::of_law(PhaseLaw::Stick), stick_durations)?;
     walk_first_sticks(walk, first_sticks)?;
-    for (law, distribution) in Law::ASKED.into_iter().zip(laws.iter_mut().flatten()) {
+    for (law, distribution) in PhaseLaw::ASKED.into_iter().zip(laws.iter_mut().flatten()) {
         walk_law(walk, &layout::of_law(law), distribution)?;
     }
     walk_sub_phases(walk, sub_phases)?;

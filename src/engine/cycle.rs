@@ -16,7 +16,7 @@ const STATES: usize = 64;
 
 /// What the path of a scene without noise does in the end.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Cycle {
+pub struct LimitCycle {
     /// x at the times n P, the last of them, where something periodic forces the body; x at the
     /// beginnings of the last slips elsewhere.
     pub section: Vec<f64>,
@@ -56,9 +56,9 @@ struct PathEvent {
     is_slip_start: bool,
 }
 
-impl Cycle {
+impl LimitCycle {
     /// The cycle of a scenario; none if something is random in it, or if its path is lost.
-    pub fn of(scenario: &Scenario) -> Option<Cycle> {
+    pub fn of(scenario: &Scenario) -> Option<LimitCycle> {
         let model = &scenario.model;
         let felt = model.oscillator.force_per_temperature() != 0.0;
         if felt && model.temperature.is_random() || scenario.time.end == 0.0 {
@@ -105,7 +105,7 @@ impl Cycle {
             };
             (repeats, amplitude(&cycle, advance / period))
         });
-        Some(Cycle {
+        Some(LimitCycle {
             section: section.split_at(section.len().saturating_sub(STATES)).1.to_vec(),
             amplitude: repeats.map_or(extent, |(_, amplitude)| amplitude),
             repeats: repeats.map(|(repeats, _)| repeats),

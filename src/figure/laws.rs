@@ -3,15 +3,18 @@
 use super::sticks::survival;
 use super::words::grouped;
 use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
-use crate::stats::{Distribution, Law};
+use crate::stats::{Distribution, PhaseLaw};
 
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "laws", shows: "how long slips last, how far they go, and how often they come", draws: draw };
 
 /// The laws that are drawn, with the titles of their axes.
-const DRAWN: [(Law, &str); 3] =
-    [(Law::Slip, "slip duration"), (Law::Jump, "size of a jump"), (Law::Recurrence, "time from slip to slip")];
+const DRAWN: [(PhaseLaw, &str); 3] = [
+    (PhaseLaw::Slip, "slip duration"),
+    (PhaseLaw::Jump, "size of a jump"),
+    (PhaseLaw::Recurrence, "time from slip to slip"),
+];
 
 /// The share of values that may lie below the axis.
 const NEXT_TO_NONE: f64 = 1e-3;

@@ -3,7 +3,7 @@
 
 use super::sweep::horizontal;
 use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Style, Subject, range_of, sheet, solid};
-use crate::engine::Cycle;
+use crate::engine::LimitCycle;
 use crate::stats::Dimension;
 use crate::study::sweep::Sweep;
 
@@ -20,7 +20,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     }
     let axis = &sweep.question.design.axes()[0];
     let points = axis.values.iter().zip(&sweep.question.points);
-    let cycles: Vec<(f64, Cycle)> = points.filter_map(|(at, scenario)| Some((*at, Cycle::of(scenario)?))).collect();
+    let cycles: Vec<(f64, LimitCycle)> =
+        points.filter_map(|(at, scenario)| Some((*at, LimitCycle::of(scenario)?))).collect();
     if cycles.is_empty() {
         return Err(Absent::Nothing("something is random at every point, or the paths are lost"));
     }
@@ -48,7 +49,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
 }
 
 /// The states that are drawn: those of one cycle if there is one, since the others are the same.
-fn last(cycle: &Cycle) -> &[f64] {
+fn last(cycle: &LimitCycle) -> &[f64] {
     let all = cycle.section.len();
     let drawn = cycle.repeats.as_ref().and_then(|repeats| repeats.forcing_periods).unwrap_or(all).min(all);
     &cycle.section[all - drawn..]

@@ -1,7 +1,7 @@
 //! Why a statistic or its interval is missing.
 
 use super::need::Need;
-use super::{Estimate, Law, Summary};
+use super::{Estimate, PhaseLaw, Summary};
 
 /// Whether the summary shows that a need is not met. A need that a summary cannot show comes
 /// last in a row, and is what remains as the reason.
@@ -13,7 +13,7 @@ fn is_missing(need: Need, summary: &Summary) -> bool {
         Need::Period => summary.counted_periods() < 1,
         Need::TwoPeriods => summary.counted_periods() < 2,
         Need::TwoPaths => summary.valid_paths() < 2,
-        Need::Recurrence => summary.law(Law::Recurrence).is_none_or(|law| law.completed == 0),
+        Need::Recurrence => summary.law(PhaseLaw::Recurrence).is_none_or(|law| law.completed == 0),
         Need::TwoSticks
         | Need::TwoSlips
         | Need::TwoRecurrences

@@ -3,9 +3,8 @@
 
 use super::certain::Certain;
 use super::dimension::Dimension;
-use super::law::Law;
+use super::law::PhaseLaw;
 use super::need::Need;
-use super::record::Record;
 use crate::sums::range::Range;
 
 /// What is known of a statistic before any path is simulated.
@@ -26,7 +25,7 @@ pub(crate) struct Row {
     /// Why it may not exist: the first of these needs that is not met.
     pub needs: &'static [Need],
     /// The law whose median it is, if it is a median.
-    pub median_of: Option<Law>,
+    pub median_of: Option<PhaseLaw>,
     /// What a run measures only on request, if the statistic belongs to it.
     pub asked_by: Option<Extra>,
 }
@@ -162,7 +161,7 @@ catalogue! {
         words: "median stick duration",
         meaning: "median duration of the completed sticks",
         step_error: StepError::Jumps,
-        median_of: Some(Law::Stick),
+        median_of: Some(PhaseLaw::Stick),
         ..OF_STICKS
     },
     /// Mean duration D_0 of the first stick over the paths in which it ended.
@@ -360,7 +359,7 @@ catalogue! {
         words: "median slip duration",
         meaning: "median duration of the completed dynamic phases",
         step_error: StepError::Jumps,
-        median_of: Some(Law::Slip),
+        median_of: Some(PhaseLaw::Slip),
         ..OF_SLIP_DURATIONS
     },
     /// Coefficient of variation of these durations.
@@ -393,7 +392,7 @@ catalogue! {
         name: "jump_abs_median",
         words: "median size of a jump",
         meaning: "median size of the jump in a dynamic phase",
-        median_of: Some(Law::Jump),
+        median_of: Some(PhaseLaw::Jump),
         ..OF_LAWS
     },
     /// Coefficient of variation of its size.
@@ -426,7 +425,7 @@ catalogue! {
         words: "median time from slip to slip",
         meaning: "median time from the beginning of a dynamic phase to that of the next",
         step_error: StepError::Jumps,
-        median_of: Some(Law::Recurrence),
+        median_of: Some(PhaseLaw::Recurrence),
         ..OF_RECURRENCE
     },
     /// Coefficient of variation of this time.
@@ -529,21 +528,6 @@ impl Statistic {
 
     pub(crate) fn row(self) -> &'static Row {
         &ROWS[self.index()]
-    }
-
-    /// Whether a run that records this reports the statistic.
-    pub fn is_asked_by(self, record: &Record) -> bool {
-        match self.row().asked_by {
-            None => true,
-            Some(Extra::Laws) => record.laws,
-            Some(Extra::Energy) => record.energy,
-            Some(Extra::Levels) => !record.levels.is_empty(),
-        }
-    }
-
-    /// The statistics that a run reports that records this, in the order of tables and files.
-    pub fn asked_by(record: &Record) -> Vec<Statistic> {
-        Statistic::ALL.into_iter().filter(|statistic| statistic.is_asked_by(record)).collect()
     }
 
     /// Whether the scene alone decides the statistic, so that all paths must agree on it.

@@ -90,15 +90,15 @@ pub enum FitError {
 /// A fit takes at least so many values.
 const FEWEST: u64 = 20;
 
-/// Counts of one set of paths: the edges of bins, and the phases that ended and that were cut off in
+/// BinCounts of one set of paths: the edges of bins, and the phases that ended and that were cut off in
 /// each.
-struct Counts<'a> {
+struct BinCounts<'a> {
     edges: &'a [f64],
     ended: Vec<f64>,
     cut: Vec<f64>,
 }
 
-impl Counts<'_> {
+impl BinCounts<'_> {
     /// The logarithm of the likelihood, of what is beyond `from`.
     fn log_likelihood(&self, family: Family, parameters: [f64; 2], from: f64) -> f64 {
         let survival = |t: f64| family.survival(parameters, (t - from).max(0.0));
@@ -153,7 +153,7 @@ impl Distribution {
                 let of_batch = |bin: usize| without.map_or(0, |batch| batches[batch * bins + bin]);
                 (0..bins).map(|bin| all[bin].saturating_sub(of_batch(bin)) as f64).collect()
             };
-            Counts {
+            BinCounts {
                 edges,
                 ended: column(&self.histogram.counts, &self.batch_counts),
                 cut: column(&self.censored_counts, &self.batch_censored_counts),
@@ -192,7 +192,7 @@ impl Distribution {
 }
 
 /// Free parameters to begin with, from the mean and the spread of the logarithm.
-fn family_start(family: Family, counts: &Counts, from: f64) -> [f64; 2] {
+fn family_start(family: Family, counts: &BinCounts, from: f64) -> [f64; 2] {
     let middle = |i: usize| 0.5 * (counts.edges[i] + counts.edges[i + 1]) - from;
     let values: Vec<(f64, f64)> =
         counts.ended.iter().enumerate().map(|(i, n)| (middle(i), *n)).filter(|(t, n)| *t > 0.0 && *n > 0.0).collect();

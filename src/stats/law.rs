@@ -20,7 +20,7 @@ use crate::sums::spread::Tails;
 
 /// A quantity of the phases of a path.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Law {
+pub enum PhaseLaw {
     /// D_j = tau_{j+1/2} - tau_j, the duration of a completed stick, j >= 1.
     Stick,
     /// tau_{j+1} - tau_{j+1/2}, the duration of a completed slip.
@@ -35,44 +35,45 @@ pub enum Law {
     Recurrence,
 }
 
-impl Law {
+impl PhaseLaw {
     /// The laws that a run reports on request (`record.laws`). That of sticks is always reported.
-    pub const ASKED: [Law; 5] = [Law::Slip, Law::Jump, Law::JumpForward, Law::JumpBackward, Law::Recurrence];
+    pub const ASKED: [PhaseLaw; 5] =
+        [PhaseLaw::Slip, PhaseLaw::Jump, PhaseLaw::JumpForward, PhaseLaw::JumpBackward, PhaseLaw::Recurrence];
 
     /// The law with this name, if there is one.
-    pub fn from_name(name: &str) -> Option<Law> {
-        Law::ASKED.into_iter().chain([Law::Stick]).find(|law| law.name() == name)
+    pub fn from_name(name: &str) -> Option<PhaseLaw> {
+        PhaseLaw::ASKED.into_iter().chain([PhaseLaw::Stick]).find(|law| law.name() == name)
     }
 
     /// The name of the law on the command line.
     pub fn name(self) -> &'static str {
         match self {
-            Law::Stick => "stick",
-            Law::Slip => "slip",
-            Law::Jump => "jump",
-            Law::JumpForward => "jump_forward",
-            Law::JumpBackward => "jump_backward",
-            Law::Recurrence => "recurrence",
+            PhaseLaw::Stick => "stick",
+            PhaseLaw::Slip => "slip",
+            PhaseLaw::Jump => "jump",
+            PhaseLaw::JumpForward => "jump_forward",
+            PhaseLaw::JumpBackward => "jump_backward",
+            PhaseLaw::Recurrence => "recurrence",
         }
     }
 
     /// The quantity in words, e.g. "slip duration".
     pub fn words(self) -> &'static str {
         match self {
-            Law::Stick => "stick duration",
-            Law::Slip => "slip duration",
-            Law::Jump => "size of a jump",
-            Law::JumpForward => "size of a forward jump",
-            Law::JumpBackward => "size of a backward jump",
-            Law::Recurrence => "time from slip to slip",
+            PhaseLaw::Stick => "stick duration",
+            PhaseLaw::Slip => "slip duration",
+            PhaseLaw::Jump => "size of a jump",
+            PhaseLaw::JumpForward => "size of a forward jump",
+            PhaseLaw::JumpBackward => "size of a backward jump",
+            PhaseLaw::Recurrence => "time from slip to slip",
         }
     }
 
     /// The dimension of the quantity.
     pub fn dimension(self) -> Dimension {
         match self {
-            Law::Stick | Law::Slip | Law::Recurrence => Dimension::TIME,
-            Law::Jump | Law::JumpForward | Law::JumpBackward => Dimension::LENGTH,
+            PhaseLaw::Stick | PhaseLaw::Slip | PhaseLaw::Recurrence => Dimension::TIME,
+            PhaseLaw::Jump | PhaseLaw::JumpForward | PhaseLaw::JumpBackward => Dimension::LENGTH,
         }
     }
 
@@ -171,7 +172,7 @@ impl LawSums {
         rare_ratio(&self.units, SUM, NUMBER, &self.mean_tails, self.contributing, 0.0)
     }
 
-    /// The standard deviation of the values, sqrt(q/n - (s/n)^2). One below 1e-8 of the root mean
+    /// The standard deviation of the values, sqrt(q/n - (s/n)^2). One below 1e-7 of the root mean
     /// square is lost in rounding, and the result is zero.
     pub fn sd(&self, unit: Unit) -> Measured {
         self.spread(unit, |[n, s, q], sd| {
@@ -201,7 +202,7 @@ impl LawSums {
         }
         let (mean, mean_square) = (s / n, q / n);
         let variance = mean_square - mean * mean;
-        if variance <= 4.0 * f64::EPSILON * mean_square {
+        if variance <= 64.0 * f64::EPSILON * mean_square {
             return Measured::smooth(0.0, units, [0.0; 3], *contributing);
         }
         let (value, gradient) = of(units.mean, variance.sqrt());

@@ -1,14 +1,14 @@
 //! The laws that a run reports on request: durations of slips, sizes of jumps, and times from slip to
 //! slip, folded path by path ([`LawFold`]), as moments ([`LawsSums`]) and as counts ([`LawsCounts`]).
 
-use super::law::{Folded, Law, LawSums};
+use super::law::{Folded, LawSums, PhaseLaw};
 use super::law_counts::LawCounts;
 use crate::model::{Event, EventKind};
 use crate::sums::Unit;
 use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
 
 /// Number of these laws.
-pub(super) const LAWS: usize = Law::ASKED.len();
+pub(super) const LAWS: usize = PhaseLaw::ASKED.len();
 
 /// The running sums of one path. A slip is counted if it begins after the burn-in, and so is the time
 /// from its beginning to that of the next slip.
@@ -20,7 +20,7 @@ pub(super) struct LawFold {
     running: Option<(f64, f64)>,
     /// When the last slip began, if it is counted.
     last_start: Option<f64>,
-    /// The values of each law, in the order of [`Law::ASKED`].
+    /// The values of each law, in the order of [`PhaseLaw::ASKED`].
     folded: [Folded; LAWS],
     /// The signed jumps x_{j+1} - x_j.
     signed_jumps: Folded,
@@ -35,11 +35,11 @@ impl LawFold {
 
     /// Add the next event. `count` receives the values that it completes.
     #[inline]
-    pub fn event(&mut self, event: &Event, mut count: impl FnMut(Law, f64)) {
+    pub fn event(&mut self, event: &Event, mut count: impl FnMut(PhaseLaw, f64)) {
         match event.kind {
             EventKind::SlipStarted(_) => {
                 if let Some(last) = self.last_start {
-                    self.add(Law::Recurrence, event.time - last, &mut count);
+                    self.add(PhaseLaw::Recurrence, event.time - last, &mut count);
                 }
                 let is_counted = event.time >= self.after;
                 self.last_start = is_counted.then_some(event.time);
@@ -49,11 +49,11 @@ impl LawFold {
                 let Some((time, displacement)) = self.running.take() else { return };
                 let jump = event.displacement - displacement;
                 self.signed_jumps.add(jump);
-                self.add(Law::Slip, event.time - time, &mut count);
-                self.add(Law::Jump, jump.abs(), &mut count);
+                self.add(PhaseLaw::Slip, event.time - time, &mut count);
+                self.add(PhaseLaw::Jump, jump.abs(), &mut count);
                 match jump {
-                    jump if jump > 0.0 => self.add(Law::JumpForward, jump, &mut count),
-                    jump if jump < 0.0 => self.add(Law::JumpBackward, -jump, &mut count),
+                    jump if jump > 0.0 => self.add(PhaseLaw::JumpForward, jump, &mut count),
+                    jump if jump < 0.0 => self.add(PhaseLaw::JumpBackward, -jump, &mut count),
                     _ => {}
                 }
             }
@@ -61,26 +61,26 @@ impl LawFold {
         }
     }
 
-    fn add(&mut self, law: Law, value: f64, count: &mut impl FnMut(Law, f64)) {
+    fn add(&mut self, law: PhaseLaw, value: f64, count: &mut impl FnMut(PhaseLaw, f64)) {
         self.folded[place(law)].add(value);
         count(law, value);
     }
 
     /// The path ends at t_end. `censor` receives the times that are cut off. The jump of a slip that
     /// is cut off may become larger or smaller, so it tells nothing.
-    pub fn end(&self, time: f64, mut censor: impl FnMut(Law, f64)) {
+    pub fn end(&self, time: f64, mut censor: impl FnMut(PhaseLaw, f64)) {
         if let Some((start, _)) = self.running {
-            censor(Law::Slip, time - start);
+            censor(PhaseLaw::Slip, time - start);
         }
         if let Some(start) = self.last_start {
-            censor(Law::Recurrence, time - start);
+            censor(PhaseLaw::Recurrence, time - start);
         }
     }
 }
 
-/// The place of a law in [`Law::ASKED`].
-fn place(law: Law) -> usize {
-    Law::ASKED.iter().position(|asked| *asked == law).expect("a law that is reported on request")
+/// The place of a law in [`PhaseLaw::ASKED`].
+fn place(law: PhaseLaw) -> usize {
+    PhaseLaw::ASKED.iter().position(|asked| *asked == law).expect("a law that is reported on request")
 }
 
 /// Moments over paths.
@@ -107,7 +107,7 @@ impl LawsSums {
     }
 
     /// The moments of a law.
-    pub fn law(&self, law: Law) -> &LawSums {
+    pub fn law(&self, law: PhaseLaw) -> &LawSums {
         &self.laws[place(law)]
     }
 
@@ -125,21 +125,21 @@ impl LawsCounts {
     /// No values. The largest duration and the largest length that are to be expected, roughly,
     /// determine the bins.
     pub fn empty([time, length]: [f64; 2]) -> Self {
-        LawsCounts(Law::ASKED.map(|law| LawCounts::empty(if law.is_of_time() { time } else { length })))
+        LawsCounts(PhaseLaw::ASKED.map(|law| LawCounts::empty(if law.is_of_time() { time } else { length })))
     }
 
     /// Set the step of the scheme, if it has one, before anything is counted.
     pub fn set_step(&mut self, step: Option<f64>) {
-        let of_time = self.0.iter_mut().zip(Law::ASKED).filter(|(_, law)| law.is_of_time());
+        let of_time = self.0.iter_mut().zip(PhaseLaw::ASKED).filter(|(_, law)| law.is_of_time());
         of_time.for_each(|(counts, _)| counts.set_step(step));
     }
 
     /// The counts of a law.
-    pub fn law(&self, law: Law) -> &LawCounts {
+    pub fn law(&self, law: PhaseLaw) -> &LawCounts {
         &self.0[place(law)]
     }
 
-    pub fn law_mut(&mut self, law: Law) -> &mut LawCounts {
+    pub fn law_mut(&mut self, law: PhaseLaw) -> &mut LawCounts {
         &mut self.0[place(law)]
     }
 
@@ -176,9 +176,10 @@ mod tests {
         let (mut counted, mut censored) = (Vec::new(), Vec::new());
         events.iter().for_each(|event| path.event(event, |law, value| counted.push((law, value))));
         path.end(7.0, |law, value| censored.push((law, value)));
-        let slips = [(Law::Slip, 1.5), (Law::Jump, 3.0), (Law::JumpBackward, 3.0), (Law::Recurrence, 2.0)];
+        let slips =
+            [(PhaseLaw::Slip, 1.5), (PhaseLaw::Jump, 3.0), (PhaseLaw::JumpBackward, 3.0), (PhaseLaw::Recurrence, 2.0)];
         assert_eq!(counted, slips);
-        assert_eq!(censored, [(Law::Slip, 1.0), (Law::Recurrence, 1.0)]);
+        assert_eq!(censored, [(PhaseLaw::Slip, 1.0), (PhaseLaw::Recurrence, 1.0)]);
         assert_eq!(path.signed_jumps, Folded { count: 1, sum: -3.0, squares: 9.0 });
     }
 }

@@ -34,6 +34,7 @@ mod path;
 mod period_displacements;
 mod periods;
 mod record;
+mod request;
 mod run_totals;
 mod settling;
 mod spectrum;
@@ -51,10 +52,11 @@ pub use dimension::{Dimension, Units};
 pub use fit::{Family, Fit, FitError};
 pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use groups::{GROUPS, GroupValues, Grouping, Groups};
-pub use law::Law;
+pub use law::PhaseLaw;
 pub use observer::BlockObserver;
-pub use record::{BlockResult, EventColumns, PassageLevels, PathColumns, Record, TrajectoryRows};
+pub use record::{BlockResult, EventColumns, PathColumns, TrajectoryRows};
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
+pub use request::{PassageLevels, Record};
 pub use run_totals::RunTotals;
 pub use summary::{
     Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, Extremes, FirstSticks, Fluctuations, Histogram,

@@ -323,7 +323,7 @@ impl ExtremeCounts {
     ) -> Extremes {
         let certain = [sample.paths as f64; 2];
         let [displacement, velocity] =
-            self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), certain, chance, sample, false));
+            self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), certain, chance, sample, true));
         let rows = timeline.rows();
         let below = |i: usize| self.below.get(i * rows..(i + 1) * rows).unwrap_or_default();
         let passages = levels.iter().enumerate().map(|(i, level)| Passages {

@@ -1,6 +1,6 @@
 //! The summary of an ensemble: plain numbers, ready to be printed or stored.
 
-use super::{Law, Statistic};
+use super::{PhaseLaw, Statistic};
 use crate::sums::interval::Measured;
 use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
@@ -96,7 +96,7 @@ pub struct Histogram {
     pub counts: Vec<u64>,
 }
 
-/// The distribution of a quantity of phases ([`Law`]): of stick durations D_j, j >= 1, say. Phases
+/// The distribution of a quantity of phases ([`PhaseLaw`]): of stick durations D_j, j >= 1, say. Phases
 /// that still run at t_end are right-censored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Distribution {
@@ -315,8 +315,8 @@ pub struct Summary {
     pub stick_durations: Distribution,
     /// First sticks.
     pub first_sticks: FirstSticks,
-    /// The other laws, where they were asked for, in the order of [`Law::ASKED`].
-    pub laws: Option<[Distribution; Law::ASKED.len()]>,
+    /// The other laws, where they were asked for, in the order of [`PhaseLaw::ASKED`].
+    pub laws: Option<[Distribution; PhaseLaw::ASKED.len()]>,
     /// Distribution of the number of sub-phases of a dynamic phase.
     pub sub_phases: SubPhaseCounts,
     /// What the burn-in leaves out, if there is one.
@@ -343,10 +343,10 @@ impl Summary {
     }
 
     /// The distribution of a law; none if it was not asked for.
-    pub fn law(&self, law: Law) -> Option<&Distribution> {
+    pub fn law(&self, law: PhaseLaw) -> Option<&Distribution> {
         match law {
-            Law::Stick => Some(&self.stick_durations),
-            asked => self.laws.as_ref()?.get(Law::ASKED.iter().position(|of| *of == asked)?),
+            PhaseLaw::Stick => Some(&self.stick_durations),
+            asked => self.laws.as_ref()?.get(PhaseLaw::ASKED.iter().position(|of| *of == asked)?),
         }
     }
 

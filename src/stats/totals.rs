@@ -4,7 +4,7 @@ use super::bands::{self, BandCounts, BandSums};
 use super::catalogue::{Extra, Over};
 use super::certain::Certain;
 use super::density::DensityCounts;
-use super::law::{Law, LawSums, rare_mean, rare_ratio};
+use super::law::{LawSums, PhaseLaw, rare_mean, rare_ratio};
 use super::law_counts::{LawCounts, OrderedLaw};
 use super::laws::{LawFold, LawsCounts, LawsSums};
 use super::motion::{EnergySums, ExtremeCounts, ExtremeSums, MotionFold};
@@ -167,15 +167,15 @@ impl Counts {
     }
 
     /// The counts of a law; none if it was not asked for.
-    fn law(&self, law: Law) -> Option<&LawCounts> {
+    fn law(&self, law: PhaseLaw) -> Option<&LawCounts> {
         match law {
-            Law::Stick => Some(&self.sticks),
+            PhaseLaw::Stick => Some(&self.sticks),
             asked => self.laws.as_ref().map(|laws| laws.law(asked)),
         }
     }
 
     /// The median of a law without each batch; NaN where it was not asked for.
-    pub(super) fn medians_without_each_batch(&self, law: Law) -> [f64; BATCHES] {
+    pub(super) fn medians_without_each_batch(&self, law: PhaseLaw) -> [f64; BATCHES] {
         self.law(law).map_or([f64::NAN; BATCHES], LawCounts::medians_without_each_batch)
     }
 
@@ -328,10 +328,10 @@ impl Totals {
     pub fn summary(&self) -> Summary {
         let Totals { timeline, sums, counts } = self;
         let ordered = |law| counts.law(law).map(LawCounts::ordered);
-        let (sticks, laws) = (counts.sticks.ordered(), Law::ASKED.map(ordered));
-        let of_law = |law: Law| match law {
-            Law::Stick => Some(&sticks),
-            asked => Law::ASKED.iter().zip(&laws).find(|(law, _)| **law == asked)?.1.as_ref(),
+        let (sticks, laws) = (counts.sticks.ordered(), PhaseLaw::ASKED.map(ordered));
+        let of_law = |law: PhaseLaw| match law {
+            PhaseLaw::Stick => Some(&sticks),
+            asked => PhaseLaw::ASKED.iter().zip(&laws).find(|(law, _)| **law == asked)?.1.as_ref(),
         };
         let estimate = |statistic: Statistic| match statistic.row().median_of.and_then(of_law) {
             Some(law) => Estimate::new(statistic, sums.phases.in_its_range(statistic, law.median(), counts)),
@@ -349,12 +349,12 @@ impl Totals {
             completed_paths: counts.paths + counts.diverged.len() as u64,
             diverged: counts.diverged.clone(),
             estimates: Statistic::ALL.map(estimate),
-            stick_durations: self.distribution(Law::Stick, &counts.sticks, &sticks),
+            stick_durations: self.distribution(PhaseLaw::Stick, &counts.sticks, &sticks),
             first_sticks: self.first_sticks(),
             laws: counts.laws.as_ref().map(|of| {
                 let empty = || LawCounts::empty(0.0).ordered();
                 let mut ordered = laws.into_iter();
-                Law::ASKED.map(|law| {
+                PhaseLaw::ASKED.map(|law| {
                     let ordered = ordered.next().flatten().unwrap_or_else(empty);
                     self.distribution(law, of.law(law), &ordered)
                 })
@@ -380,7 +380,7 @@ impl Totals {
         Statistic::ALL.into_iter().filter(is_asked).collect()
     }
 
-    fn distribution(&self, law: Law, of: &LawCounts, ordered: &OrderedLaw) -> Distribution {
+    fn distribution(&self, law: PhaseLaw, of: &LawCounts, ordered: &OrderedLaw) -> Distribution {
         let Totals { sums, counts, .. } = self;
         let Some(moments) = sums.phases.law(law) else { return Distribution::default() };
         let chance = counts.chance(moments.contributing());
@@ -484,9 +484,9 @@ impl PhaseSums {
     }
 
     /// The moments of a law; none if it was not asked for.
-    fn law(&self, law: Law) -> Option<&LawSums> {
+    fn law(&self, law: PhaseLaw) -> Option<&LawSums> {
         match law {
-            Law::Stick => Some(&self.cascade.sticks),
+            PhaseLaw::Stick => Some(&self.cascade.sticks),
             asked => self.laws.as_ref().map(|laws| laws.law(asked)),
         }
     }
@@ -500,7 +500,7 @@ impl PhaseSums {
     }
 
     /// A number from the moments of a law.
-    fn of_law(&self, law: Law, of: impl Fn(&LawSums) -> Measured) -> Measured {
+    fn of_law(&self, law: PhaseLaw, of: impl Fn(&LawSums) -> Measured) -> Measured {
         self.law(law).map_or(Measured::NOTHING, of)
     }
 
@@ -517,7 +517,7 @@ impl PhaseSums {
             Over::Sticks => self.cascade.sticks.contributing(),
             Over::FirstSticks => contributing.first_sticks,
             Over::Slips => contributing.slips,
-            Over::Recurrences => self.law(Law::Recurrence).map_or(0, LawSums::contributing),
+            Over::Recurrences => self.law(PhaseLaw::Recurrence).map_or(0, LawSums::contributing),
             Over::CountsOfPaths | Over::Paths => counts.units,
         };
         let range = statistic.row().range;
@@ -532,16 +532,16 @@ impl PhaseSums {
         match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(unit),
-            Statistic::StickDurationCv => self.of_law(Law::Stick, |law| law.coefficient_of_variation(unit)),
-            Statistic::SlipDurationMean => self.of_law(Law::Slip, LawSums::mean),
-            Statistic::SlipDurationSd => self.of_law(Law::Slip, |law| law.sd(unit)),
-            Statistic::SlipDurationCv => self.of_law(Law::Slip, |law| law.coefficient_of_variation(unit)),
+            Statistic::StickDurationCv => self.of_law(PhaseLaw::Stick, |law| law.coefficient_of_variation(unit)),
+            Statistic::SlipDurationMean => self.of_law(PhaseLaw::Slip, LawSums::mean),
+            Statistic::SlipDurationSd => self.of_law(PhaseLaw::Slip, |law| law.sd(unit)),
+            Statistic::SlipDurationCv => self.of_law(PhaseLaw::Slip, |law| law.coefficient_of_variation(unit)),
             Statistic::JumpSd => self.laws.as_ref().map_or(Measured::NOTHING, |laws| laws.signed_jumps().sd(unit)),
-            Statistic::JumpAbsSd => self.of_law(Law::Jump, |law| law.sd(unit)),
-            Statistic::JumpAbsCv => self.of_law(Law::Jump, |law| law.coefficient_of_variation(unit)),
-            Statistic::RecurrenceTimeMean => self.of_law(Law::Recurrence, LawSums::mean),
-            Statistic::RecurrenceTimeSd => self.of_law(Law::Recurrence, |law| law.sd(unit)),
-            Statistic::RecurrenceTimeCv => self.of_law(Law::Recurrence, |law| law.coefficient_of_variation(unit)),
+            Statistic::JumpAbsSd => self.of_law(PhaseLaw::Jump, |law| law.sd(unit)),
+            Statistic::JumpAbsCv => self.of_law(PhaseLaw::Jump, |law| law.coefficient_of_variation(unit)),
+            Statistic::RecurrenceTimeMean => self.of_law(PhaseLaw::Recurrence, LawSums::mean),
+            Statistic::RecurrenceTimeSd => self.of_law(PhaseLaw::Recurrence, |law| law.sd(unit)),
+            Statistic::RecurrenceTimeCv => self.of_law(PhaseLaw::Recurrence, |law| law.coefficient_of_variation(unit)),
             Statistic::TemperatureWorkMean => self.of_energy(EnergySums::temperature),
             Statistic::OwnForceWorkMean => self.of_energy(EnergySums::own_force),
             Statistic::DampingWorkMean => self.of_energy(EnergySums::damping),
@@ -962,8 +962,8 @@ mod tests {
                 1.5 + 0.2 * normal
             }
         };
-        type Law<'a> = (&'a str, f64, Box<dyn Fn(&mut Pcg64Dxsm) -> f64 + 'a>);
-        let laws: [Law<'_>; 4] = [
+        type PhaseLaw<'a> = (&'a str, f64, Box<dyn Fn(&mut Pcg64Dxsm) -> f64 + 'a>);
+        let laws: [PhaseLaw<'_>; 4] = [
             ("exponential", 1.0, Box::new(|rng| Exp1.sample(rng))),
             ("gamma", 0.5f64.sqrt(), Box::new(|rng| gamma.sample(rng))),
             ("lognormal", spread, Box::new(|rng| lognormal.sample(rng))),

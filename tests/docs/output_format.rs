@@ -17,6 +17,17 @@ struct Documented {
     unit: String,
 }
 
+/// The laws that the page stands LAW for, with their units.
+const LAWS: [(&str, &str); 7] = [
+    ("slip_duration", "time"),
+    ("jump_abs", "length"),
+    ("jump_forward", "length"),
+    ("jump_backward", "length"),
+    ("recurrence_time", "time"),
+    ("largest_displacement", "length"),
+    ("largest_speed", "length/time"),
+];
+
 /// All variables of the tables by name. If a cell has several names, the row has one type and one
 /// unit for all of them, or one for each.
 fn documented(page: &Page) -> BTreeMap<String, Documented> {
@@ -30,8 +41,14 @@ fn documented(page: &Page) -> BTreeMap<String, Documented> {
         };
         let axes: Vec<String> = axes.split(", ").filter(|axis| !axis.is_empty()).map(String::from).collect();
         for (i, name) in names.iter().enumerate() {
-            let row = Documented { axes: axes.clone(), kind: each(kind, i), unit: each(unit, i) };
-            assert!(all.insert(name.clone(), row).is_none(), "{name} is listed twice");
+            let laws = if name.starts_with("LAW_") { &LAWS[..] } else { &[("", "")] };
+            for (law, of_law) in laws {
+                let axes = axes.iter().map(|axis| axis.replace("LAW", law)).collect();
+                let unit = if *unit == "LAW" { of_law.to_string() } else { each(unit, i) };
+                let row = Documented { axes, kind: each(kind, i), unit };
+                let name = name.replace("LAW", law);
+                assert!(all.insert(name.clone(), row).is_none(), "{name} is listed twice");
+            }
         }
     }
     all
@@ -69,6 +86,13 @@ fn udunits(unit: &str) -> Option<&'static str> {
         "length" => "m",
         "length/time" => "m s-1",
         "length^2" => "m2",
+        "1/length" => "m-1",
+        "1/time" => "s-1",
+        "time/length" => "m-1 s",
+        "time/length^2" => "m-2 s",
+        "length^2/time" => "m2 s-1",
+        "length^2/time^2" => "m2 s-2",
+        "length^2 time" => "m2 s",
         "force" => "N",
         "force length" => "N m",
         "temperature" => "K",
@@ -111,6 +135,10 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
 /// fewest paths for a bias of the step.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
+    let asked = ["laws", "density", "spectrum", "energy"].map(|name| format!("record.{name}=true"));
+    let asked: Vec<&str> = asked.iter().flat_map(|set| ["--set", set.as_str()]).collect();
+    let levels = ["--set", "statistics.levels=[1.0]", "--until", "120"];
+    let on_request = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &asked, &levels].concat();
     let everything = [&["run", "scenarios/rho025.toml", "--paths", "300"][..], &record].concat();
     let diverging =
         ["run", "scenarios/rho025.toml", "--paths", "3", "--step", "0.5", "--set", "initial.displacement=1e3"];
@@ -121,6 +149,7 @@ fn runs(folder: &Path) -> Vec<File> {
     let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
     vec![
         written(folder, "everything.h5", &everything),
+        written(folder, "on-request.h5", &on_request),
         written(folder, "diverging.h5", &diverging),
         written(folder, "unresolved.h5", &unresolved),
         written(folder, "late.h5", &late),

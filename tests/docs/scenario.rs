@@ -35,7 +35,10 @@ fn keys(table: &toml::Table, path: &str, into: &mut BTreeSet<String>) {
 fn every_key_is_listed_and_every_listed_key_exists() {
     let mut of_code = BTreeSet::new();
     for scheme in Kind::ALL {
-        let set = [Override::flag("--scheme", "scheme.kind", scheme.name())];
+        let given = ["statistics.period=5", "statistics.levels=[1.0]"];
+        let given = given.map(|set| Override::set(set).expect("well formed"));
+        let set: Vec<Override> =
+            given.into_iter().chain([Override::flag("--scheme", "scheme.kind", scheme.name())]).collect();
         let text = shipped("rho025").expect("shipped").text;
         let resolved = Scenario::parse("rho025", text, &set).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);

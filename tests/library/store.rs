@@ -132,6 +132,7 @@ fn a_summary_of_nothing_comes_back() {
     let mut summary = summary(0, &header);
     summary.estimates = Statistic::ALL.map(nan);
     summary.periods = PeriodMoments {
+        drift_limit: None,
         time: Vec::new(),
         mean: Vec::new(),
         mean_ends: Ends::default(),

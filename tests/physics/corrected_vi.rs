@@ -17,7 +17,7 @@ fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[St
     let timeline = Timeline { end: 60.0, output_step: 60.0, period: None, after: 0.0 };
     let scheme: Scheme = if corrected { CorrectedVi { step: h }.into() } else { DiscreteVi { step: h }.into() };
     let simulation = scheme.simulation(&model, &timeline);
-    let record = Record { paths: false, events: false, trajectories: 0 };
+    let record = Record::NOTHING;
     let summary = Plan { simulation, record, seed: 5, paths, antithetic: false }.run(2);
     let estimate = |s: &Statistic| (summary.estimate(*s).estimate, summary.estimate(*s).standard_error);
     statistics.iter().map(estimate).collect()

@@ -610,7 +610,7 @@ fn the_friction_of_a_row_is_that_of_the_next_step() {
     let (model, h) = (paper(0.25, 0.25), 0.02);
     let timeline = Timeline { output_step: h, ..timeline(60.0, h) };
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &timeline);
-    let record = Record { paths: false, events: false, trajectories: 50 };
+    let record = Record { trajectories: 50, ..Record::NOTHING };
     let plan = Plan { simulation, record, seed: 1, paths: 50, antithetic: false };
     let rows = plan.piece(0, 50).trajectories.expect("asked for");
     let per_path = timeline.rows();

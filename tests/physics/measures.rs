@@ -1,10 +1,10 @@
 //! What a run measures on request, against closed forms: laws, densities, spectra, passages, energy,
 //! and the cycles of scenes without noise.
 
-use stick_slip::engine::{Cycle, Run};
+use stick_slip::engine::{LimitCycle, Run};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::EventDriven;
-use stick_slip::stats::{Distribution, Law, Statistic, Summary};
+use stick_slip::stats::{Distribution, PhaseLaw, Statistic, Summary};
 
 #[track_caller]
 fn scenario(text: &str) -> Scenario {
@@ -56,9 +56,9 @@ fn on_a_belt_every_slip_jump_and_recurrence_is_the_same() {
         let found = summary.estimate(statistic).estimate;
         assert!((found - expected).abs() < 1e-10, "{}: {found:?}, not {expected:?}", statistic.name());
     }
-    let backward = summary.law(Law::JumpBackward).expect("asked for");
-    assert_eq!((backward.completed, summary.law(Law::Jump).expect("asked for").completed), (0, 2 * 43));
-    let cycle = Cycle::of(&belt).expect("nothing is random");
+    let backward = summary.law(PhaseLaw::JumpBackward).expect("asked for");
+    assert_eq!((backward.completed, summary.law(PhaseLaw::Jump).expect("asked for").completed), (0, 2 * 43));
+    let cycle = LimitCycle::of(&belt).expect("nothing is random");
     let repeats = cycle.repeats.expect("a belt repeats itself");
     assert!((repeats.period - 4.0 - slip).abs() < 1e-9 && (repeats.advance - 0.1 * repeats.period).abs() < 1e-9);
     assert_eq!((repeats.slips, repeats.sticks, repeats.forcing_periods), (1, 1, None));
@@ -72,7 +72,7 @@ fn on_a_belt_every_slip_jump_and_recurrence_is_the_same() {
 fn the_drift_on_a_belt_is_its_speed_and_nothing_spreads() {
     let noise = "noise = { intensity = 0.5, relaxation_rate = 1, diffusion = 1 }";
     let more = format!(
-        "temperature = {{ trend = 0.1, {noise} }}\nensemble = {{ paths = 2000 }}\nscheme = {{ kind = \"event-driven\" }}"
+        "temperature = {{ trend = 0.1, {noise} }}\nensemble = {{ paths = 2000, seed = 3 }}\nscheme = {{ kind = \"event-driven\" }}"
     );
     let summary = run(&scenario(&body([1.0, 0.1], [1.2, 1.0], [400.0, 80.0, 400.0], &more)));
     assert_eq!(summary.periods.drift_limit, Some(0.1));
@@ -115,7 +115,7 @@ fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusio
     assert!(low < 0.5 && 0.5 < high && high - low < 0.06, "{low} {high}");
     let diffusion = summary.estimate(Statistic::DiffusionCoefficient);
     assert!((diffusion.estimate - 0.636).abs() < 3.5 * diffusion.standard_error, "{diffusion:?}");
-    // Beyond the correlation of the noise, the density is that of white noise.
+    // The correlation of the noise changes the density by 3 % (by 1 % at 1/400).
     let density = &summary.densities.as_ref().expect("asked for").velocity;
     let law = |v: f64| if v < 0.0 { 0.5 * (2.0 * v).exp() } else { 1.0 - 0.5 * (-2.0 * v).exp() };
     let mut tested = 0;
@@ -126,7 +126,7 @@ fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusio
         if from.abs().min(to.abs()) > 0.2 && expected > 1e-3 {
             tested += 1;
             assert!(
-                (found - expected).abs() < 3.5 * error.max(0.01 * expected),
+                (found - expected).abs() < 3.5 * error + 0.04 * expected,
                 "{from}: {found} +- {error}, not {expected}"
             );
         }
@@ -166,7 +166,7 @@ fn the_amplitude_of_a_forced_body_is_den_hartogs() {
         );
         let period = std::f64::consts::TAU / w;
         let times = [1000.0 * period, 900.0 * period, period];
-        let cycle = Cycle::of(&scenario(&body([1.0, damping], [1.0, 1.0], times, &forcing))).expect("not random");
+        let cycle = LimitCycle::of(&scenario(&body([1.0, damping], [1.0, 1.0], times, &forcing))).expect("not random");
         let repeats = cycle.repeats.as_ref().unwrap_or_else(|| panic!("w = {w}: {cycle:?}"));
         assert_eq!((repeats.forcing_periods, repeats.sticks, repeats.is_symmetric), (Some(1), 0, true), "{cycle:?}");
         assert!((cycle.amplitude / expected - 1.0).abs() < 1e-7, "w = {w}: {}", cycle.amplitude);
@@ -215,13 +215,13 @@ fn passages_are_those_of_the_largest_displacement_on_any_grid() {
         assert_eq!(every_tenth, coarse.survival, "level {}", fine.level);
         let last = *fine.survival.last().expect("rows");
         assert!(0.0 < last && last < 1.0, "level {}: {last}", fine.level);
-        assert!((share_beyond(&fine_of.displacement, fine.level) - (1.0 - last)).abs() < 0.05);
+        let [least, most] = shares_beyond(&fine_of.displacement, fine.level);
+        assert!(least <= 1.0 - last && 1.0 - last <= most, "level {}: {last}", fine.level);
     }
 }
 
-/// The share of values in the bins beyond one that holds this value.
-fn share_beyond(law: &Distribution, value: f64) -> f64 {
+/// The share of values in the bins beyond the one that holds this value, without and with that bin.
+fn shares_beyond(law: &Distribution, value: f64) -> [f64; 2] {
     let bin = law.histogram.edges.windows(2).position(|pair| pair[0] <= value && value < pair[1]).expect("a bin");
-    let beyond: u64 = law.histogram.counts[bin + 1..].iter().sum();
-    beyond as f64 / law.completed as f64 + 0.5 * law.histogram.counts[bin] as f64 / law.completed as f64
+    [bin + 1, bin].map(|from| law.histogram.counts[from..].iter().sum::<u64>() as f64 / law.completed as f64)
 }

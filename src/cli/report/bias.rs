@@ -35,7 +35,7 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
          bias is {bias} +- {uncertainty}, its interval +- {}. A smaller `--step` reduces the bias, more \
          paths do not; `--scheme event-driven` has no step",
         dominated.len(),
-        summary.estimates.len(),
+        summary.asked.len(),
         surest.statistic.name(),
         significant(surest.half_width(), 2)
     ))

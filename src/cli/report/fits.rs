@@ -4,10 +4,10 @@ use crate::cli::document::document;
 use crate::cli::numbers::{Digits, significant};
 use crate::cli::table::{Row, aligned};
 use serde_json::{Map, json};
-use stick_slip::stats::{Family, Fit, Law};
+use stick_slip::stats::{Family, Fit, PhaseLaw};
 
 /// The table: a row for each parameter.
-pub fn fits_table(law: Law, from: f64, unit: &str, fits: &[Fit]) -> String {
+pub fn fits_table(law: PhaseLaw, from: f64, unit: &str, fits: &[Fit]) -> String {
     let headings = ["parameter", "estimate", "95 % interval", "", "distance"];
     let mut rows = vec![Row::labelled("law", headings).noted(if unit.is_empty() { "" } else { "unit" })];
     for fit in fits {
@@ -32,7 +32,7 @@ pub fn fits_table(law: Law, from: f64, unit: &str, fits: &[Fit]) -> String {
 }
 
 /// The same as one JSON object.
-pub fn fits_json(law: Law, from: f64, fits: &[Fit]) -> String {
+pub fn fits_json(law: PhaseLaw, from: f64, fits: &[Fit]) -> String {
     let fits = fits.iter().map(|fit| {
         let named = fit.family.parameters().iter().zip(&fit.parameters);
         let parameters = named.map(|(name, [estimate, low, high])| {

@@ -3,7 +3,7 @@
 use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
-use stick_slip::engine::{Cycle, Status};
+use stick_slip::engine::{LimitCycle, Status};
 use stick_slip::scheme::Timeline;
 use stick_slip::stats::{Dimension, Estimate, Statistic, SubPhaseCounts, Summary, Transient};
 
@@ -67,7 +67,7 @@ fn long_slips(summary: &Summary) -> Option<String> {
 }
 
 /// Says what the path of a scene without noise does in the end.
-fn of_cycle(cycle: &Cycle, info: &RunInfo) -> String {
+fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     let number = |x: f64| significant(x, 8);
     let with_unit = |x: f64, dimension: Dimension| {
         format!("{} {}", number(x), dimension.label(&info.provenance.units)).trim_end().to_string()

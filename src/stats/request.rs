@@ -1,0 +1,96 @@
+//! What is asked of a run: what it keeps of single paths, and what it measures besides the statistics
+//! of every run.
+
+use super::Statistic;
+use super::catalogue::Extra;
+
+/// What a run keeps besides the statistics of the ensemble.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Record {
+    /// Whether scalars of every path are kept.
+    pub paths: bool,
+    /// Whether the events of every path are kept.
+    pub events: bool,
+    /// How many paths, from the first on, are kept on the output grid.
+    pub trajectories: u64,
+    /// Whether the laws of slips, jumps and times from slip to slip are reported.
+    pub laws: bool,
+    /// Whether the densities of x and x' are reported.
+    pub density: bool,
+    /// Whether autocovariance and spectrum of x and x' are reported.
+    pub spectrum: bool,
+    /// Whether the energy that each force gives to the body is reported.
+    pub energy: bool,
+    /// Displacements from the start whose passages are reported, with the largest ones.
+    pub levels: PassageLevels,
+}
+
+/// Distances from the initial displacement whose first passages are reported, up to
+/// [`PassageLevels::MOST`].
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct PassageLevels([Option<f64>; PassageLevels::MOST]);
+
+impl PassageLevels {
+    /// The largest number of levels.
+    pub const MOST: usize = 8;
+    /// No levels.
+    pub const NONE: PassageLevels = PassageLevels([None; PassageLevels::MOST]);
+
+    /// These levels, of which those beyond the largest number are left out.
+    pub fn of(levels: &[f64]) -> Self {
+        let mut all = PassageLevels::NONE;
+        all.0.iter_mut().zip(levels).for_each(|(slot, level)| *slot = Some(*level));
+        all
+    }
+
+    /// The levels, in order.
+    pub fn iter(&self) -> impl Iterator<Item = f64> {
+        self.0.iter().copied().flatten()
+    }
+
+    /// Whether there are none.
+    pub fn is_empty(&self) -> bool {
+        self.0[0].is_none()
+    }
+}
+
+impl Record {
+    /// Nothing is kept of single paths.
+    pub const NOTHING: Record = Record {
+        paths: false,
+        events: false,
+        trajectories: 0,
+        laws: false,
+        density: false,
+        spectrum: false,
+        energy: false,
+        levels: PassageLevels::NONE,
+    };
+
+    /// Whether the motion of paths between their events is followed.
+    pub(super) fn has_motion(&self) -> bool {
+        self.energy || !self.levels.is_empty()
+    }
+
+    /// The same statistics, without anything of single paths or of the output grid.
+    pub fn of_no_path(&self) -> Record {
+        Record { laws: self.laws, energy: self.energy, levels: self.levels, ..Record::NOTHING }
+    }
+}
+
+impl Statistic {
+    /// Whether a run that records this reports the statistic.
+    pub fn is_asked_by(self, record: &Record) -> bool {
+        match self.row().asked_by {
+            None => true,
+            Some(Extra::Laws) => record.laws,
+            Some(Extra::Energy) => record.energy,
+            Some(Extra::Levels) => !record.levels.is_empty(),
+        }
+    }
+
+    /// The statistics that a run reports that records this, in the order of tables and files.
+    pub fn asked_by(record: &Record) -> Vec<Statistic> {
+        Statistic::ALL.into_iter().filter(|statistic| statistic.is_asked_by(record)).collect()
+    }
+}
