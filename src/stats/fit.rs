@@ -242,7 +242,8 @@ fn greatest(dimensions: usize, start: [f64; 2], f: impl Fn([f64; 2]) -> f64) -> 
             false => slope.map(|slope| 0.1 * slope / slope.abs().max(1e-300)),
         };
         let mut halvings = 0;
-        while halvings < 40 && !(f(moved(at, by)) > value) {
+        let is_higher = |value_there: f64| value_there > value;
+        while halvings < 40 && !is_higher(f(moved(at, by))) {
             by = by.map(|by| by / 2.0);
             halvings += 1;
         }

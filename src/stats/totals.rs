@@ -109,7 +109,7 @@ impl Merge for Sums {
     fn merge(&mut self, other: &Sums) {
         self.phases.merge(&other.phases);
         self.bands.merge(&other.bands);
-        merge_if_asked(&mut self.spectrum, other.spectrum.as_ref(), SpectrumSums::merge);
+        merge_if_asked(&mut self.spectrum, other.spectrum.as_deref(), SpectrumSums::merge);
     }
 }
 
@@ -117,17 +117,17 @@ impl Merge for PhaseSums {
     fn merge(&mut self, other: &PhaseSums) {
         self.cascade.merge(&other.cascade);
         self.periods.merge(&other.periods);
-        merge_if_asked(&mut self.laws, other.laws.as_ref(), LawsSums::merge);
-        merge_if_asked(&mut self.energy, other.energy.as_ref(), EnergySums::merge);
-        merge_if_asked(&mut self.extremes, other.extremes.as_ref(), ExtremeSums::merge);
+        merge_if_asked(&mut self.laws, other.laws.as_deref(), LawsSums::merge);
+        merge_if_asked(&mut self.energy, other.energy.as_deref(), EnergySums::merge);
+        merge_if_asked(&mut self.extremes, other.extremes.as_deref(), ExtremeSums::merge);
     }
 }
 
 /// Add what was asked for in another part of the run. A part without paths has nothing of it.
-fn merge_if_asked<T: Clone>(mine: &mut Option<Box<T>>, other: Option<&Box<T>>, merge: impl Fn(&mut T, &T)) {
+fn merge_if_asked<T: Clone>(mine: &mut Option<Box<T>>, other: Option<&T>, merge: impl Fn(&mut T, &T)) {
     match (mine, other) {
         (Some(mine), Some(other)) => merge(mine, other),
-        (mine @ None, Some(other)) => *mine = Some(other.clone()),
+        (mine @ None, Some(other)) => *mine = Some(Box::new(other.clone())),
         (_, None) => {}
     }
 }
@@ -218,15 +218,15 @@ impl Counts {
             self.diverged.sort_unstable();
         }
         self.sticks.merge(&other.sticks);
-        merge_if_asked(&mut self.laws, other.laws.as_ref(), LawsCounts::merge);
+        merge_if_asked(&mut self.laws, other.laws.as_deref(), LawsCounts::merge);
         self.first_completed += other.first_completed;
         self.first_censored += other.first_censored;
         self.sub_phases.merge(&other.sub_phases);
         self.early_sticks += other.early_sticks;
         self.early_slips += other.early_slips;
         self.bands.merge(&other.bands);
-        merge_if_asked(&mut self.density, other.density.as_ref(), DensityCounts::merge);
-        merge_if_asked(&mut self.extremes, other.extremes.as_ref(), ExtremeCounts::merge);
+        merge_if_asked(&mut self.density, other.density.as_deref(), DensityCounts::merge);
+        merge_if_asked(&mut self.extremes, other.extremes.as_deref(), ExtremeCounts::merge);
         if self.levels.is_empty() {
             self.levels = other.levels;
         }
@@ -532,7 +532,8 @@ impl PhaseSums {
         match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(unit),
-            Statistic::StickDurationCv => self.of_law(PhaseLaw::Stick, |law| law.coefficient_of_variation(unit)),
+            Statistic::StickDurationCv if self.laws.is_none() => Measured::NOTHING,
+            Statistic::StickDurationCv => sticks.coefficient_of_variation(unit),
             Statistic::SlipDurationMean => self.of_law(PhaseLaw::Slip, LawSums::mean),
             Statistic::SlipDurationSd => self.of_law(PhaseLaw::Slip, |law| law.sd(unit)),
             Statistic::SlipDurationCv => self.of_law(PhaseLaw::Slip, |law| law.coefficient_of_variation(unit)),

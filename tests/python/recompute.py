@@ -35,7 +35,7 @@ UNITS = {
         displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
         path_max_displacement event_displacement trajectory_displacement trajectory_bearing_displacement""",
     "mm2": "displacement_period_variance",
-    "mm s-1": "velocity_mean velocity_sd velocity_quantile trajectory_velocity",
+    "mm s-1": "drift_velocity_limit velocity_mean velocity_sd velocity_quantile trajectory_velocity",
     "N": "event_force trajectory_force trajectory_friction",
     "N mm": "path_friction_work",
     "K": "temperature_mean temperature_sd temperature_quantile trajectory_temperature series_temperature",
@@ -630,6 +630,8 @@ def check_sub_phases(data, paths):
 
 
 def check_periods(data):
+    # The temperature has no trend.
+    same("drift_velocity_limit", data["drift_velocity_limit"][()], 0.0)
     frequency = next(
         h["angular_frequency"]
         for h in data.scenario["temperature"]["harmonics"]

@@ -180,7 +180,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         densities: None,
         spectrum: None,
         extremes: None,
-        asked: Statistic::asked_by(&NOTHING),
+        asked: Statistic::ALL.to_vec(),
         sub_phases: SubPhaseCounts {
             counts: vec![7, 2, 1],
             count_ends: ends(3, 84),
