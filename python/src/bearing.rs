@@ -14,7 +14,7 @@ use stick_slip::bearing::calibration::{
     NotHeld, Quantity, calibrate as calibrated, drawn, twin as made, values,
 };
 use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
-use stick_slip::bearing::weather::{PERIODS, WeatherError, WeatherFit, fit};
+use stick_slip::bearing::weather::{NotTold, PERIODS, WeatherError, WeatherFit, fit, usual};
 use stick_slip::config::{self, Override, ScenarioError};
 use stick_slip::data::{BearingData, DataError, Origin, Start, TimeColumn, Wanted};
 use stick_slip::dataset::{Dataset, StoredCalibration};
@@ -200,7 +200,7 @@ pub fn forecast<'py>(
     })?;
     let (calibration, found) = ended.map_err(|missing: Missing| match missing {
         Missing::Bearing(error) => no_calibration(py, &error, None),
-        Missing::Weather(error @ WeatherError::ShorterThanPeriod(_)) => {
+        Missing::Weather(error @ WeatherError::NotTold(NotTold::Short(_))) => {
             let remedy = "measure for at least half a year: a forecast needs to know the seasons";
             errors::of_run(py, &error.to_string(), remedy)
         }
@@ -230,7 +230,7 @@ enum Missing {
 fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
     let remedy = match error {
         WeatherError::OneIsEnough => "give processes=1",
-        WeatherError::ShorterThanPeriod(_) => {
+        WeatherError::NotTold(NotTold::Short(_)) => {
             "leave that period out, e.g. periods=[86400]; what a year does cannot be forecast then"
         }
         error => error.remedy(),

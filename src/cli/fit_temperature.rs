@@ -6,7 +6,7 @@ use super::{Failure, Row, aligned, measurements, note, print, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::weather::{WeatherError, WeatherFit, fit};
+use stick_slip::bearing::weather::{NotTold, WeatherError, WeatherFit, fit, usual};
 use stick_slip::config;
 use stick_slip::data::{self, Origin, TimeColumn, Wanted};
 use stick_slip::store;
@@ -89,7 +89,7 @@ impl FitTemperature {
 /// period depends on the verb and is `too_short`.
 pub(super) fn without_weather(path: &Path, error: &WeatherError, too_short: &str) -> Failure {
     let remedy = match error {
-        WeatherError::ShorterThanPeriod(_) => too_short,
+        WeatherError::NotTold(NotTold::Short(_)) => too_short,
         WeatherError::OneIsEnough => "take --processes 1",
         error => error.remedy(),
     };
