@@ -15,6 +15,8 @@ pub struct DataError {
     pub problem: String,
     /// What would be right.
     pub remedy: String,
+    /// What is wrong with another file that is read together with it.
+    pub also: Option<Box<DataError>>,
 }
 
 /// One cell of a file.
@@ -32,7 +34,7 @@ const QUOTE_LENGTH: usize = 40;
 impl DataError {
     /// An error of the file as a whole.
     pub(super) fn file(file: &str, problem: String, remedy: &str) -> Self {
-        DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into() }
+        DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into(), also: None }
     }
 
     /// The same error, at this line.
@@ -65,7 +67,8 @@ impl fmt::Display for DataError {
         if let Some(cell) = &self.cell {
             write!(f, "`{}` = \"{}\" ", cell.column, cell.value)?;
         }
-        write!(f, "{}\n  fix: {}", self.problem, self.remedy)
+        write!(f, "{}\n  fix: {}", self.problem, self.remedy)?;
+        self.also.as_ref().map_or(Ok(()), |also| write!(f, "\n{also}"))
     }
 }
 
