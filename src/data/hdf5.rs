@@ -117,10 +117,10 @@ pub(super) fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Resul
         Some(line) => DataError { line: None, problem: format!("{} (value {})", error.problem, line - 1), ..error },
         None => error,
     })?;
-    if let (Some(base), Some(seconds)) = (since, unit.and_then(unit::seconds_of)) {
+    if let (Some(base), Some(seconds)) = (since, unit.and_then(unit::time)) {
         let kept = |i: &usize| columns.iter().any(|column| !column.values[*i].is_nan());
         let begin =
-            (0..times.values.len()).filter(kept).map(|i| seconds(times.values[i])).fold(f64::INFINITY, f64::min);
+            (0..times.values.len()).filter(kept).map(|i| seconds.of(times.values[i])).fold(f64::INFINITY, f64::min);
         table.start = base.after(begin);
     }
     Ok(table)

@@ -243,20 +243,20 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
 fn two_files_have_layouts_of_their_own() {
     let air = "Zeitpunkt;Lufttemperatur\n14.07.2025 02:00;50,0\n14.07.2025 03:00;59,0\n";
     let sensor = "Date,Time,gauge 3\n07/13/2025,7:30 PM,1.0\n07/13/2025,8:30 PM,3.0\n";
-    let temperature = Source {
+    let temperature = ColumnSource {
         column: Some("Lufttemperatur".into()),
         unit: Some("degF".into()),
         layout: Layout { time: Some("Zeitpunkt".into()), zone: Some("Europe/Berlin".into()), ..Layout::default() },
-        ..Source::default()
+        ..ColumnSource::default()
     };
     let displacement =
-        Source { column: Some("gauge 3".into()), unit: Some("mm".into()), layout: layout("America/New_York"), ..Source::default() };
-    let both = |temperature: &Source, displacement: &Source| BearingData::read(Origin::Text("z.csv", sensor), Some(Origin::Text("t.csv", air)), temperature, displacement);
+        ColumnSource { column: Some("gauge 3".into()), unit: Some("mm".into()), layout: layout("America/New_York"), ..ColumnSource::default() };
+    let both = |temperature: &ColumnSource, displacement: &ColumnSource| BearingData::read(Origin::Text("z.csv", sensor), Some(Origin::Text("t.csv", air)), temperature, displacement);
     let data = both(&temperature, &displacement).unwrap();
     assert_eq!((data.temperature.times, data.displacement.times), (vec![0.0, HOUR], vec![-0.5 * HOUR, 0.5 * HOUR]));
     assert_eq!((data.temperature.values, data.displacement.values), (vec![10.0, 15.0], vec![1e-3, 3e-3]));
-    let bare = Source { layout: Layout { wording: Wording::TemperatureFlag, ..Layout::default() }, ..Source::default() };
-    let error = both(&bare, &Source::default()).unwrap_err().to_string();
+    let bare = ColumnSource { layout: Layout { wording: Wording::TemperatureFlag, ..Layout::default() }, ..ColumnSource::default() };
+    let error = both(&bare, &ColumnSource::default()).unwrap_err().to_string();
     assert!(error.contains("t.csv: no column") && error.contains("z.csv: no column"), "{error}");
 }
 

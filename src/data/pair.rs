@@ -50,7 +50,7 @@ impl Origin<'_> {
 /// A column of a file: which file, which column, its unit, and how the file is laid out, as far as
 /// they are given.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Source {
+pub struct ColumnSource {
     /// The file.
     pub file: Option<String>,
     /// The name of the column of values. Without it, the column whose name begins with the quantity.
@@ -61,7 +61,7 @@ pub struct Source {
     pub layout: Layout,
 }
 
-impl Source {
+impl ColumnSource {
     /// The column that is wanted.
     pub fn wanted(&self, quantity: ColumnQuantity) -> Wanted<'_> {
         Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref())
@@ -86,8 +86,8 @@ impl BearingData {
     pub fn read(
         data: Origin<'_>,
         temperatures: Option<Origin<'_>>,
-        temperature: &Source,
-        displacement: &Source,
+        temperature: &ColumnSource,
+        displacement: &ColumnSource,
     ) -> Result<BearingData, DataError> {
         let air = temperature.wanted(ColumnQuantity::Temperature);
         let sensor = displacement.wanted(ColumnQuantity::Displacement);

@@ -111,6 +111,19 @@ impl Layout {
     pub fn timed(time: &str) -> Self {
         Layout { time: Some(time.to_string()), ..Layout::default() }
     }
+
+    /// This layout, with the options of another one where this one gives none. The words of remedies
+    /// are those of this one.
+    pub fn over(self, other: &Layout) -> Self {
+        Layout {
+            time: self.time.or_else(|| other.time.clone()),
+            zone: self.zone.or_else(|| other.zone.clone()),
+            dates: self.dates.or(other.dates),
+            skip: self.skip.or(other.skip),
+            missing: if self.missing.is_empty() { other.missing.clone() } else { self.missing },
+            wording: self.wording,
+        }
+    }
 }
 
 /// A column of values.
