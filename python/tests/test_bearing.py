@@ -39,8 +39,8 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
     for data, arguments, flags in [
         ("none.csv", {}, []),
         (TWIN, {"displacement": "gauge"}, ["--displacement", "gauge"]),
-        (TWIN, {"unit": "mile"}, ["--unit", "mile"]),
-        (TWIN, {"temperature": "none.csv"}, ["--temperature", "none.csv"]),
+        (TWIN, {"displacement_unit": "mile"}, ["--displacement-unit", "mile"]),
+        (TWIN, {"temperature_file": "none.csv"}, ["--temperature-file", "none.csv"]),
     ]:
         _, said = mc("calibrate", BRIDGE, data, *flags, succeeds=False)
         with pytest.raises(ss.ArgumentError) as raised:
@@ -82,7 +82,9 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
         )
     frame[["time", "temperature_degC"]].to_csv(tmp_path / "t.csv", index=False)
     frame[["time", "displacement_mm"]][1008:].to_csv(tmp_path / "z.csv", index=False)
-    two = ss.calibrate(BRIDGE, tmp_path / "z.csv", temperature=tmp_path / "t.csv", method="slips")
+    two = ss.calibrate(
+        BRIDGE, tmp_path / "z.csv", temperature_file=tmp_path / "t.csv", method="slips"
+    )
     # A sensor that was mounted a week later: as files, and as series with dates, which have the
     # same clock.
     temperature = dated.temperature_degC

@@ -3,7 +3,7 @@
 use super::{Failure, note, results};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::MeasuredRecord;
-use stick_slip::data::{BearingData, DataError, DateOrder, Layout, Origin, Repairs, ColumnSource, Wording};
+use stick_slip::data::{BearingData, ColumnSource, DataError, DateOrder, Layout, Origin, Repairs, Wording};
 use stick_slip::scenario::BridgeScene;
 
 /// Says on standard error what was repaired in a file.
@@ -53,7 +53,13 @@ struct TemperatureLayoutFlags {
     #[arg(long, value_name = "N", requires = "temperature_file")]
     temperature_skip: Option<u64>,
     /// Marks of missing values in the file of temperatures [default: as --missing]
-    #[arg(long, value_name = "MARK,MARK", value_delimiter = ',', allow_hyphen_values = true, requires = "temperature_file")]
+    #[arg(
+        long,
+        value_name = "MARK,MARK",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        requires = "temperature_file"
+    )]
     temperature_missing: Vec<String>,
 }
 
@@ -62,13 +68,20 @@ impl LayoutFlags {
     pub fn over(&self, scenario: &Layout) -> Layout {
         let LayoutFlags { time, zone, dates, skip, missing } = self;
         let (time, zone) = (time.clone(), zone.clone());
-        Layout { time, zone, dates: *dates, skip: *skip, missing: missing.clone(), wording: Wording::Flag }.over(scenario)
+        Layout { time, zone, dates: *dates, skip: *skip, missing: missing.clone(), wording: Wording::Flag }
+            .over(scenario)
     }
 }
 
 impl TemperatureLayoutFlags {
     fn over(&self, other: &Layout) -> Layout {
-        let TemperatureLayoutFlags { temperature_time, temperature_zone, temperature_dates, temperature_skip, temperature_missing } = self;
+        let TemperatureLayoutFlags {
+            temperature_time,
+            temperature_zone,
+            temperature_dates,
+            temperature_skip,
+            temperature_missing,
+        } = self;
         Layout {
             time: temperature_time.clone(),
             zone: temperature_zone.clone(),
@@ -155,7 +168,11 @@ impl Source {
 
 /// The files that a scenario names: that of the displacements, and that of the temperatures if it is
 /// another one.
-fn files_of(scenario: &Path, displacement: &ColumnSource, temperature: &ColumnSource) -> Result<(PathBuf, Option<PathBuf>), Failure> {
+fn files_of(
+    scenario: &Path,
+    displacement: &ColumnSource,
+    temperature: &ColumnSource,
+) -> Result<(PathBuf, Option<PathBuf>), Failure> {
     let path = |file: &String| scenario.parent().unwrap_or(Path::new("")).join(file);
     let Some(data) = displacement.file.as_ref().or(temperature.file.as_ref()).map(path) else {
         let problem = format!("no measurement is given, and {} names none", scenario.display());

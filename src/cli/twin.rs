@@ -80,7 +80,11 @@ impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
-        writable(&self.output, self.force, results::with_series(&self.scenario, scene.temperature_source.file.as_deref()))?;
+        writable(
+            &self.output,
+            self.force,
+            results::with_series(&self.scenario, scene.temperature_source.file.as_deref()),
+        )?;
         let (start, times, temperatures) = match &scene.temperature_source.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,

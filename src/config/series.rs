@@ -5,7 +5,7 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
 use super::source::{Samples, Sources};
-use crate::data::{ColumnQuantity, DataError, DateOrder, Layout, Origin, ColumnSource, Table, Wanted};
+use crate::data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted};
 use crate::model::Series;
 use crate::scenario::Measured;
 use std::path::{Path, PathBuf};

@@ -32,10 +32,15 @@ pub fn arrays(arrays: &[Array<'_>], missing: &[String]) -> Result<(Vec<DataColum
                 continue;
             }
             if !(time.abs() <= LARGEST_MEASURED) {
-                return Err(wrong("has a time that is missing or too large", "give the sample its time, or leave it out"));
+                return Err(wrong(
+                    "has a time that is missing or too large",
+                    "give the sample its time, or leave it out",
+                ));
             }
             let cell = format!("{value}");
-            column.take(*time, *value, cell.as_bytes(), place as u32, &marks).map_err(|(problem, remedy)| wrong(problem, remedy))?;
+            column
+                .take(*time, *value, cell.as_bytes(), place as u32, &marks)
+                .map_err(|(problem, remedy)| wrong(problem, remedy))?;
         }
         let twice = "see which of the two is right";
         sorted(&mut column, &mut repairs, name, twice, &|place| u64::from(place) + 1, true)?;

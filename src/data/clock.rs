@@ -176,7 +176,16 @@ impl Clock {
             ),
             Err(_) if self.order.is_none() && stamp::needs_order(cell) => wrong(
                 "is a date whose day and month may be exchanged, and so are all others",
-                format!("say the order, {} or {}", self.wording.option("dates", "dmy"), self.wording.option("dates", "mdy")),
+                format!(
+                    "say the order, {} or {}{}",
+                    self.wording.option("dates", "dmy"),
+                    self.wording.option("dates", "mdy"),
+                    if self.zone.is_none() {
+                        format!(", and the zone, e.g. {}", self.wording.option("zone", "UTC"))
+                    } else {
+                        String::new()
+                    }
+                ),
             ),
             Err(_) => wrong(
                 "is no time that can be read",
@@ -203,7 +212,10 @@ impl Clock {
                     _ => format!("is the date {} without a zone", stamp.local),
                 };
                 let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
-                return wrong(what, format!("say in which zone the clock ran: {utc}, {paris} or an offset such as +01:00"));
+                return wrong(
+                    what,
+                    format!("say in which zone the clock ran: {utc}, {paris} or an offset such as +01:00"),
+                );
             }
         };
         Ok((instant.checked_add(stamp.later).map_err(beyond)?, is_fold))
@@ -216,7 +228,8 @@ fn kind(column: &str, unit: Option<Unit>, layout: &Layout, first: &str) -> Resul
     let compact = stamp::compact(first);
     if let Some(unit) = unit {
         if let Some(stamp) = compact.filter(|_| first.len() > 8 && unit.of(1.0) >= 1.0) {
-            let problem = format!("looks like the date {}, and the name of its column says a unit of time", stamp.local);
+            let problem =
+                format!("looks like the date {}, and the name of its column says a unit of time", stamp.local);
             return wrong(problem, format!("take the unit out of the name, e.g. `{}`", without_unit(column)));
         }
         if layout.zone.is_some() {

@@ -64,7 +64,14 @@ impl<'a> Column<'a> {
         };
         let said = ColumnRepairs { name: name.to_string(), ..ColumnRepairs::default() };
         let is_known = unit.is_some();
-        Ok(Column { name: name.to_string(), wanted, unit: unit.unwrap_or(Unit::AS_GIVEN), is_known, samples: Vec::new(), said })
+        Ok(Column {
+            name: name.to_string(),
+            wanted,
+            unit: unit.unwrap_or(Unit::AS_GIVEN),
+            is_known,
+            samples: Vec::new(),
+            said,
+        })
     }
 
     /// Take the unit from a row of units.
@@ -72,7 +79,10 @@ impl<'a> Column<'a> {
         let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let Some(unit) = self.wanted.quantity.unit(inside) else { return Ok(()) };
         if self.is_known && self.wanted.unit.is_none() && unit != self.unit {
-            return Err(("is another unit than the name of the column says".into(), "say in both the unit that the column has".into()));
+            return Err((
+                "is another unit than the name of the column says".into(),
+                "say in both the unit that the column has".into(),
+            ));
         }
         if !self.is_known {
             (self.unit, self.is_known) = (unit, true);
@@ -106,16 +116,29 @@ impl<'a> Column<'a> {
     }
 
     /// Take the value of a row, unless it marks a missing one.
-    pub fn take(&mut self, when: f64, value: f64, cell: &[u8], place: u32, marks: &Marks) -> Result<(), (&'static str, &'static str)> {
+    pub fn take(
+        &mut self,
+        when: f64,
+        value: f64,
+        cell: &[u8],
+        place: u32,
+        marks: &Marks,
+    ) -> Result<(), (&'static str, &'static str)> {
         if marks.is_number(value) {
             self.mark(&String::from_utf8_lossy(cell));
             return Ok(());
         }
         if !value.is_finite() {
-            return Err(("is not finite", "mend the cell; if it marks a missing value, empty it or name the mark as `missing`"));
+            return Err((
+                "is not finite",
+                "mend the cell; if it marks a missing value, empty it or name the mark as `missing`",
+            ));
         }
         if value.abs() > LARGEST_MEASURED {
-            return Err(("is too large for a measurement", "mend the cell; if it marks a missing value, empty it or name the mark as `missing`"));
+            return Err((
+                "is too large for a measurement",
+                "mend the cell; if it marks a missing value, empty it or name the mark as `missing`",
+            ));
         }
         if value < self.unit.least && !is_suspect(value) {
             return Err(BELOW_ZERO);
@@ -150,8 +173,10 @@ impl<'a> Column<'a> {
     }
 }
 
-const BELOW_ZERO: (&str, &str) =
-    ("is below absolute zero", "mend the unit; if it marks a missing value, empty the cell or name the mark as `missing`");
+const BELOW_ZERO: (&str, &str) = (
+    "is below absolute zero",
+    "mend the unit; if it marks a missing value, empty the cell or name the mark as `missing`",
+);
 
 /// Most different marks that are counted by their value.
 const MOST_MARKS: usize = 5;

@@ -15,7 +15,7 @@ pub struct DataError {
     pub problem: String,
     /// What would be right.
     pub remedy: String,
-    /// What is wrong with another file that is read together with it.
+    /// What else is wrong, in the same file or in one that is read together with it.
     pub also: Option<Box<DataError>>,
 }
 
@@ -35,6 +35,20 @@ impl DataError {
     /// An error of the file as a whole.
     pub(super) fn file(file: &str, problem: String, remedy: &str) -> Self {
         DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into(), also: None }
+    }
+
+    /// This error, with another one behind it.
+    pub(super) fn and(self, other: DataError) -> Self {
+        let also = match self.also {
+            Some(also) => also.and(other),
+            None => other,
+        };
+        DataError { also: Some(Box::new(also)), ..self }
+    }
+
+    /// All errors as one; none if there are none.
+    pub(super) fn of_all(errors: impl IntoIterator<Item = DataError>) -> Option<Self> {
+        errors.into_iter().reduce(DataError::and)
     }
 
     /// The same error, at this line.

@@ -112,11 +112,12 @@ pub(super) fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Resul
     let all = std::iter::once(&times).chain(&columns).map(|column| &column.values[..]).collect();
     let rows = ValueRows { columns: all, read: 0, cells: Vec::new() };
     let layout = Layout { missing: layout.missing.clone(), wording: layout.wording, ..Layout::default() };
-    let mut table = table::table(&container.path, &header, rows, &layout, &wanted).map_err(|error| match error.line {
-        // The header is the first line, so value n is on line n + 1.
-        Some(line) => DataError { line: None, problem: format!("{} (value {})", error.problem, line - 1), ..error },
-        None => error,
-    })?;
+    let mut table =
+        table::table(&container.path, &header, rows, &layout, &wanted).map_err(|error| match error.line {
+            // The header is the first line, so value n is on line n + 1.
+            Some(line) => DataError { line: None, problem: format!("{} (value {})", error.problem, line - 1), ..error },
+            None => error,
+        })?;
     if let (Some(base), Some(seconds)) = (since, unit.and_then(unit::time)) {
         let kept = |i: &usize| columns.iter().any(|column| !column.values[*i].is_nan());
         let begin =
@@ -174,7 +175,12 @@ impl Container {
         let mut values = variable.read_raw::<f64>().map_err(damaged)?;
         let is_missing = |value: &f64| fills.contains(value) || !(least..=most).contains(value);
         values.iter_mut().filter(|value| is_missing(value)).for_each(|value| *value = f64::NAN);
-        Ok(Variable { name: name.clone(), values, units: text_of(&variable, "units"), calendar: text_of(&variable, "calendar") })
+        Ok(Variable {
+            name: name.clone(),
+            values,
+            units: text_of(&variable, "units"),
+            calendar: text_of(&variable, "calendar"),
+        })
     }
 
     /// The unit of the times, and the instant from which they count, as far as their units say so.
@@ -184,7 +190,8 @@ impl Container {
         if let Some(calendar) = &times.calendar
             && !CALENDARS.contains(&calendar.to_lowercase().as_str())
         {
-            let problem = format!("`{}` has the calendar \"{calendar}\", whose dates are not those of measurements", times.name);
+            let problem =
+                format!("`{}` has the calendar \"{calendar}\", whose dates are not those of measurements", times.name);
             return Err(self.wrong(problem, "convert its times to the calendar \"standard\""));
         }
         let since = Start::of_calendar(base).ok_or_else(|| {

@@ -42,7 +42,8 @@ pub(super) fn open<'a>(
 ) -> Result<(CsvRows<'a>, Header), DataError> {
     let lines = lines(file, bytes, layout.skip);
     let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
-        let problem = if layout.skip.is_some() && !bytes.is_empty() { "it has no line of names" } else { "it is empty" };
+        let problem =
+            if layout.skip.is_some() && !bytes.is_empty() { "it has no line of names" } else { "it is empty" };
         let remedy = "give a CSV file whose first line names its columns";
         return Err(DataError::file(file, problem.into(), remedy));
     };
@@ -87,7 +88,8 @@ fn likeliest<'l>(file: &str, lines: &'l [Line], layout: &Layout, wanted: &[Wante
 }
 
 /// The first lines of a file with their cells, without a line such as `sep=;`, which says the
-/// separator. Of a file whose first lines are to be skipped, only the line after them.
+/// separator. Of a file whose first lines are to be skipped, only the line after them, with the
+/// comments before it.
 fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
     let mut found = Vec::new();
     let (mut at, mut number, mut given) = (0, 0, None);
@@ -108,8 +110,7 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
         let separator = given.unwrap_or_else(|| separator(text));
         let names = CsvRows::at(file, bytes, offset, separator, false).texts().unwrap_or_default();
         found.push(Line { offset, number: line_at(bytes, offset), separator, is_comment: hashes > 0, names });
-        if skip.is_some() {
-            found.iter_mut().for_each(|line| line.is_comment = false);
+        if skip.is_some() && hashes == 0 {
             break;
         }
     }
@@ -123,9 +124,14 @@ pub(super) fn in_names(
     layout: &Layout,
     wanted: &[Wanted<'_>],
 ) -> Result<(Vec<usize>, Vec<usize>), DataError> {
-    let times = times(file, names, layout)?;
-    let values = wanted.iter().map(|one| find(file, names, one, layout)).collect::<Result<_, _>>()?;
-    Ok((times, values))
+    let times = times(file, names, layout);
+    let (found, missing): (Vec<_>, Vec<_>) =
+        wanted.iter().map(|one| find(file, names, one, layout)).partition(Result::is_ok);
+    let errors = times.as_ref().err().cloned().into_iter().chain(missing.into_iter().filter_map(Result::err));
+    match DataError::of_all(errors) {
+        Some(error) => Err(error),
+        None => Ok((times?, found.into_iter().flatten().collect())),
+    }
 }
 
 /// Names of columns that hold date and time, those that hold a time, and those that hold a date, as
@@ -145,7 +151,11 @@ fn times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, Da
         ([], [date, time]) if date.len() == 1 && time.len() == 1 => Ok(vec![date[0], time[0]]),
         ([], [_]) => Err(none(file, names, Name::Exactly(name), &listed())),
         ([], [_, _]) => {
-            let missing = name.split(',').zip(&parts).find(|(_, found)| found.len() != 1).map_or(name.as_str(), |(part, _)| part.trim());
+            let missing = name
+                .split(',')
+                .zip(&parts)
+                .find(|(_, found)| found.len() != 1)
+                .map_or(name.as_str(), |(part, _)| part.trim());
             Err(none(file, names, Name::Exactly(missing), &listed()))
         }
         ([], _) => Err(none(file, names, Name::Exactly(name), &listed())),
@@ -171,10 +181,26 @@ fn usual_times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usiz
         ([field], ..) => Ok(vec![*field]),
         ([], [time], [date], _) => Ok(vec![*date, *time]),
         ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
-        ([], [], [], []) => Err(none(file, names, Name::Exactly("time"), &listed_remedy(names))),
+        ([], [], [], []) => {
+            let example = names.iter().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
+            let remedy = format!("say which it is, e.g. {}: {}", layout.wording.option("time", example), listed(names));
+            Err(none(file, names, Name::Exactly("time"), &(remedy + one_column(names))))
+        }
         _ => {
-            let remedy = format!("say which, e.g. {}; they are {}", layout.wording.option("time", &names[both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0)]), listed(names));
-            Err(several(file, Name::Beginning("time"), both.len() + time.len().max(beginning.len()).max(date.len()), &remedy))
+            let remedy = format!(
+                "say which, e.g. {}; they are {}",
+                layout.wording.option(
+                    "time",
+                    &names[both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0)]
+                ),
+                listed(names)
+            );
+            Err(several(
+                file,
+                Name::Beginning("time"),
+                both.len() + time.len().max(beginning.len()).max(date.len()),
+                &remedy,
+            ))
         }
     }
 }
@@ -213,14 +239,19 @@ fn find(file: &str, names: &[String], wanted: &Wanted<'_>, layout: &Layout) -> R
         ([], Name::Exactly(_)) => Err(none(file, names, name, &listed_remedy(names))),
         ([], Name::Beginning(_)) => {
             let example = names.iter().rev().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
-            let remedy = format!("say which it is, e.g. {}: {}", layout.wording.column(wanted.quantity, example), listed(names));
+            let remedy =
+                format!("say which it is, e.g. {}: {}", layout.wording.column(wanted.quantity, example), listed(names));
             Err(none(file, names, name, &(remedy + one_column(names))))
         }
         (all, _) => {
             let has_own_name = all.iter().all(|field| names.iter().filter(|name| **name == names[*field]).count() == 1);
             let remedy = if has_own_name {
                 let which: Vec<String> = all.iter().map(|field| names[*field].clone()).collect();
-                format!("say which, e.g. {}; they are {}", layout.wording.column(wanted.quantity, &which[0]), listed(&which))
+                format!(
+                    "say which, e.g. {}; they are {}",
+                    layout.wording.column(wanted.quantity, &which[0]),
+                    listed(&which)
+                )
             } else {
                 format!("give each column of the file a name of its own: {}", listed(names))
             };

@@ -5,7 +5,11 @@ use super::*;
 const HOUR: f64 = 3600.0;
 
 fn layout(zone: &str) -> Layout {
-    Layout { zone: Some(zone.into()).filter(|zone: &String| !zone.is_empty()), wording: Wording::Flag, ..Layout::default() }
+    Layout {
+        zone: Some(zone.into()).filter(|zone: &String| !zone.is_empty()),
+        wording: Wording::Flag,
+        ..Layout::default()
+    }
 }
 
 fn read_as(layout: &Layout, text: &[u8]) -> Result<Table, DataError> {
@@ -61,7 +65,8 @@ fn dates_are_read_as_they_are_written() {
     let leap = ["2016-12-31T23:59:59Z", "2016-12-31T23:59:60Z", "2017-01-01T00:00:00Z"];
     assert_eq!(times("time", &leap, &layout("")).unwrap().1, [0.0, 0.5, 1.0]);
     // A month of hours as the German weather service writes them.
-    let hours: Vec<String> = (0..59 * 24).map(|h| format!("2025{:02}{:02}{:02}", 1 + h / 744, 1 + h % 744 / 24, h % 24)).collect();
+    let hours: Vec<String> =
+        (0..59 * 24).map(|h| format!("2025{:02}{:02}{:02}", 1 + h / 744, 1 + h % 744 / 24, h % 24)).collect();
     let hours: Vec<&str> = hours.iter().map(String::as_str).collect();
     assert_eq!(times("time", &hours, &utc).unwrap().1.last(), Some(&(HOUR * (59.0 * 24.0 - 1.0))));
 }
@@ -89,7 +94,11 @@ fn a_number_or_a_date_that_may_be_another_is_refused() {
     }
     let error = times("time", &["2025010123", "202501022"], &utc).unwrap_err();
     assert!(error.problem.contains("a date of 10 digits"), "{error}");
-    for (wording, remedy) in [(Wording::Key, "`zone = \"UTC\"`"), (Wording::TemperatureFlag, "`--temperature-zone UTC`"), (Wording::Argument, "`zone=\"UTC\"`")] {
+    for (wording, remedy) in [
+        (Wording::Key, "`zone = \"UTC\"`"),
+        (Wording::TemperatureFlag, "`--temperature-zone UTC`"),
+        (Wording::Argument, "`zone=\"UTC\"`"),
+    ] {
         let error = times("time", &["2025-01-19"], &Layout { wording, ..Layout::default() }).unwrap_err();
         assert!(error.remedy.contains(remedy), "{error}");
     }
@@ -100,19 +109,52 @@ fn a_number_or_a_date_that_may_be_another_is_refused() {
 fn a_unit_is_found_wherever_it_stands_in_a_name() {
     let rise = |name: &str, unit: Option<&str>, cells: [&str; 2]| -> Result<f64, DataError> {
         let text = format!("time_s;{name}\n0;{}\n1;{}\n", cells[0], cells[1]);
-        let values = &parse("t.csv", text.as_bytes(), &layout(""), &[Wanted::of(ColumnQuantity::Temperature, Some(name), unit)])?.columns[0].values;
+        let values = &parse(
+            "t.csv",
+            text.as_bytes(),
+            &layout(""),
+            &[Wanted::of(ColumnQuantity::Temperature, Some(name), unit)],
+        )?
+        .columns[0]
+            .values;
         Ok(values[1] - values[0])
     };
     for name in [
-        "temperature \u{b0}F", "temp F", "temperature_F_avg", "temperatureF", "temperature_degreesF", "temperature_degF",
-        "Temp, \u{b0}F (LGR S/N: 1234567, SEN S/N: 1234567, LBL: north)", "Temp (\u{b0}F)", "T [F]", "AirTF_Avg", "temp_deg_F",
-        "temperature (degrees Fahrenheit)", "TEMPERATURE_F", "Temperature (F) mean", "temperature_R", "temp_\u{ba}F",
+        "temperature \u{b0}F",
+        "temp F",
+        "temperature_F_avg",
+        "temperatureF",
+        "temperature_degreesF",
+        "temperature_degF",
+        "Temp, \u{b0}F (LGR S/N: 1234567, SEN S/N: 1234567, LBL: north)",
+        "Temp (\u{b0}F)",
+        "T [F]",
+        "AirTF_Avg",
+        "temp_deg_F",
+        "temperature (degrees Fahrenheit)",
+        "TEMPERATURE_F",
+        "Temperature (F) mean",
+        "temperature_R",
+        "temp_\u{ba}F",
     ] {
-        assert!((rise(name, None, ["50", "59"]).unwrap_or_else(|error| panic!("{error}")) - 5.0).abs() < 1e-12, "{name}");
+        assert!(
+            (rise(name, None, ["50", "59"]).unwrap_or_else(|error| panic!("{error}")) - 5.0).abs() < 1e-12,
+            "{name}"
+        );
     }
     for name in [
-        "temperature_degC", "degree_C", "degrees_Celsius", "temp \u{b0}C", "temperature [K]", "temperature_kelvin", "AirTC_Avg", "Temp. (deg C)",
-        "T", "air temperature", "temperature_north", "temperature (mean)",
+        "temperature_degC",
+        "degree_C",
+        "degrees_Celsius",
+        "temp \u{b0}C",
+        "temperature [K]",
+        "temperature_kelvin",
+        "AirTC_Avg",
+        "Temp. (deg C)",
+        "T",
+        "air temperature",
+        "temperature_north",
+        "temperature (mean)",
     ] {
         assert_eq!(rise(name, None, ["50", "59"]).unwrap_or_else(|error| panic!("{error}")), 9.0, "{name}");
     }
@@ -124,7 +166,8 @@ fn a_unit_is_found_wherever_it_stands_in_a_name() {
     assert!((rise("T", Some("\u{b0}F"), ["50", "59"]).unwrap() - 5.0).abs() < 1e-12);
     assert!(rise("temperature_C_F", None, ["50", "59"]).unwrap_err().problem.contains("two units"));
     assert!(rise("temperature (mV)", None, ["50", "59"]).unwrap_err().problem.contains("not known, `mV`"));
-    let said = |name: &str| read_as(&layout(""), format!("time_s,{name}\n0,1\n1,2\n").as_bytes()).unwrap().repairs.sentences();
+    let said =
+        |name: &str| read_as(&layout(""), format!("time_s,{name}\n0,1\n1,2\n").as_bytes()).unwrap().repairs.sentences();
     assert_eq!(said("temperature"), ["took `temperature` as degrees Celsius or kelvin, because nothing says its unit"]);
     assert!(said("temperature_K").is_empty());
 }
@@ -142,10 +185,38 @@ fn record_with(cells: &[(usize, &str)]) -> String {
 #[test]
 fn marks_of_missing_values_are_left_out_and_counted() {
     for mark in [
-        "9999.9", "999.9", "7999", "-99.9", "Not av.", "---", "-", "------", "85", "85.0", "-127", "9.96921e36", "9.969209968386869e+36", "1e20", "-9999",
-        "-999", "NaN", "N/A", "#N/A", "null", "", "3.4028235e38", "32767", "-32768", "123456.7", "-2000000",
+        "9999.9",
+        "999.9",
+        "7999",
+        "-99.9",
+        "Not av.",
+        "---",
+        "-",
+        "------",
+        "85",
+        "85.0",
+        "-127",
+        "9.96921e36",
+        "9.969209968386869e+36",
+        "1e20",
+        "-9999",
+        "-999",
+        "NaN",
+        "N/A",
+        "#N/A",
+        "null",
+        "",
+        "3.4028235e38",
+        "32767",
+        "-32768",
+        "123456.7",
+        "-2000000",
     ] {
-        let text = if mark == "-2000000" { record_with(&[(50, mark)]).replace("degC", "north") } else { record_with(&[(50, mark), (51, mark), (120, mark)]) };
+        let text = if mark == "-2000000" {
+            record_with(&[(50, mark)]).replace("degC", "north")
+        } else {
+            record_with(&[(50, mark), (51, mark), (120, mark)])
+        };
         let table = read_as(&layout(""), text.as_bytes()).unwrap_or_else(|error| panic!("{mark}: {error}"));
         let count = if mark == "-2000000" { 199 } else { 197 };
         assert_eq!(table.columns[0].values.len(), count, "{mark}");
@@ -161,8 +232,14 @@ fn marks_of_missing_values_are_left_out_and_counted() {
     assert_eq!(read_as(&layout(""), record_with(&many).as_bytes()).unwrap().columns[0].values.len(), 40);
     // Marks of one's own.
     let own = |mark: &str| Layout { missing: vec![mark.into()], ..layout("") };
-    assert_eq!(read_as(&own("20"), record_with(&[(50, "20.0"), (90, "20")]).as_bytes()).unwrap().columns[0].values.len(), 198);
-    assert_eq!(read_as(&own("Ausfall"), record_with(&[(50, "ausfall")]).as_bytes()).unwrap().columns[0].values.len(), 199);
+    assert_eq!(
+        read_as(&own("20"), record_with(&[(50, "20.0"), (90, "20")]).as_bytes()).unwrap().columns[0].values.len(),
+        198
+    );
+    assert_eq!(
+        read_as(&own("Ausfall"), record_with(&[(50, "ausfall")]).as_bytes()).unwrap().columns[0].values.len(),
+        199
+    );
 }
 
 /// Numbers that are marks elsewhere are values where others lie about them.
@@ -185,14 +262,20 @@ fn the_names_of_the_columns_are_found_in_what_loggers_write() {
     let hobo = "\"Plot Title: bridge\"\n\"#\",\"Date Time, GMT-05:00\",\"Temp, \u{b0}F (LGR S/N: 1, SEN S/N: 1)\",\"Host Connected (LGR S/N: 1)\"\n\
                 1,01/13/25 12:00:00 AM,50.0,\n2,01/13/25 01:00:00 AM,59.0,\n3,01/13/25 01:30:00 AM,,Logged\n";
     let preamble: String = (1..24).map(|i| format!("\"Station {i}\",\"x\"\n")).collect();
-    let canada = format!("{preamble}\"Date/time\",\"Year\",\"Temp (\u{b0}F)\",\"\"\n\"2025-01-01 00:00\",\"2025\",\"50.0\",\"\"\n\"2025-01-01 01:00\",\"2025\",\"59.0\",\"\"\n");
+    let canada = format!(
+        "{preamble}\"Date/time\",\"Year\",\"Temp (\u{b0}F)\",\"\"\n\"2025-01-01 00:00\",\"2025\",\"50.0\",\"\"\n\"2025-01-01 01:00\",\"2025\",\"59.0\",\"\"\n"
+    );
     let units = "time;temperature\ns;degF\n0;50\n3600;59\n";
     let sep = "sep=;\ntime_h;temperature_degF\n0;50\n1;59\n";
     let pound = "# logger 7\n#time_h,temperature_degF\n0,50\n1,59\n";
     let two = "Datum;Tid;Temperature F\n2025-01-01;00:00;50\n2025-01-01;01:00;59\n";
     let two_usual = "Date,Time,Temperature F\n01/13/2025,12:00 AM,50\n01/13/2025,1:00 AM,59\n";
     let latin: Vec<u8> = "time_h;Temp \u{b0}F\n0;50\n1;59\n".chars().map(|c| c as u8).collect();
-    let utf16: Vec<u8> = [0xfeffu16].into_iter().chain("time_h;Temp \u{b0}F\r\n0;50\r\n1;59\r\n".encode_utf16()).flat_map(u16::to_le_bytes).collect();
+    let utf16: Vec<u8> = [0xfeffu16]
+        .into_iter()
+        .chain("time_h;Temp \u{b0}F\r\n0;50\r\n1;59\r\n".encode_utf16())
+        .flat_map(u16::to_le_bytes)
+        .collect();
     let of = |time: &str| Layout { time: Some(time.into()), ..layout("UTC") };
     for (what, text, layout) in [
         ("TOA5", toa5.as_bytes(), layout("UTC")),
@@ -210,7 +293,11 @@ fn the_names_of_the_columns_are_found_in_what_loggers_write() {
         let table = read_as(&layout, text).unwrap_or_else(|error| panic!("{what}: {error}"));
         let column = &table.columns[0];
         assert_eq!(column.times[..2], [0.0, HOUR], "{what}");
-        assert!((column.values[0] - 10.0).abs() < 1e-12 && (column.values[1] - 15.0).abs() < 1e-12, "{what}: {:?}", column.values);
+        assert!(
+            (column.values[0] - 10.0).abs() < 1e-12 && (column.values[1] - 15.0).abs() < 1e-12,
+            "{what}: {:?}",
+            column.values
+        );
     }
     let start = read_as(&layout(""), hobo.as_bytes()).unwrap().start.map(|start| start.to_string());
     assert_eq!(start.as_deref(), Some("2025-01-13T05:00:00Z"));
@@ -224,10 +311,34 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
     let canada = format!("{preamble}\"When\",\"\",\"Temp\"\n\"2025-01-01 00:00\",\"\",\"50.0\"\n");
     for (text, layout, line, says, remedy) in [
         (&canada[..], layout("UTC"), Some(24), "no column is called `time`", "`When`, `Temp`"),
-        ("time_s,temperature_a,temperature_b\n0,1,2\n", layout(""), None, "2 columns are meant", "`--temperature temperature_a`"),
-        ("time_s,air,steel\n0,1,2\n", layout(""), None, "no column has a name that begins with `temperature`", "--temperature steel"),
-        ("Datum,Tid,temperature_C\n2025-01-01,00:00,1\n2025-01-01,01:00,2\n", Layout { time: Some("Datum".into()), ..layout("UTC") }, Some(3), "at the same time as line 2", "--time Datum,Tid"),
-        ("time_s,temperature_C\n0,\"15,25\"\n1,\"1,250\"\n", layout(""), Some(3), "decimals or thousands", "decimal points"),
+        (
+            "time_s,temperature_a,temperature_b\n0,1,2\n",
+            layout(""),
+            None,
+            "2 columns are meant",
+            "`--temperature temperature_a`",
+        ),
+        (
+            "time_s,air,steel\n0,1,2\n",
+            layout(""),
+            None,
+            "no column has a name that begins with `temperature`",
+            "--temperature steel",
+        ),
+        (
+            "Datum,Tid,temperature_C\n2025-01-01,00:00,1\n2025-01-01,01:00,2\n",
+            Layout { time: Some("Datum".into()), ..layout("UTC") },
+            Some(3),
+            "at the same time as line 2",
+            "--time Datum,Tid",
+        ),
+        (
+            "time_s,temperature_C\n0,\"15,25\"\n1,\"1,250\"\n",
+            layout(""),
+            Some(3),
+            "decimals or thousands",
+            "decimal points",
+        ),
     ] {
         let error = read_as(&layout, text.as_bytes()).expect_err(text);
         assert_eq!(error.line, line, "{error}");
@@ -249,15 +360,33 @@ fn two_files_have_layouts_of_their_own() {
         layout: Layout { time: Some("Zeitpunkt".into()), zone: Some("Europe/Berlin".into()), ..Layout::default() },
         ..ColumnSource::default()
     };
-    let displacement =
-        ColumnSource { column: Some("gauge 3".into()), unit: Some("mm".into()), layout: layout("America/New_York"), ..ColumnSource::default() };
-    let both = |temperature: &ColumnSource, displacement: &ColumnSource| BearingData::read(Origin::Text("z.csv", sensor), Some(Origin::Text("t.csv", air)), temperature, displacement);
+    let displacement = ColumnSource {
+        column: Some("gauge 3".into()),
+        unit: Some("mm".into()),
+        layout: layout("America/New_York"),
+        ..ColumnSource::default()
+    };
+    let both = |temperature: &ColumnSource, displacement: &ColumnSource| {
+        BearingData::read(Origin::Text("z.csv", sensor), Some(Origin::Text("t.csv", air)), temperature, displacement)
+    };
     let data = both(&temperature, &displacement).unwrap();
     assert_eq!((data.temperature.times, data.displacement.times), (vec![0.0, HOUR], vec![-0.5 * HOUR, 0.5 * HOUR]));
     assert_eq!((data.temperature.values, data.displacement.values), (vec![10.0, 15.0], vec![1e-3, 3e-3]));
-    let bare = ColumnSource { layout: Layout { wording: Wording::TemperatureFlag, ..Layout::default() }, ..ColumnSource::default() };
+    let bare = ColumnSource {
+        layout: Layout { wording: Wording::TemperatureFlag, ..Layout::default() },
+        ..ColumnSource::default()
+    };
     let error = both(&bare, &ColumnSource::default()).unwrap_err().to_string();
-    assert!(error.contains("t.csv: no column") && error.contains("z.csv: no column"), "{error}");
+    assert_eq!(error.matches("t.csv: no column").count() + error.matches("z.csv: no column").count(), 3, "{error}");
+    // With the columns named, everything else is asked for at once, and then nothing more.
+    let named = |of: &ColumnSource| ColumnSource {
+        unit: None,
+        layout: Layout { zone: None, ..of.layout.clone() },
+        ..of.clone()
+    };
+    let error = both(&named(&temperature), &named(&displacement)).unwrap_err().to_string();
+    assert_eq!(error.matches("without a zone").count(), 2, "{error}");
+    assert!(error.contains("says no unit"), "{error}");
 }
 
 /// Arrays have the checks and repairs of files.
@@ -269,7 +398,10 @@ fn arrays_are_repaired_as_files_are() {
     let (columns, repairs) = arrays(&[(ColumnQuantity::Temperature, &times, &values)], &[]).unwrap();
     assert_eq!((columns[0].values.len(), columns[0].times[3]), (197, 4.0));
     let said = repairs.sentences().join("; ");
-    assert!(said.contains("1 cell without a value") && said.contains("1 value 9999.9") && said.contains("1 value -127"), "{said}");
+    assert!(
+        said.contains("1 cell without a value") && said.contains("1 value 9999.9") && said.contains("1 value -127"),
+        "{said}"
+    );
     let backwards: Vec<f64> = times.iter().rev().copied().collect();
     assert_eq!(arrays(&[(ColumnQuantity::Temperature, &backwards, &times)], &[]).unwrap().1.unsorted, 199);
     let error = arrays(&[(ColumnQuantity::Temperature, &[0.0, f64::NAN], &[1.0, 2.0])], &[]).unwrap_err();

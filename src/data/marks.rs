@@ -4,20 +4,44 @@
 use super::query::Layout;
 
 /// Words, in lower case, that mark a missing value; an empty cell and dashes mark one as well.
-const WORDS: [&str; 13] =
-    ["nan", "na", "n/a", "n.a.", "null", "none", "#n/a", "missing", "not av.", "not available", "no data", "nodata", "-nan"];
+const WORDS: [&str; 13] = [
+    "nan",
+    "na",
+    "n/a",
+    "n.a.",
+    "null",
+    "none",
+    "#n/a",
+    "missing",
+    "not av.",
+    "not available",
+    "no data",
+    "nodata",
+    "-nan",
+];
 
 /// Numbers that loggers, sensors and file formats put in place of a value. One of them counts as a
 /// mark only where it lies far from all other values.
 const NUMBERS: [f64; 30] = [
     // 85 and -127 are what a DS18B20 shows before its first conversion and when it is unplugged.
     85.0, -127.0, 99.9, -99.9, 99.99, -99.99, 99.0, -99.0, 999.0, -999.0, 999.9, -999.9, 999.99, -999.99, 9999.0,
-    -9999.0, 9999.9, -9999.9, 99_999.0, -99_999.0, 99_999.9, -99_999.9, 7999.0, -7999.0, 6999.0, -6999.0, 8888.0, -8888.0, 32_767.0, -32_768.0,
+    -9999.0, 9999.9, -9999.9, 99_999.0, -99_999.0, 99_999.9, -99_999.9, 7999.0, -7999.0, 6999.0, -6999.0, 8888.0,
+    -8888.0, 32_767.0, -32_768.0,
 ];
 
 /// Numbers that only a file format writes: the usual fill values of netCDF and others. They are
 /// marks wherever they stand.
-const FILLS: [f64; 9] = [9.969_209_968_386_869e36, 1e20, -1e20, 1e30, -1e30, -1e34, 1e35, 3.402_823_466_385_288_6e38, -3.402_823_466_385_288_6e38];
+const FILLS: [f64; 9] = [
+    9.969_209_968_386_869e36,
+    1e20,
+    -1e20,
+    1e30,
+    -1e30,
+    -1e34,
+    1e35,
+    3.402_823_466_385_288_6e38,
+    -3.402_823_466_385_288_6e38,
+];
 
 /// The marks of one file.
 pub(super) struct Marks {
@@ -40,7 +64,8 @@ impl Marks {
         }
         // Most cells end in a digit, and none of the usual words does.
         let is_usual = !cell[cell.len() - 1].is_ascii_digit()
-            && (cell.iter().all(|byte| *byte == b'-') || WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes())));
+            && (cell.iter().all(|byte| *byte == b'-')
+                || WORDS.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes())));
         is_usual || self.words.iter().any(|word| cell.eq_ignore_ascii_case(word.as_bytes()))
     }
 
@@ -78,7 +103,9 @@ pub(super) fn apart(values: &[f64]) -> Vec<bool> {
         // The values on the far side are not known to be measurements, so each mark is compared with
         // those that are none.
         let ends = without_far([low, high], values, &found);
-        let is_far = |value: f64| value - ends[1] > MARK_APART * (ends[1] - ends[0]) || ends[0] - value > MARK_APART * (ends[1] - ends[0]);
+        let is_far = |value: f64| {
+            value - ends[1] > MARK_APART * (ends[1] - ends[0]) || ends[0] - value > MARK_APART * (ends[1] - ends[0])
+        };
         for (value, found) in values.iter().zip(&mut found) {
             *found = (*found || values.len() >= LEAST && !(ends[0]..=ends[1]).contains(value)) && is_far(*value);
         }
@@ -90,7 +117,8 @@ pub(super) fn apart(values: &[f64]) -> Vec<bool> {
 
 /// The lowest and the highest value, without the few at either end that stand far apart.
 fn without_far(ends: [f64; 2], values: &[f64], suspects: &[bool]) -> [f64; 2] {
-    let mut sorted: Vec<f64> = values.iter().zip(suspects).filter(|(_, suspect)| !**suspect).map(|(value, _)| *value).collect();
+    let mut sorted: Vec<f64> =
+        values.iter().zip(suspects).filter(|(_, suspect)| !**suspect).map(|(value, _)| *value).collect();
     if sorted.len() < LEAST {
         return ends;
     }

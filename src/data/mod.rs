@@ -53,7 +53,7 @@ pub use clock::Start;
 pub use column::{DataColumn, absurd, is_constant};
 pub use error::{DataError, TableCell};
 pub use outliers::{median, resolution, spikes, spread};
-pub use pair::{BearingData, Origin, ColumnSource};
+pub use pair::{BearingData, ColumnSource, Origin};
 pub use query::{DateOrder, Layout, Name, Wanted, Wording};
 pub use repairs::{ColumnRepairs, Repairs};
 pub use span::seconds;

@@ -42,7 +42,9 @@ impl Origin<'_> {
         }
         let problem = format!("the name of column `{}` says no unit of time", table.time);
         let renamed = layout.wording.option("time", "time_h");
-        let remedy = format!("rename it in the file, e.g. to `time_s` or `time_h`, and name the column as it is then, e.g. {renamed}");
+        let remedy = format!(
+            "rename it in the file, e.g. to `time_s` or `time_h`, and name the column as it is then, e.g. {renamed}"
+        );
         Err(DataError::file(&self.name(), problem, &remedy))
     }
 }
@@ -104,7 +106,7 @@ impl BearingData {
         let sensor = data.read_in_seconds(&displacement.layout, &[sensor]);
         let (mut air, mut sensor) = match (air, sensor) {
             (Ok(air), Ok(sensor)) => (air, sensor),
-            (Err(air), Err(sensor)) => return Err(DataError { also: Some(Box::new(sensor)), ..air }),
+            (Err(air), Err(sensor)) => return Err(air.and(sensor)),
             (Err(error), _) | (_, Err(error)) => return Err(error),
         };
         let (Some(first), Some(later)) = (&air.start, &sensor.start) else {

@@ -55,7 +55,8 @@ impl Repairs {
         let below = "took # line below the names of the columns as units";
         let below = many(self.unit_rows, below, "took # lines below the names of the columns as units and notes");
         let encoding = self.encoding.map(|name| format!("read the text as {name}"));
-        let order = self.order.map(|word| format!("took dates as {word}, the only order in which all of them are dates"));
+        let order =
+            self.order.map(|word| format!("took dates as {word}, the only order in which all of them are dates"));
         let unsorted = "sorted # row that stood behind a later one";
         let unsorted = many(self.unsorted, unsorted, "sorted # rows that stood behind a later one");
         let repeated = "left out # row that is there twice";
@@ -64,7 +65,12 @@ impl Repairs {
         let folds = many(self.folds, folds, "took # stamps of hours that were twice in the order of their rows");
         let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
         let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
-        [before, below, encoding, order, unsorted, repeated, folds].into_iter().flatten().chain(columns).chain(commas).collect()
+        [before, below, encoding, order, unsorted, repeated, folds]
+            .into_iter()
+            .flatten()
+            .chain(columns)
+            .chain(commas)
+            .collect()
     }
 }
 

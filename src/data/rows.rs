@@ -66,7 +66,8 @@ impl<'a> CsvRows<'a> {
 
     /// The cells of the next row as texts; none at the end of the file.
     pub fn texts(&mut self) -> Option<Vec<String>> {
-        self.read().then(|| (0..self.fields).map(|field| String::from_utf8_lossy(self.cell(field)).into_owned()).collect())
+        self.read()
+            .then(|| (0..self.fields).map(|field| String::from_utf8_lossy(self.cell(field)).into_owned()).collect())
     }
 
     /// From here on every row has as many cells as the row that was just read, which names them.

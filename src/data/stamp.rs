@@ -54,7 +54,8 @@ pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
             DateOrder::MonthDayYear => (c, a, b),
         };
         let is_first = order == DateOrder::YearMonthDay;
-        let year = if (date.is_short || is_first && date.order.is_none()) && year < 100 { whole_year(year) } else { year };
+        let year =
+            if (date.is_short || is_first && date.order.is_none()) && year < 100 { whole_year(year) } else { year };
         Date::new(year, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()
     };
     let day = of(date.order.or(order)?)?;

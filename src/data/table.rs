@@ -47,7 +47,8 @@ pub(super) fn table(
     let names = &header.names;
     let time_name = header.times.iter().map(|field| names[*field].as_str()).collect::<Vec<_>>().join(",");
     let columns = wanted.iter().zip(&header.values).map(|(wanted, field)| Column::of(&names[*field], wanted));
-    let mut columns = columns.collect::<Result<Vec<_>, _>>().map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
+    let mut columns =
+        columns.collect::<Result<Vec<_>, _>>().map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
     let marks = Marks::of(layout);
     let (order, is_told) = match layout.dates {
         Some(order) => (Some(order), false),
@@ -87,15 +88,20 @@ pub(super) fn table(
             let problem = format!("it has more than {MAX_ROWS} rows");
             return Err(DataError::file(file, problem, "cut it, or thin its rows out"));
         }
+        let mut errors = Vec::new();
         if clock.is_none() {
-            for column in &mut columns {
-                column.settle_unit(layout.wording).map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
-            }
-            let elsewhere = |field: &usize| !header.times.contains(field) && is_time_of_day(&String::from_utf8_lossy(rows.cell(*field)));
+            let settled = columns.iter_mut().filter_map(|column| column.settle_unit(layout.wording).err());
+            errors.extend(settled.map(|(problem, remedy)| DataError::file(file, problem, &remedy)));
+            let elsewhere = |field: &usize| {
+                !header.times.contains(field) && is_time_of_day(&String::from_utf8_lossy(rows.cell(*field)))
+            };
             time_elsewhere = (0..names.len()).find(elsewhere).filter(|_| !cell.contains(':'));
         }
-        let when = instant(&mut clock, &time_name, unit_below.as_deref(), layout, order, &cell)
-            .map_err(|wrong| at(header.times[0], wrong))?;
+        let when = instant(&mut clock, &time_name, unit_below.as_deref(), layout, order, &cell);
+        let when = when.map_err(|wrong| errors.push(at(header.times[0], wrong))).unwrap_or_default();
+        if let Some(error) = DataError::of_all(errors) {
+            return Err(error);
+        }
         for (column, field) in columns.iter_mut().zip(&header.values) {
             let cell = rows.cell(*field);
             if marks.is_word(cell) {
@@ -125,7 +131,9 @@ pub(super) fn table(
         }
         None => {
             let zone = layout.wording.option("zone", "Europe/Paris");
-            format!("see which of the two is right; if the clock was put back, say its zone, e.g. {zone}, or write stamps with offsets")
+            format!(
+                "see which of the two is right; if the clock was put back, say its zone, e.g. {zone}, or write stamps with offsets"
+            )
         }
     };
     let mut begin = f64::INFINITY;
@@ -152,8 +160,12 @@ fn time_cell(rows: &impl Rows, header: &Header) -> String {
 /// Whether a row below the names holds units, kinds of means or a format of dates: its time is no
 /// time, and no wanted cell is a number.
 fn is_row_of_units(rows: &impl Rows, header: &Header, time: &str) -> bool {
-    let is_number = |cell: &[u8]| std::str::from_utf8(cell).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite));
-    let has_word = std::iter::once(time.as_bytes()).chain(header.values.iter().map(|field| rows.cell(*field))).any(|cell| !cell.is_empty());
+    let is_number = |cell: &[u8]| {
+        std::str::from_utf8(cell).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite))
+    };
+    let has_word = std::iter::once(time.as_bytes())
+        .chain(header.values.iter().map(|field| rows.cell(*field)))
+        .any(|cell| !cell.is_empty());
     has_word
         && time.bytes().filter(u8::is_ascii_digit).count() < 2
         && !is_number(time.as_bytes())
@@ -215,18 +227,26 @@ struct Decimals {
 impl Decimals {
     /// The number in a cell; what is wrong and the remedy if there is none.
     fn number(&mut self, cell: &[u8]) -> Result<f64, (&'static str, &'static str)> {
-        const NO_NUMBER: (&str, &str) = ("is not a number", "mend the cell; if it marks a missing value, empty it or name the mark as `missing`");
+        const NO_NUMBER: (&str, &str) =
+            ("is not a number", "mend the cell; if it marks a missing value, empty it or name the mark as `missing`");
         let text = std::str::from_utf8(cell).map_err(|_| NO_NUMBER)?;
         let Some((whole, decimals)) = text.split_once(',') else {
             self.points += u64::from(text.contains('.'));
-            return if self.commas > 0 && text.contains('.') { Err(MIXED) } else { text.parse().map_err(|_| NO_NUMBER) };
+            return if self.commas > 0 && text.contains('.') {
+                Err(MIXED)
+            } else {
+                text.parse().map_err(|_| NO_NUMBER)
+            };
         };
         if decimals.contains([',', '.']) || whole.contains('.') {
             return Err(("has a comma or a point between thousands", "write the numbers of the file without them"));
         }
         let value = format!("{whole}.{decimals}").parse().map_err(|_| NO_NUMBER)?;
         if !self.are_decimal && decimals.len() == 3 {
-            return Err(("has a comma before three digits, which may mean decimals or thousands", "write the numbers of the file with decimal points"));
+            return Err((
+                "has a comma before three digits, which may mean decimals or thousands",
+                "write the numbers of the file with decimal points",
+            ));
         }
         self.commas += 1;
         if self.points > 0 { Err(MIXED) } else { Ok(value) }
@@ -234,5 +254,7 @@ impl Decimals {
 }
 
 /// What is wrong where one number has a decimal comma and another a point.
-const MIXED: (&str, &str) =
-    ("mixes decimal commas with decimal points, and its comma may mean thousands", "write all numbers with decimal points");
+const MIXED: (&str, &str) = (
+    "mixes decimal commas with decimal points, and its comma may mean thousands",
+    "write all numbers with decimal points",
+);

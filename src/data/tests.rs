@@ -286,16 +286,16 @@ proptest! {
 /// The same for HDF5 files.
 #[cfg(feature = "store")]
 mod in_hdf5 {
-    use super::super::{BearingData, ColumnQuantity, Layout, Name, Origin, ColumnSource, Wanted, parse, read};
+    use super::super::{BearingData, ColumnQuantity, ColumnSource, Layout, Name, Origin, Wanted, parse, read};
     use ::hdf5::File;
     use ::hdf5::types::VarLenUnicode;
 
     const CSV: &str = "time,temperature_degC,displacement_mm\n2015-08-13T00:10:00Z,15.5,1\n2015-08-13T00:00:00Z,15,0.5\n\
                        2015-08-13T00:20:00Z,,2\n2015-08-13T00:30:00Z,14.25,3\n";
     /// A file whose column of times is called `time`.
-fn time() -> Layout {
-    Layout::timed("time")
-}
+    fn time() -> Layout {
+        Layout::timed("time")
+    }
 
     /// An HDF5 file with the record of `CSV`, these units of time and these times.
     fn written(units: Option<&str>, times: &[f64]) -> tempfile::NamedTempFile {
@@ -318,8 +318,12 @@ fn time() -> Layout {
 
     #[test]
     fn a_file_of_either_kind_is_the_same_record() {
-        let wanted = || [ColumnQuantity::Temperature, ColumnQuantity::Displacement].map(|quantity| Wanted::of(quantity, None, None));
-        let text = BearingData::read(Origin::Text("t.csv", CSV), None, &ColumnSource::default(), &ColumnSource::default()).expect("read");
+        let wanted = || {
+            [ColumnQuantity::Temperature, ColumnQuantity::Displacement].map(|quantity| Wanted::of(quantity, None, None))
+        };
+        let text =
+            BearingData::read(Origin::Text("t.csv", CSV), None, &ColumnSource::default(), &ColumnSource::default())
+                .expect("read");
         let start = parse("t.csv", CSV.as_bytes(), &time(), &wanted()).expect("read").start;
         for (units, times) in [
             ("seconds since 2015-08-13 00:00:00", [600.0, 0.0, 1200.0, 1800.0]),
@@ -330,7 +334,9 @@ fn time() -> Layout {
             let file = written(Some(units), &times);
             let table = read(file.path(), &time(), &wanted()).expect("read");
             assert_eq!(table.start, start, "{units}");
-            let pair = BearingData::read(Origin::File(file.path()), None, &ColumnSource::default(), &ColumnSource::default()).expect("read");
+            let pair =
+                BearingData::read(Origin::File(file.path()), None, &ColumnSource::default(), &ColumnSource::default())
+                    .expect("read");
             let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
             assert!(near(&pair.temperature.times, &text.temperature.times), "{units}: {pair:?}");
             assert!(near(&pair.displacement.times, &text.displacement.times), "{units}: {pair:?}");

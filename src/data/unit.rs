@@ -79,7 +79,8 @@ fn temperature(name: &str) -> Option<Unit> {
         _ => (Unit::AS_GIVEN, name),
     };
     let lower = name.to_lowercase();
-    let bare = ["degrees", "degree", "degs", "deg"].iter().find_map(|prefix| lower.strip_prefix(prefix)).unwrap_or(&lower);
+    let bare =
+        ["degrees", "degree", "degs", "deg"].iter().find_map(|prefix| lower.strip_prefix(prefix)).unwrap_or(&lower);
     let (unit, least) = match bare {
         "c" | "celsius" | "centigrade" => (Unit::AS_GIVEN, -273.15),
         "k" | "kelvin" | "kelvins" => (Unit::AS_GIVEN, 0.0),
@@ -150,7 +151,8 @@ fn joined_to_noun(part: &str) -> Option<&str> {
         "C" | "F" | "K" | "R" if is_noun(before) => Some(after),
         "TC" | "TF" | "TK" => Some(&after[1..]),
         _ => {
-            let at = part.to_lowercase().find("deg").filter(|at| part.is_char_boundary(*at) && is_noun(&part[..*at]))?;
+            let at =
+                part.to_lowercase().find("deg").filter(|at| part.is_char_boundary(*at) && is_noun(&part[..*at]))?;
             Some(&part[at..])
         }
     }
@@ -191,7 +193,10 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<U
 }
 
 fn two(column: &str) -> ProblemAndRemedy {
-    (format!("the name of column `{column}` says two units"), "say in the name only the unit that the column has".into())
+    (
+        format!("the name of column `{column}` says two units"),
+        "say in the name only the unit that the column has".into(),
+    )
 }
 
 /// The conversion to seconds for a column of numeric times; `None` if the name of the column gives

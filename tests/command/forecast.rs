@@ -34,8 +34,8 @@ fn two_files_say_what_one_says() {
         json(&done(path, &arguments))
     };
     let one = calibrated(DATA, &[]);
-    assert_eq!(calibrated("z.csv", &["--temperature", "t.csv"]), one);
-    let late = calibrated("late.csv", &["--temperature", "t.csv"]);
+    assert_eq!(calibrated("z.csv", &["--temperature-file", "t.csv"]), one);
+    let late = calibrated("late.csv", &["--temperature-file", "t.csv"]);
     let slips = |reported: &Value| {
         let times =
             reported["slips"].as_array().expect("slips").iter().map(|slip| slip["time"].as_f64().expect("a time"));
@@ -48,7 +48,7 @@ fn two_files_say_what_one_says() {
 
     fs::write(path.join("n.csv"), "time_s,displacement_mm\n0,1\n600,1.1\n").expect("written");
     let arguments =
-        ["calibrate", BEARING, "n.csv", "--temperature", "t.csv", "--set", "temperature.series.time=time_s"];
+        ["calibrate", BEARING, "n.csv", "--temperature-file", "t.csv", "--set", "temperature.series.time=time_s"];
     refused(path, &arguments, 2, &["t.csv"]);
 }
 
