@@ -346,6 +346,68 @@ mod in_hdf5 {
         }
     }
 
+    /// Attributes and fill values of netCDF mark what is missing, whatever the type of the variable is.
+    #[test]
+    fn values_that_netcdf_says_are_missing_are_left_out() {
+        let times: Vec<f64> = (0..40).map(f64::from).collect();
+        let sound: Vec<f64> = times.iter().map(|t| 10.0 + 5.0 * (0.3 * t).sin()).collect();
+        for (what, attributes, mark) in [
+            ("_FillValue", vec![("_FillValue", vec![12.5])], 12.5),
+            ("missing_value", vec![("missing_value", vec![12.5, 13.5])], 13.5),
+            ("missing_value beside a fill", vec![("_FillValue", vec![-1.0]), ("missing_value", vec![12.5])], 12.5),
+            ("valid_min", vec![("valid_min", vec![4.0])], 3.0),
+            ("valid_max", vec![("valid_max", vec![16.0])], 17.0),
+            ("valid_range", vec![("valid_range", vec![4.0, 16.0])], 17.0),
+            ("the fill value of netCDF", vec![], 9.969_209_968_386_869e36),
+        ] {
+            let place = tempfile::NamedTempFile::new().expect("a file");
+            let file = File::create(place.path()).expect("HDF5");
+            let mut values = sound.clone();
+            (values[7], values[20]) = (mark, mark);
+            for (name, values) in [("time_s", &times), ("temperature_degC", &values)] {
+                let dataset = file.new_dataset_builder().with_data(values).create(name).expect("written");
+                for (attribute, numbers) in attributes.iter().filter(|_| name != "time_s") {
+                    dataset.new_attr_builder().with_data(numbers).create(*attribute).expect("an attribute");
+                }
+            }
+            drop(file);
+            let wanted = [Wanted::of(ColumnQuantity::Temperature, None, None)];
+            let table =
+                read(place.path(), &Layout::timed("time_s"), &wanted).unwrap_or_else(|error| panic!("{what}: {error}"));
+            assert_eq!(table.columns[0].values.len(), 38, "{what}");
+            assert!(table.columns[0].values.iter().all(|value| (4.9..15.1).contains(value)), "{what}");
+            assert_eq!(table.repairs.columns[0].missing, 2, "{what}");
+        }
+    }
+
+    /// Days of other calendars are not those of a measurement.
+    #[test]
+    fn a_calendar_of_models_is_refused_by_name() {
+        for (calendar, is_read) in [
+            ("standard", true),
+            ("Gregorian", true),
+            ("proleptic_gregorian", true),
+            ("360_day", false),
+            ("noleap", false),
+            ("julian", false),
+        ] {
+            let place = written(Some("days since 2025-01-01"), &[0.0, 1.0, 2.0, 3.0]);
+            let file = File::open_rw(place.path()).expect("HDF5");
+            let text: VarLenUnicode = calendar.parse().expect("text");
+            let attribute =
+                file.dataset("time").expect("there").new_attr::<VarLenUnicode>().create("calendar").expect("new");
+            attribute.write_scalar(&text).expect("written");
+            drop(file);
+            let read = read(place.path(), &time(), &[Wanted::of(ColumnQuantity::Temperature, None, None)]);
+            match read {
+                Ok(_) => assert!(is_read, "{calendar}"),
+                Err(error) => {
+                    assert!(!is_read && error.problem.contains(&format!("\"{calendar}\"")), "{calendar}: {error}")
+                }
+            }
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_named() {
         let tried = |file: &tempfile::NamedTempFile, time: &str, value: Name<'_>| {

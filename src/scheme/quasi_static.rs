@@ -16,6 +16,12 @@
 //! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
 //! f_s = f_d the body never moves; slips still take their time.
 //!
+//! **Where |b| > f_s as a slip starts**, the swing begins farther out, at |b|, and its equilibrium is
+//! (|b| - f_d)/K away: `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. This happens at t = 0, where
+//! x(0) or a stationary noise leaves the body outside the corridor, and behind a slip in which the
+//! temperature moved far, or whose own swing ended outside. With |b| = f_s for |b| the body would
+//! come to rest on another lattice, and stay on it.
+//!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and never ends.
 //! The slip is taken to last the settling time, until a thousandth of the distance is left, and to
 //! cover the whole distance. A slip must end, or the recursion would stop at the first one. Any end
@@ -31,8 +37,7 @@
 //! slightly below 1.
 //!
 //! Exits are those of the event-driven scheme: first roots without noise, crossings of a threshold
-//! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
-//! is false, the stick that begins there is empty.
+//! by a bridge with noise. Where |b| > f_s at tau_{j+1}, the stick that begins there is empty.
 
 use super::columns::{Columns, Seen};
 use super::event_driven::{
@@ -127,14 +132,30 @@ enum Exits {
 #[derive(Clone, Debug)]
 struct Swing {
     response: StepResponse,
-    /// (1 + q) (f_s - f_d)/K, the distance that a slip covers.
+    /// (1 + q) (f_s - f_d)/K, the distance that a slip from |b| = f_s covers.
     jump: f64,
+    /// f_s and K.
+    threshold: f64,
+    stiffness: f64,
 }
 
+/// |b| at an exit is f_s up to rounding. Only what exceeds f_s by more than this share of it counts.
+const ROUNDING: f64 = 1e-9;
+
 impl Swing {
-    /// x and x' of a slip that begins at x0, a time after its start.
-    fn at(&self, x0: f64, direction: Sign, since: f64) -> (f64, f64) {
-        let equilibrium = direction.value() * self.jump / (1.0 + self.response.overshoot);
+    /// The distance that a slip covers which starts at this b, with the sign of the direction.
+    fn way(&self, direction: Sign, force: f64) -> f64 {
+        let excess = force.abs() - self.threshold;
+        if excess > ROUNDING * self.threshold {
+            direction.value() * (self.jump + (1.0 + self.response.overshoot) * excess / self.stiffness)
+        } else {
+            direction.value() * self.jump
+        }
+    }
+
+    /// x and x' of a slip that begins at x0 with this b, a time after its start.
+    fn at(&self, x0: f64, direction: Sign, force: f64, since: f64) -> (f64, f64) {
+        let equilibrium = self.way(direction, force) / (1.0 + self.response.overshoot);
         let (way, velocity) = self.response.at(equilibrium, since);
         // The body does not turn within the slip; at its ends, rounding decides the sign.
         (x0 + way, if velocity * direction.value() < 0.0 { 0.0 } else { velocity })
@@ -148,7 +169,7 @@ impl QuasiStaticSimulation {
         let Model { oscillator, friction, .. } = model;
         let response = StepResponse::new(oscillator);
         let jump = (1.0 + response.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
-        let slip = Swing { response, jump };
+        let slip = Swing { response, jump, threshold: friction.static_force, stiffness: oscillator.stiffness };
         let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
             Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
@@ -163,21 +184,22 @@ impl QuasiStaticSimulation {
     fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
         let mut work = WorkLeft::new(self.work_limit);
-        let (mut phase, mut since, mut x) = (Phase::Static, 0.0, self.model.initial_displacement);
-        let mut next = self.next(cascade, phase, since, x, &mut work);
+        let mut x = self.model.initial_displacement;
+        let (mut phase, mut since, mut force) = (Phase::Static, 0.0, 0.0);
+        let mut next = self.next(cascade, phase, since, x, force, &mut work);
         for stop in self.timeline.stops() {
             while let Ok(Some(event)) = next {
                 if event.time > stop.time || observer.is_stopped() {
                     break;
                 }
                 (0..lanes).for_each(|lane| observer.event(lane, event));
-                (phase, since, x) = (event.kind.phase(), event.time, event.displacement);
-                next = self.next(cascade, phase, since, x, &mut work);
+                (phase, since, x, force) = (event.kind.phase(), event.time, event.displacement, event.force);
+                next = self.next(cascade, phase, since, x, force, &mut work);
             }
             let (x, v) = match phase {
                 _ if next.is_err() => (f64::NAN, f64::NAN),
                 Phase::Static => (x, 0.0),
-                Phase::Slip(direction) => self.slip.at(x, direction, stop.time - since),
+                Phase::Slip(direction) => self.slip.at(x, direction, force, stop.time - since),
             };
             columns.fill((x, v, cascade.mean_temperature(stop.time), phase == Phase::Static));
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
@@ -185,13 +207,15 @@ impl QuasiStaticSimulation {
         if next.is_ok() { Vec::new() } else { (0..lanes).collect() }
     }
 
-    /// The event that ends a phase without noise; none if the phase does not end.
+    /// The event that ends a phase without noise, where b is `force` as a slip starts; none if the
+    /// phase does not end.
     fn next(
         &self,
         cascade: &Noiseless,
         phase: Phase,
         since: f64,
         x: f64,
+        force: f64,
         work: &mut WorkLeft,
     ) -> Result<Option<Event>, Unresolved> {
         work.spend()?;
@@ -199,7 +223,7 @@ impl QuasiStaticSimulation {
             return cascade.stick_exit(ExactTime::ZERO.after(since), x, work);
         };
         let time = since + self.slip.response.duration;
-        let displacement = x + direction.value() * self.slip.jump;
+        let displacement = x + self.slip.way(direction, force);
         let oscillator = &self.model.oscillator;
         let force =
             oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
@@ -223,14 +247,15 @@ impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let ladder = scene.ladder(cell_length(longest, timeline.end));
+        let ladder = scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end));
         let corridor = Corridor::new(&scene, rules.chord_error);
         NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }
 }
 
 impl Cascade for NoisyRecursion {
-    /// The time at which the slip began. During slip j the displacement of the path stays x_j.
+    /// The time at which the slip began. During slip j the displacement and the force of the path
+    /// stay those at its start.
     type Memory = f64;
     type Scratch = ();
 
@@ -277,6 +302,7 @@ impl Cascade for NoisyRecursion {
             slip: &self.slip,
             began,
             displacement: x0,
+            force: path.force,
             direction,
             ends: [(path.after, path.noise), (cell.length, end_noise)],
         };
@@ -288,7 +314,7 @@ impl Cascade for NoisyRecursion {
         if end >= cell.length {
             return Ok(None);
         }
-        let displacement = x0 + direction.value() * self.slip.jump;
+        let displacement = x0 + self.slip.way(direction, path.force);
         let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
         Ok(Some(Event { kind: EventKind::StickEntered, time: cell.start + end, displacement, force }))
     }
@@ -301,7 +327,7 @@ impl Cascade for NoisyRecursion {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => {
-                self.slip.at(path.displacement, direction, cell.start + cell.length - path.motion)
+                self.slip.at(path.displacement, direction, path.force, cell.start + cell.length - path.motion)
             }
         }
     }
@@ -311,9 +337,10 @@ impl Cascade for NoisyRecursion {
 #[derive(Clone, Copy)]
 struct SwingPiece<'a> {
     slip: &'a Swing,
-    /// The time at which the slip began, after the start of the cell, and x at that time.
+    /// The time at which the slip began, after the start of the cell, and x and b at that time.
     began: f64,
     displacement: f64,
+    force: f64,
     direction: Sign,
     /// The times at which the piece begins and ends, and n there.
     ends: [Known; 2],
@@ -327,7 +354,7 @@ impl WatchedPiece for SwingPiece<'_> {
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
         let noise = noise_between(scene, self.ends, time, draws);
-        let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
+        let (x, v) = self.slip.at(self.displacement, self.direction, self.force, time - self.began);
         let seen = (x, v, scene.temperature(glance.forcing, noise), false);
         let ([first, last], here) = (self.ends, (time, noise));
         (seen, SwingPiece { ends: [first, here], ..*self }, SwingPiece { ends: [here, last], ..*self })
