@@ -522,13 +522,13 @@ def _record(
         raise wrong_argument(
             "displacement", None, "the temperatures come without displacements", "give both"
         )
-    about_files = {
+    about_files: dict[str, Any] = {
         "temperature": temperature,
         "temperature_file": temperature_file,
         "temperature_unit": temperature_unit,
         "displacement_unit": displacement_unit,
     }
-    about_files.update({f"{name}": given for name, given in layout.items()})
+    about_files.update(layout)
     for name, given in about_files.items():
         if given:
             raise wrong_argument(

@@ -40,7 +40,7 @@ pub fn arrays(arrays: &[Array<'_>], missing: &[String]) -> Result<(Vec<DataColum
             let cell = format!("{value}");
             column
                 .take(*time, *value, cell.as_bytes(), place as u32, &marks)
-                .map_err(|(problem, remedy)| wrong(problem, remedy))?;
+                .map_err(|(problem, _)| wrong(problem, "mend the value; NaN marks a missing one"))?;
         }
         let twice = "see which of the two is right";
         sorted(&mut column, &mut repairs, name, twice, &|place| u64::from(place) + 1, true)?;

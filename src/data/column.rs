@@ -129,16 +129,10 @@ impl<'a> Column<'a> {
             return Ok(());
         }
         if !value.is_finite() {
-            return Err((
-                "is not finite",
-                "mend the cell; if it marks a missing value, empty it or name the mark as `missing`",
-            ));
+            return Err(("is not finite", "mend the cell; if it marks a missing value, give MARK"));
         }
         if value.abs() > LARGEST_MEASURED {
-            return Err((
-                "is too large for a measurement",
-                "mend the cell; if it marks a missing value, empty it or name the mark as `missing`",
-            ));
+            return Err(("is too large for a measurement", "mend the cell; if it marks a missing value, give MARK"));
         }
         if value < self.unit.least && !is_suspect(value) {
             return Err(BELOW_ZERO);
@@ -173,10 +167,7 @@ impl<'a> Column<'a> {
     }
 }
 
-const BELOW_ZERO: (&str, &str) = (
-    "is below absolute zero",
-    "mend the unit; if it marks a missing value, empty the cell or name the mark as `missing`",
-);
+const BELOW_ZERO: (&str, &str) = ("is below absolute zero", "mend the unit; if it marks a missing value, give MARK");
 
 /// Most different marks that are counted by their value.
 const MOST_MARKS: usize = 5;
@@ -200,7 +191,8 @@ pub(super) fn sorted(
     column.leave_out(&apart(&values), |column, value| column.mark(&format!("{value}")));
     if let Some((_, value, place)) = column.samples.iter().find(|sample| sample.1 < column.unit.least) {
         let (problem, remedy) = BELOW_ZERO;
-        return Err(error(problem.into(), remedy).line(line(*place)).cell(&name, format!("{value}").as_bytes()));
+        let remedy = remedy.replace("MARK", "it as a mark of missing values");
+        return Err(error(problem.into(), &remedy).line(line(*place)).cell(&name, format!("{value}").as_bytes()));
     }
     let samples = &mut column.samples;
     let mut latest = f64::NEG_INFINITY;

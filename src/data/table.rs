@@ -2,7 +2,7 @@
 
 use super::clock::{Clock, ProblemAndRemedy, Start};
 use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
-use super::error::DataError;
+use super::error::{DataError, quoted};
 use super::header::Header;
 use super::marks::Marks;
 use super::query::{DateOrder, Layout, Wanted};
@@ -108,7 +108,10 @@ pub(super) fn table(
                 column.miss();
                 continue;
             }
-            let wrong = |(problem, remedy): (&str, &str)| at(*field, (problem.into(), remedy.into()));
+            let wrong = |(problem, remedy): (&str, &str)| {
+                let mark = layout.wording.option("missing", &quoted(cell));
+                at(*field, (problem.into(), remedy.replace("MARK", &mark)))
+            };
             let value = decimals.number(cell).map_err(wrong)?;
             column.take(when, value, cell, rows.place(), &marks).map_err(wrong)?;
         }
@@ -227,8 +230,7 @@ struct Decimals {
 impl Decimals {
     /// The number in a cell; what is wrong and the remedy if there is none.
     fn number(&mut self, cell: &[u8]) -> Result<f64, (&'static str, &'static str)> {
-        const NO_NUMBER: (&str, &str) =
-            ("is not a number", "mend the cell; if it marks a missing value, empty it or name the mark as `missing`");
+        const NO_NUMBER: (&str, &str) = ("is not a number", "mend the cell; if it marks a missing value, give MARK");
         let text = std::str::from_utf8(cell).map_err(|_| NO_NUMBER)?;
         let Some((whole, decimals)) = text.split_once(',') else {
             self.points += u64::from(text.contains('.'));
