@@ -156,9 +156,12 @@ impl Clock {
                 let read = Some(cell).filter(|cell| cell.len() == digits).and_then(stamp::compact);
                 read.ok_or_else(|| as_before(&format!("a date of {digits} digits")))?
             }
-            Kind::Stamps => match stamp::stamp(cell, self.order) {
-                Some(stamp) => stamp,
-                None => return self.instant_of_jiff(cell),
+            Kind::Stamps => match stamp::instant(cell) {
+                Some(instant) => return Ok(self.since_first(instant)),
+                None => match stamp::stamp(cell, self.order) {
+                    Some(stamp) => stamp,
+                    None => return self.no_stamp(cell),
+                },
             },
         };
         let (instant, is_fold) = self.instant(&stamp)?;
@@ -166,15 +169,14 @@ impl Clock {
         Ok(self.since_first(instant))
     }
 
-    /// A stamp that only the reader of RFC 9557 knows, with a zone in brackets.
-    fn instant_of_jiff(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
-        match PARSER.parse_timestamp(cell) {
-            Ok(instant) => Ok(self.since_first(instant)),
-            Err(_) if stamp::is_time_of_day(cell) => wrong(
+    /// Why a cell is no stamp.
+    fn no_stamp(&self, cell: &str) -> Result<f64, ProblemAndRemedy> {
+        match self.order {
+            _ if stamp::is_time_of_day(cell) => wrong(
                 "is a time of day without a date",
                 format!("name the columns of both, e.g. {}", self.wording.option("time", "Date,Time")),
             ),
-            Err(_) if self.order.is_none() && stamp::needs_order(cell) => wrong(
+            None if stamp::needs_order(cell) => wrong(
                 "is a date whose day and month may be exchanged, and so are all others",
                 format!(
                     "say the order, {} or {}{}",
@@ -187,7 +189,7 @@ impl Clock {
                     }
                 ),
             ),
-            Err(_) => wrong(
+            _ => wrong(
                 "is no time that can be read",
                 "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, or numbers in a column such as `time_s`",
             ),

@@ -217,8 +217,7 @@ pub(super) fn sorted(
     repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
     if samples.len() >= LEAST_FOR_SPIKES {
         let values: Vec<f64> = samples.iter().map(|sample| sample.1).collect();
-        let step = if column.wanted.quantity == ColumnQuantity::Temperature { resolution(&values) } else { 0.0 };
-        column.leave_out(&spikes(&values, step), |column, _| column.said.outliers += 1);
+        column.leave_out(&spikes(&values, resolution(&values)), |column, _| column.said.outliers += 1);
     }
     let samples = &column.samples;
     if samples.len() < 2 {

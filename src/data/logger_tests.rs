@@ -411,3 +411,13 @@ fn arrays_are_repaired_as_files_are() {
     let error = arrays(&[(ColumnQuantity::Displacement, &[0.0, 0.0], &[1.0, 2.0])], &[]).unwrap_err();
     assert!(error.problem.contains("at the same time"), "{error}");
 }
+
+/// A smooth record without noise, as of a simulation, has no spikes, not even at its ends.
+#[test]
+fn a_smooth_record_has_no_outliers() {
+    for step in [1e-3, 1e-2, 0.1, 0.5] {
+        let rows: String = (0..5000).map(|i| format!("{i},{:.4}\n", (1.0 + step * f64::from(i)).sin())).collect();
+        let table = read_as(&layout(""), format!("time_h,temperature_degC\n{rows}").as_bytes()).unwrap();
+        assert_eq!((table.columns[0].values.len(), table.repairs.sentences().len()), (5000, 0), "{step}");
+    }
+}

@@ -4,7 +4,7 @@ use super::query::DateOrder;
 use jiff::civil::{Date, DateTime, Time};
 use jiff::fmt::temporal::DateTimeParser;
 use jiff::tz::Offset;
-use jiff::{SignedDuration, Span};
+use jiff::{SignedDuration, Span, Timestamp};
 
 static PARSER: DateTimeParser = DateTimeParser::new();
 
@@ -36,14 +36,12 @@ pub(super) struct Orders {
 /// Read a stamp. A date whose year is not first is read in this order; without an order it is none.
 pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
     let text = text.trim();
-    if !text.contains(":60") {
-        // Most files write dates as ISO 8601 does, and this reader is fast.
-        if is_iso(text)
-            && let Ok(local) = PARSER.parse_datetime(text)
-            && !has_zone(text)
-        {
-            return Some(Stamp { local, offset: None, later: SignedDuration::ZERO });
-        }
+    // Most files write dates as ISO 8601 does, and this reader is fast.
+    if is_iso(text)
+        && !has_zone(text)
+        && let Ok(local) = PARSER.parse_datetime(text)
+    {
+        return Some(Stamp { local, offset: None, later: SignedDuration::ZERO });
     }
     let (date, rest) = date(text)?;
     let of = |order: DateOrder| {
@@ -69,9 +67,16 @@ fn whole_year(short: i16) -> i16 {
     if short < 69 { 2000 + short } else { 1900 + short }
 }
 
+/// Whether a text has the form of ISO 8601 or RFC 9557, and no leap second, which their reader
+/// counts as the second before it.
 fn is_iso(text: &str) -> bool {
     let bytes = text.as_bytes();
-    bytes.len() >= 10 && bytes[4] == b'-' && bytes[7] == b'-'
+    bytes.len() >= 10 && bytes[4] == b'-' && bytes[7] == b'-' && !text.contains(":60")
+}
+
+/// The instant that a text with a zone or an offset names, as ISO 8601 or RFC 9557 write it.
+pub(super) fn instant(text: &str) -> Option<Timestamp> {
+    Some(text).filter(|text| is_iso(text) && has_zone(text)).and_then(|text| PARSER.parse_timestamp(text).ok())
 }
 
 /// Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.

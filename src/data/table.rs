@@ -10,6 +10,7 @@ use super::repairs::Repairs;
 use super::rows::Rows;
 use super::stamp::{Orders, is_time_of_day, needs_order};
 use super::unit;
+use std::borrow::Cow;
 
 /// The columns that were wanted, as read from a file.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,7 +72,7 @@ pub(super) fn table(
         let cell = time_cell(&rows, header);
         if clock.is_none() && unit_rows < MOST_UNIT_ROWS && is_row_of_units(&rows, header, &cell) {
             unit_rows += 1;
-            unit_below = unit_below.or_else(|| Some(cell).filter(|cell| unit::time(cell).is_some()));
+            unit_below = unit_below.or_else(|| Some(cell.to_string()).filter(|cell| unit::time(cell).is_some()));
             for (column, field) in columns.iter_mut().zip(&header.values) {
                 column.take_unit(&String::from_utf8_lossy(rows.cell(*field))).map_err(|wrong| at(*field, wrong))?;
             }
@@ -155,9 +156,12 @@ pub(super) fn table(
 }
 
 /// The cell of the times of the current row; of dates and times of day, both with a blank between.
-fn time_cell(rows: &impl Rows, header: &Header) -> String {
-    let cells = header.times.iter().map(|field| String::from_utf8_lossy(rows.cell(*field)));
-    cells.collect::<Vec<_>>().join(" ").trim().to_string()
+fn time_cell<'r>(rows: &'r impl Rows, header: &Header) -> Cow<'r, str> {
+    let text = |field: usize| String::from_utf8_lossy(rows.cell(field));
+    match header.times[..] {
+        [field] => text(field),
+        _ => Cow::Owned(header.times.iter().map(|field| text(*field)).collect::<Vec<_>>().join(" ").trim().to_string()),
+    }
 }
 
 /// Whether a row below the names holds units, kinds of means or a format of dates: its time is no
