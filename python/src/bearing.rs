@@ -412,12 +412,8 @@ pub fn fit_temperature<'py>(
         }
     };
     let periods = periods.unwrap_or_else(|| {
-        let told = usual(&times);
-        for (period, name) in PERIODS.into_iter().zip(["a year", "a day"]) {
-            if !told.contains(&period) {
-                remarks.push(format!("no harmonic of {name} is fitted, because the samples do not tell it"));
-            }
-        }
+        let (told, said) = usual(&times);
+        remarks.extend(said);
         told
     });
     // The fit cannot be interrupted, but it takes only seconds.

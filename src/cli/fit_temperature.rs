@@ -7,7 +7,7 @@ use super::{Failure, Row, aligned, measurements, note, print, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::weather::{NotTold, PERIODS, WeatherError, WeatherFit, fit, usual};
+use stick_slip::bearing::weather::{NotTold, WeatherError, WeatherFit, fit, usual};
 use stick_slip::config;
 use stick_slip::data::{self, ColumnQuantity, Layout, Origin, Wanted};
 use stick_slip::store;
@@ -73,7 +73,13 @@ impl FitTemperature {
         let table = Origin::File(&self.data).read_in_seconds(&layout, &wanted)?;
         measurements::note_repairs(&self.data, &table.repairs);
         let column = &table.columns[0];
-        let periods = if self.periods.is_empty() { told(&column.times) } else { periods };
+        let (usual, remarks) = usual(&column.times);
+        let periods = if self.periods.is_empty() {
+            remarks.iter().for_each(|remark| note(remark));
+            usual
+        } else {
+            periods
+        };
         let too_short = "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then";
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
             .map_err(|error| without_weather(&self.data, &error, too_short))?;
@@ -86,17 +92,6 @@ impl FitTemperature {
         }
         Ok(())
     }
-}
-
-/// The usual periods that the samples tell. Those that they do not are named on standard error.
-fn told(times: &[f64]) -> Vec<f64> {
-    let periods = usual(times);
-    for (period, name) in PERIODS.into_iter().zip(["a year", "a day"]) {
-        if !periods.contains(&period) {
-            note(&format!("no harmonic of {name} is fitted, because the samples do not tell it"));
-        }
-    }
-    periods
 }
 
 /// Says why there is no fit, and what to do. What to do about a record that is shorter than a

@@ -1,6 +1,7 @@
 //! Files as loggers, spreadsheets and weather services write them.
 
 use super::*;
+use proptest::prelude::*;
 
 const HOUR: f64 = 3600.0;
 
@@ -419,5 +420,30 @@ fn a_smooth_record_has_no_outliers() {
         let rows: String = (0..5000).map(|i| format!("{i},{:.4}\n", (1.0 + step * f64::from(i)).sin())).collect();
         let table = read_as(&layout(""), format!("time_h,temperature_degC\n{rows}").as_bytes()).unwrap();
         assert_eq!((table.columns[0].values.len(), table.repairs.sentences().len()), (5000, 0), "{step}");
+    }
+}
+
+proptest! {
+    /// Whatever the names of the columns and the times are, the reader says what is wrong, or gives
+    /// times in ascending order.
+    #[test]
+    fn no_names_and_no_dates_make_the_reader_panic(
+        names in "[a-zT #,;°µ()\\[\\]_.0-9]{0,30}",
+        cells in proptest::collection::vec("[0-9:./,TZ+ apmUTCé-]{0,24}", 1..6),
+        (zone, dates, skip) in (proptest::option::of(Just("Europe/Paris")), 0..4usize, proptest::option::of(0..3u64)),
+    ) {
+        let rows: String = cells.iter().enumerate().map(|(i, cell)| format!("{cell};{i}\n")).collect();
+        let layout = Layout {
+            zone: zone.map(String::from),
+            dates: DateOrder::WORDS.get(dates).map(|(_, order)| *order),
+            skip,
+            ..Layout::default()
+        };
+        for text in [format!("time;temperature {names}\n{rows}"), format!("{names}\ntime;temperature\n{rows}"), format!("time {names};temperature\n{rows}")] {
+            match read_as(&layout, text.as_bytes()) {
+                Ok(table) => prop_assert!(table.columns[0].times.windows(2).all(|pair| pair[0] < pair[1])),
+                Err(error) => prop_assert!(error.to_string().contains("fix: ")),
+            }
+        }
     }
 }

@@ -71,16 +71,18 @@ pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
     Ok(())
 }
 
-/// Those of the usual periods, a year and a day, that the samples can tell.
-pub fn usual(times: &[f64]) -> Vec<f64> {
-    let mut found: Vec<f64> = Vec::new();
+/// Those of the usual periods, a year and a day, that the samples can tell, and a sentence for each
+/// of the others.
+pub fn usual(times: &[f64]) -> (Vec<f64>, Vec<String>) {
+    let (mut found, mut remarks): (Vec<f64>, Vec<String>) = Default::default();
     for period in super::PERIODS {
         let more = [&found[..], &[period]].concat();
-        if told(times, &more).is_ok() {
-            found = more;
+        match told(times, &more) {
+            Ok(()) => found = more,
+            Err(error) => remarks.push(format!("no harmonic of {} is fitted: {error}", words(period))),
         }
     }
-    found
+    (found, remarks)
 }
 
 /// Whether the last harmonic is told from the mean and the harmonics before it. Each diagonal
@@ -133,7 +135,7 @@ mod tests {
             ("at 6 and 15 o'clock", at(&[6.0, 15.0], 731), vec![YEAR]),
             ("weekly", every(168.0, 1500.0), vec![YEAR]),
         ] {
-            assert_eq!(usual(&times), expected, "{name}");
+            assert_eq!(usual(&times).0, expected, "{name}");
         }
         let error = |hours, period| told(&every(hours, 100.0), &[period]).unwrap_err().to_string();
         assert_eq!(error(12.0, DAY), "samples are 12 h apart and cannot tell a harmonic of 1 d");
