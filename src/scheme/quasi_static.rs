@@ -37,7 +37,9 @@
 //! slightly below 1.
 //!
 //! Exits are those of the event-driven scheme: first roots without noise, crossings of a threshold
-//! by a bridge with noise. Where |b| > f_s at tau_{j+1}, the stick that begins there is empty.
+//! by a bridge with noise. Where b is beyond f_s at tau_{j+1}, the body swings back at once in a
+//! further sub-phase if it swung out of the corridor; in the direction of the slip, where the
+//! temperature moved on, the stick that begins there is empty.
 
 use super::columns::{Columns, Seen};
 use super::event_driven::{
@@ -153,6 +155,13 @@ impl Swing {
         }
     }
 
+    /// What a swing in this direction ends with, at which b is `force`: a stick, which is empty where
+    /// b has moved on beyond f_s, or the swing back of a body that swung out of the corridor.
+    fn end(&self, direction: Sign, force: f64) -> EventKind {
+        let is_back = force * direction.value() < -self.threshold * (1.0 + ROUNDING);
+        if is_back { EventKind::SubPhaseBoundary(Sign::of(force)) } else { EventKind::StickEntered }
+    }
+
     /// x and x' of a slip that begins at x0 with this b, a time after its start.
     fn at(&self, x0: f64, direction: Sign, force: f64, since: f64) -> (f64, f64) {
         let equilibrium = self.way(direction, force) / (1.0 + self.response.overshoot);
@@ -227,7 +236,7 @@ impl QuasiStaticSimulation {
         let oscillator = &self.model.oscillator;
         let force =
             oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: EventKind::StickEntered, time, displacement, force }))
+        Ok(Some(Event { kind: self.slip.end(direction, force), time, displacement, force }))
     }
 }
 
@@ -316,7 +325,7 @@ impl Cascade for NoisyRecursion {
         }
         let displacement = x0 + self.slip.way(direction, path.force);
         let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: EventKind::StickEntered, time: cell.start + end, displacement, force }))
+        Ok(Some(Event { kind: self.slip.end(direction, force), time: cell.start + end, displacement, force }))
     }
 
     fn motion_after(&self, event: &Event) -> f64 {
