@@ -31,7 +31,7 @@ pub fn arrays(arrays: &[Array<'_>], missing: &[String]) -> Result<(Vec<DataColum
                 column.miss();
                 continue;
             }
-            if !(time.abs() <= LARGEST_MEASURED) {
+            if time.is_nan() || time.abs() > LARGEST_MEASURED {
                 return Err(wrong(
                     "has a time that is missing or too large",
                     "give the sample its time, or leave it out",

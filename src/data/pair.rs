@@ -111,7 +111,7 @@ impl BearingData {
         };
         let (Some(first), Some(later)) = (&air.start, &sensor.start) else {
             let numbered = if sensor.start.is_none() { &data } else { &other };
-            let problem = format!("its times are numbers, which cannot be placed beside those of a second file");
+            let problem = "its times are numbers, which cannot be placed beside those of a second file".to_string();
             let remedy = "give dates as times in both files, such as 2015-08-13T00:10:00Z, or both columns in one file";
             return Err(DataError::file(&numbered.name(), problem, remedy));
         };
