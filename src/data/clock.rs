@@ -1,5 +1,6 @@
 //! The column of times: stamps with their time zones, dates as numbers, or plain numbers.
 
+use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
 use super::stamp::{self, Stamp};
 use super::unit::{self, Unit};
@@ -78,9 +79,6 @@ pub(super) struct Clock {
     /// Number of stamps that fell in an hour which occurs twice, when clocks are put back.
     pub folds: u64,
 }
-
-/// What is wrong with a time, and the remedy.
-pub(super) type ProblemAndRemedy = (String, String);
 
 fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, ProblemAndRemedy> {
     Err((problem.into(), remedy.into()))

@@ -1,7 +1,6 @@
 //! The samples of one column: checked, sorted and repaired.
 
-use super::clock::ProblemAndRemedy;
-use super::error::DataError;
+use super::error::{DataError, ProblemAndRemedy};
 use super::marks::{Marks, apart, is_suspect};
 use super::outliers::{resolution, spikes};
 use super::query::{Wanted, Wording};

@@ -28,6 +28,9 @@ pub struct TableCell {
     pub value: String,
 }
 
+/// What is wrong with a cell or a column, and the remedy.
+pub(super) type ProblemAndRemedy = (String, String);
+
 /// Longest quoted cell, in characters.
 const QUOTE_LENGTH: usize = 40;
 

@@ -1,8 +1,8 @@
 //! The rows of a file in order of time, checked and repaired.
 
-use super::clock::{Clock, ProblemAndRemedy, Start};
+use super::clock::{Clock, Start};
 use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
-use super::error::{DataError, quoted};
+use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
 use super::marks::Marks;
 use super::query::{DateOrder, Layout, Wanted};

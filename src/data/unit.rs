@@ -1,5 +1,7 @@
 //! The unit that the name of a column gives: `temperature_degC`, `displacement [mm]`, `Temp, °F`.
 
+use super::error::ProblemAndRemedy;
+
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnQuantity {
@@ -163,9 +165,6 @@ fn is_note(text: &str) -> bool {
     let lower = text.to_lowercase();
     text.contains(':') || ["avg", "mean", "min", "max", "smp", "std", "raw", "air", "steel"].contains(&lower.as_str())
 }
-
-/// What is wrong with a unit, and the remedy.
-type ProblemAndRemedy = (String, String);
 
 /// The unit that the name of a column gives; an error if it gives two, or one that is not known.
 pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<Unit>, ProblemAndRemedy> {
