@@ -5,7 +5,7 @@ use crate::errors;
 use crate::run::Variables;
 use crate::studies::Threads;
 use crate::watched::watched;
-use numpy::PyReadonlyArray1;
+use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::Path;
@@ -14,9 +14,11 @@ use stick_slip::bearing::calibration::{
     NotHeld, Quantity, calibrate as calibrated, drawn, twin as made, values,
 };
 use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
-use stick_slip::bearing::weather::{PERIODS, WeatherError, WeatherFit, fit};
+use stick_slip::bearing::weather::{NotTold, PERIODS, WeatherError, WeatherFit, fit, usual};
 use stick_slip::config::{self, Override, ScenarioError};
-use stick_slip::data::{BearingData, DataError, Origin, Start, TimeColumn, Wanted};
+use stick_slip::data::{
+    self, BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
+};
 use stick_slip::dataset::{Dataset, StoredCalibration};
 use stick_slip::scenario::{BridgeScene, Scenario as Checked};
 
@@ -45,17 +47,52 @@ fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<Read> {
 
 /// A measurement from Python: a file with this name or a text that has this name in messages, where
 /// temperatures may be in a file of their own; or arrays of times and temperatures, then of times
-/// and displacements, in seconds, degrees and metres. The last two fields are the column of
-/// displacements and its unit.
+/// and displacements, in seconds, degrees and metres, which are repaired already. The other fields
+/// are the columns, their units, and how the file is laid out, and the file of temperatures if it is
+/// laid out otherwise.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Measured<'py> {
     name: String,
     text: Option<String>,
-    temperature: Option<String>,
     arrays: Option<Vec<PyReadonlyArray1<'py, f64>>>,
+    temperature_file: Option<String>,
+    temperature: Option<String>,
     displacement: Option<String>,
-    unit: Option<String>,
+    temperature_unit: Option<String>,
+    displacement_unit: Option<String>,
+    layout: LaidOut,
+    temperature_layout: LaidOut,
+}
+
+/// How a file is laid out.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct LaidOut {
+    time: Option<String>,
+    zone: Option<String>,
+    dates: Option<String>,
+    skip: Option<u64>,
+    missing: Vec<String>,
+}
+
+impl LaidOut {
+    fn over(&self, py: Python<'_>, other: &Layout) -> PyResult<Layout> {
+        let order = |word: &String| {
+            let unknown =
+                || errors::of_argument(py, "dates", word, "it is no order of a date", "write ymd, dmy or mdy");
+            DateOrder::from_word(word).ok_or_else(unknown)
+        };
+        let layout = Layout {
+            time: self.time.clone(),
+            zone: self.zone.clone(),
+            dates: self.dates.as_ref().map(order).transpose()?,
+            skip: self.skip,
+            missing: self.missing.clone(),
+            wording: Wording::Argument,
+        };
+        Ok(layout.over(other))
+    }
 }
 
 impl Measured<'_> {
@@ -74,24 +111,60 @@ impl Measured<'_> {
         errors::of_argument(py, "data", &self.name, &error.to_string(), &error.remedy)
     }
 
+    /// The column of temperatures, as far as the arguments or a scenario name it.
+    fn temperature_column(&self, scenario: &ColumnSource) -> ColumnSource {
+        ColumnSource {
+            column: self.temperature.clone().or_else(|| scenario.column.clone()),
+            unit: self.temperature_unit.clone().or_else(|| scenario.unit.clone()),
+            ..ColumnSource::default()
+        }
+    }
+
     /// The measurement in the columns that a scenario names, and what was repaired in it.
     fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(MeasuredRecord, Vec<String>)> {
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
             return Ok((MeasuredRecord::of([times, temperatures], [when, readings]), Vec::new()));
         }
-        let time = TimeColumn { name: &scene.time, zone: scene.zone.as_deref() };
-        let wanted = [
-            Wanted::temperature(scene.value.as_deref()),
-            Wanted::displacement(self.displacement.as_deref(), self.unit.as_deref()),
-        ];
-        let temperatures = self.temperature.as_deref().map(|file| Origin::File(Path::new(file)));
-        let pair =
-            BearingData::read(self.origin(), temperatures, time, wanted).map_err(|error| self.wrong(py, &error))?;
+        let (air, sensor) = (&scene.temperature_source, &scene.displacement_source);
+        let displacement = ColumnSource {
+            file: None,
+            column: self.displacement.clone().or_else(|| sensor.column.clone()),
+            unit: self.displacement_unit.clone().or_else(|| sensor.unit.clone()),
+            layout: self.layout.over(py, &sensor.layout)?,
+        };
+        let temperature = ColumnSource {
+            layout: self.temperature_layout.over(py, &self.layout.over(py, &air.layout)?)?,
+            ..self.temperature_column(air)
+        };
+        let temperatures = self.temperature_file.as_deref().map(|file| Origin::File(Path::new(file)));
+        let pair = BearingData::read(self.origin(), temperatures, &temperature, &displacement);
+        let pair = pair.map_err(|error| self.wrong(py, &error))?;
         let BearingData { temperature, displacement, repairs } = pair;
         let record =
             MeasuredRecord::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]);
         Ok((record, repairs))
     }
+}
+
+/// Times and values of a measurement in memory, repaired as those of a file are, and what was
+/// repaired. `quantity` is temperature or displacement.
+#[pyfunction]
+#[pyo3(signature = (argument, quantity, times, values))]
+pub fn repaired<'py>(
+    py: Python<'py>,
+    argument: &str,
+    quantity: &str,
+    times: PyReadonlyArray1<'py, f64>,
+    values: PyReadonlyArray1<'py, f64>,
+) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<String>)> {
+    let quantities = [ColumnQuantity::Temperature, ColumnQuantity::Displacement];
+    let quantity = quantities.into_iter().find(|known| known.word() == quantity).unwrap_or(quantities[0]);
+    let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());
+    let (mut columns, repairs) = data::arrays(&[(quantity, &times, &values)], &[])
+        .map_err(|error| errors::of_argument(py, argument, "the samples", &error.to_string(), &error.remedy))?;
+    let column = columns.swap_remove(0);
+    let said = repairs.sentences().iter().map(|said| format!("{argument}: {said}")).collect();
+    Ok((PyArray1::from_vec(py, column.times), PyArray1::from_vec(py, column.values), said))
 }
 
 fn no_calibration(py: Python<'_>, error: &CalibrationError, without_slips: Option<&str>) -> PyErr {
@@ -200,7 +273,7 @@ pub fn forecast<'py>(
     })?;
     let (calibration, found) = ended.map_err(|missing: Missing| match missing {
         Missing::Bearing(error) => no_calibration(py, &error, None),
-        Missing::Weather(error @ WeatherError::ShorterThanPeriod(_)) => {
+        Missing::Weather(error @ WeatherError::NotTold(NotTold::Short(_))) => {
             let remedy = "measure for at least half a year: a forecast needs to know the seasons";
             errors::of_run(py, &error.to_string(), remedy)
         }
@@ -230,7 +303,7 @@ enum Missing {
 fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
     let remedy = match error {
         WeatherError::OneIsEnough => "give processes=1",
-        WeatherError::ShorterThanPeriod(_) => {
+        WeatherError::NotTold(NotTold::Short(_)) => {
             "leave that period out, e.g. periods=[86400]; what a year does cannot be forecast then"
         }
         error => error.remedy(),
@@ -312,32 +385,37 @@ impl Weather {
     }
 }
 
-/// Fits harmonics with these periods, in seconds, and one or two Ornstein-Uhlenbeck processes.
+/// Fits harmonics with these periods, in seconds, or with those of a year and a day that the samples
+/// tell, and one or two Ornstein-Uhlenbeck processes.
 #[pyfunction]
-#[pyo3(signature = (measured, *, processes, periods, time, temperature, zone))]
+#[pyo3(signature = (measured, *, processes, periods))]
 pub fn fit_temperature<'py>(
     py: Python<'py>,
     measured: Measured<'py>,
     processes: usize,
-    periods: Vec<f64>,
-    time: &str,
-    temperature: Option<&str>,
-    zone: Option<&str>,
+    periods: Option<Vec<f64>>,
 ) -> PyResult<Weather> {
-    let (times, temperatures, start, remarks) = match measured.arrays() {
+    let (times, temperatures, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
             let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
             (times, values, None, Vec::new())
         }
         None => {
             let origin = measured.origin();
-            let table = origin.read_in_seconds(TimeColumn { name: time, zone }, &[Wanted::temperature(temperature)]);
+            let source = measured.temperature_column(&ColumnSource::default());
+            let layout = measured.layout.over(py, &Layout::default())?;
+            let table = origin.read_in_seconds(&layout, &[source.wanted(ColumnQuantity::Temperature)]);
             let mut table = table.map_err(|error| measured.wrong(py, &error))?;
             let column = table.columns.swap_remove(0);
             let repairs = table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())).collect();
             (column.times, column.values, table.start.map(|start| start.to_string()), repairs)
         }
     };
+    let periods = periods.unwrap_or_else(|| {
+        let (told, said) = usual(&times);
+        remarks.extend(said);
+        told
+    });
     // The fit cannot be interrupted, but it takes only seconds.
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
     Ok(Weather { fit: found.map_err(|error| no_weather(py, &error))?, start, remarks })
@@ -368,16 +446,16 @@ pub fn twin<'py>(
     let Read { scene, name, overrides } = read(py, scenario)?;
     let mut remarks = Vec::new();
     let mut start = None;
-    let [times, temperatures] = match (&temperature, &scene.file) {
+    let [times, temperatures] = match (&temperature, &scene.temperature_source.file) {
         (Some(arrays), _) => arrays.each_ref().map(|array| array.as_array().to_vec()),
         (None, Some(file)) => {
             let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
-            let time = TimeColumn { name: &scene.time, zone: scene.zone.as_deref() };
+            let source = &scene.temperature_source;
             let origin = Origin::File(&path);
-            let mut table =
-                origin.read_in_seconds(time, &[Wanted::temperature(scene.value.as_deref())]).map_err(|error| {
-                    errors::of_argument(py, "scenario", &origin.name(), &error.to_string(), &error.remedy)
-                })?;
+            let table = origin.read_in_seconds(&source.layout, &[source.wanted(ColumnQuantity::Temperature)]);
+            let mut table = table.map_err(|error| {
+                errors::of_argument(py, "scenario", &origin.name(), &error.to_string(), &error.remedy)
+            })?;
             remarks.extend(table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())));
             start = table.start;
             let column = table.columns.swap_remove(0);

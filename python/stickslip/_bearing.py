@@ -21,9 +21,6 @@ if TYPE_CHECKING:
 #: A length of time: seconds, or a timedelta.
 Time = Union[float, timedelta]
 
-_YEAR_AND_DAY = (365.25 * 86_400.0, 86_400.0)
-
-
 def calibrate(
     scenario: ScenarioLike,
     data: Any,
@@ -35,8 +32,16 @@ def calibrate(
     starts: int = 10,
     lag: Time | None = None,
     interval: float = 0.9,
-    temperature: str | os.PathLike[str] | None = None,
-    unit: str | None = None,
+    temperature: str | None = None,
+    temperature_file: str | os.PathLike[str] | None = None,
+    temperature_unit: str | None = None,
+    displacement_unit: str | None = None,
+    time: str | None = None,
+    zone: str | None = None,
+    dates: str | None = None,
+    skip: int | None = None,
+    missing: Sequence[str | float] = (),
+    temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -67,9 +72,23 @@ def calibrate(
         lag: delay of the temperature of the steel behind the thermometer, in seconds or as a
             timedelta; estimated if not given.
         interval: confidence level of the intervals, from 0.5 to 0.999.
-        temperature: the path of the CSV file of temperatures, if `data` is a file that lacks them.
-        unit: unit of the displacements in a file or a DataFrame, if the name of their column does
-            not say it: "m", "cm", "mm" or "um".
+        temperature: the name of the column of temperatures in a file or a DataFrame; by default the
+            one whose name begins with `temperature`.
+        temperature_file: the path of the CSV file of temperatures, if `data` is a file that lacks
+            them.
+        temperature_unit, displacement_unit: the units in a file or a DataFrame, if it does not say
+            them: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
+        time: the name of the column of times in a file or a DataFrame, or those of dates and of
+            times of day with a comma between them; by default the one with a usual name, such as
+            `time`, `Timestamp` or `Date/Time`.
+        zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
+        dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
+            or the only order in which all of them are dates.
+        skip: number of lines before the names of the columns; by default up to the first line with
+            the names that are wanted.
+        missing: numbers and words that mark a missing value, besides the usual ones.
+        temperature_layout: `time`, `zone`, `dates`, `skip` and `missing` of the file of
+            temperatures, where they differ.
         set: further keys of the scenario with their values, as for `run`.
         threads: number of threads; one for each core if not given.
 
@@ -94,7 +113,16 @@ def calibrate(
         )
     made, remarks = _native.calibrate(
         _given(scenario, set),
-        _record(data, displacement, temperature, unit),
+        _record(
+            data,
+            displacement,
+            temperature,
+            temperature_file,
+            temperature_unit,
+            displacement_unit,
+            _layout(time, zone, dates, skip, missing),
+            _layout(**(temperature_layout or {})),
+        ),
         method=method,
         fit=list(fit),
         bounds=[(key, float(low), float(high)) for key, (low, high) in (bounds or {}).items()],
@@ -118,8 +146,16 @@ def forecast(
     interval: float = 0.9,
     share: float = 0.9,
     processes: int = 2,
-    temperature: str | os.PathLike[str] | None = None,
-    unit: str | None = None,
+    temperature: str | None = None,
+    temperature_file: str | os.PathLike[str] | None = None,
+    temperature_unit: str | None = None,
+    displacement_unit: str | None = None,
+    time: str | None = None,
+    zone: str | None = None,
+    dates: str | None = None,
+    skip: int | None = None,
+    missing: Sequence[str | float] = (),
+    temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
@@ -131,7 +167,9 @@ def forecast(
     returned with a `StickSlipWarning`.
 
     Args:
-        scenario, data, displacement, temperature, unit, set, threads: as for `calibrate`.
+        scenario, data, displacement, set, threads: as for `calibrate`, and so are `temperature`,
+            `temperature_file`, `temperature_unit`, `displacement_unit`, `time`, `zone`, `dates`,
+            `skip`, `missing` and `temperature_layout`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -173,7 +211,16 @@ def forecast(
     _one_or_two(processes)
     made, remarks = _native.forecast(
         _given(scenario, set),
-        _record(data, displacement, temperature, unit),
+        _record(
+            data,
+            displacement,
+            temperature,
+            temperature_file,
+            temperature_unit,
+            displacement_unit,
+            _layout(time, zone, dates, skip, missing),
+            _layout(**(temperature_layout or {})),
+        ),
         draws=draws,
         years=years,
         seed=seed,
@@ -224,10 +271,14 @@ def fit_temperature(
     data: Any,
     *,
     processes: int = 2,
-    periods: Sequence[Time] = _YEAR_AND_DAY,
-    time: str = "time",
+    periods: Sequence[Time] | None = None,
     temperature: str | None = None,
+    temperature_unit: str | None = None,
+    time: str | None = None,
     zone: str | None = None,
+    dates: str | None = None,
+    skip: int | None = None,
+    missing: Sequence[str | float] = (),
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -240,11 +291,9 @@ def fit_temperature(
         processes: number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast and a
             slow one.
         periods: the periods of the harmonics, in seconds or as timedelta; by default a year of
-            365.25 days and a day. An empty sequence fits no harmonics.
-        time: the name of the column of times in a file or a DataFrame.
-        temperature: the name of the column of temperatures; by default the one whose name begins
-            with `temperature`.
-        zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
+            365.25 days and a day, as far as the samples tell them. An empty sequence fits no
+            harmonics.
+        temperature, temperature_unit, time, zone, dates, skip, missing: as for `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -254,24 +303,22 @@ def fit_temperature(
         RunError: the samples do not determine the fit.
     """
     _one_or_two(processes)
-    lengths = [_seconds("periods", period) for period in periods]
-    if len({*lengths}) < len(lengths):
-        raise wrong_argument(
-            "periods", list(periods), "they name one period twice", "name each period once"
-        )
+    lengths = None
+    if periods is not None:
+        lengths = [_seconds("periods", period) for period in periods]
+        if len({*lengths}) < len(lengths):
+            raise wrong_argument(
+                "periods", list(periods), "they name one period twice", "name each period once"
+            )
     if _is_table(data):
-        measured = _table(data, None, None, None)
+        measured = _table(data)
+        measured["temperature"] = temperature
+        measured["temperature_unit"] = temperature_unit
+        measured["layout"] = _layout(time, zone, dates, skip, missing)
     else:
-        times, values, _ = _present(data, "data")
+        times, values, _ = _repaired(data, "data", "temperature")
         measured = _arrays([times, values])
-    fit = _native.fit_temperature(
-        measured,
-        processes=processes,
-        periods=lengths,
-        time=time,
-        temperature=temperature,
-        zone=zone,
-    )
+    fit = _native.fit_temperature(measured, processes=processes, periods=lengths)
     warn(fit.remarks)
     return Weather(
         fit.samples,
@@ -408,11 +455,7 @@ def twin(
     first = None
     arrays = None
     if temperature is not None:
-        times, values, first = samples(temperature)
-        if len(times) < 2:
-            raise wrong_argument(
-                "temperature", f"{len(times)} samples", "they are too few", "give two at least"
-            )
+        times, values, first = _repaired(temperature, "temperature", "temperature")
         arrays = [times, values]
     made, remarks = _native.twin(
         _given(scenario, set),
@@ -447,7 +490,14 @@ def _is_table(data: Any) -> bool:
 
 
 def _record(
-    data: Any, displacement: Any, temperature: str | os.PathLike[str] | None, unit: str | None
+    data: Any,
+    displacement: Any,
+    temperature: str | None,
+    temperature_file: str | os.PathLike[str] | None,
+    temperature_unit: str | None,
+    displacement_unit: str | None,
+    layout: _native.LaidOut,
+    temperature_layout: _native.LaidOut,
 ) -> _native.Measured:
     """The measurement of a bearing in the form that the engine accepts."""
     if _is_table(data):
@@ -458,21 +508,38 @@ def _record(
                 "the data have columns",
                 "give the name of one",
             )
-        return _table(data, temperature, displacement, unit)
+        measured = _table(data)
+        measured["temperature"] = temperature
+        measured["displacement"] = displacement
+        measured["temperature_unit"] = temperature_unit
+        measured["displacement_unit"] = displacement_unit
+        measured["layout"] = layout
+        measured["temperature_layout"] = temperature_layout
+        if temperature_file is not None:
+            measured["temperature_file"] = os.fspath(temperature_file)
+        return measured
     if displacement is None:
         raise wrong_argument(
             "displacement", None, "the temperatures come without displacements", "give both"
         )
-    if temperature is not None or unit is not None:
-        raise wrong_argument(
-            "temperature or unit",
-            temperature or unit,
-            "they are about files, and these data are arrays",
-            "leave it out; arrays are in degrees and metres",
-        )
+    about_files: dict[str, Any] = {
+        "temperature": temperature,
+        "temperature_file": temperature_file,
+        "temperature_unit": temperature_unit,
+        "displacement_unit": displacement_unit,
+    }
+    about_files.update(layout)
+    for name, given in about_files.items():
+        if given:
+            raise wrong_argument(
+                name,
+                given,
+                "it is about files, and these data are arrays",
+                "leave it out; arrays are in degrees, metres, and seconds or dates",
+            )
     (times, temperatures, first), (when, readings, later) = (
-        _present(data, "data"),
-        _present(displacement, "displacement"),
+        _repaired(data, "data", "temperature"),
+        _repaired(displacement, "displacement", "displacement"),
     )
     if (first is None) != (later is None):
         raise wrong_argument(
@@ -488,54 +555,58 @@ def _record(
     return _arrays([times, temperatures, when, readings])
 
 
-def _table(
-    data: Any,
-    temperature: str | os.PathLike[str] | None,
-    displacement: str | None,
-    unit: str | None,
-) -> _native.Measured:
-    """A file, or a DataFrame as the text of such a file, so that the same reader checks it and its
-    messages fit."""
-    text = None
-    name = "the DataFrame"
-    if isinstance(data, (str, os.PathLike)):
-        name = os.fspath(data)
-    else:
-        is_named = data.index.name is not None or not hasattr(data.index, "step")
-        text = data.to_csv(index=is_named, index_label=data.index.name or "time")
+def _layout(
+    time: str | None = None,
+    zone: str | None = None,
+    dates: str | None = None,
+    skip: int | None = None,
+    missing: Sequence[str | float] = (),
+) -> _native.LaidOut:
+    """How a file is laid out."""
     return {
-        "name": name,
-        "text": text,
-        "temperature": None if temperature is None else os.fspath(temperature),
-        "arrays": None,
-        "displacement": displacement,
-        "unit": unit,
+        "time": time,
+        "zone": zone,
+        "dates": dates,
+        "skip": skip,
+        "missing": [str(mark) for mark in missing],
     }
 
 
-def _present(
-    given: Any, argument: str
+def _table(data: Any) -> _native.Measured:
+    """A file, or a DataFrame as the text of such a file, so that the same reader checks it and its
+    messages fit."""
+    measured = _arrays(None)
+    if isinstance(data, (str, os.PathLike)):
+        measured["name"] = os.fspath(data)
+    else:
+        is_named = data.index.name is not None or not hasattr(data.index, "step")
+        measured["name"] = "the DataFrame"
+        measured["text"] = data.to_csv(index=is_named, index_label=data.index.name or "time")
+    return measured
+
+
+def _repaired(
+    given: Any, argument: str, quantity: str
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None]:
-    """The samples that have a value, as the reader of a file leaves out empty cells."""
-    import numpy as np
-
+    """The samples, checked and repaired as the reader of a file does it."""
     times, values, first = samples(given, argument)
-    is_there = ~np.isnan(values)
-    missing = len(values) - int(np.count_nonzero(is_there))
-    if missing:
-        noun = "sample" if missing == 1 else "samples"
-        warn([f"{argument}: left out {missing} {noun} without a value"], level=5)
-    return times[is_there], values[is_there], first
+    times, values, remarks = _native.repaired(argument, quantity, times, values)
+    warn(remarks, level=5)
+    return times, values, first
 
 
-def _arrays(arrays: list[Any]) -> _native.Measured:
+def _arrays(arrays: list[Any] | None) -> _native.Measured:
     return {
         "name": "the arrays",
         "text": None,
-        "temperature": None,
         "arrays": arrays,
+        "temperature_file": None,
+        "temperature": None,
         "displacement": None,
-        "unit": None,
+        "temperature_unit": None,
+        "displacement_unit": None,
+        "layout": _layout(),
+        "temperature_layout": _layout(),
     }
 
 

@@ -97,10 +97,25 @@ Given = tuple[str, str | None, list[tuple[str, str]]]
 class Measured(TypedDict):
     name: str
     text: str | None
-    temperature: str | None
     arrays: list[npt.NDArray[np.float64]] | None
+    temperature_file: str | None
+    temperature: str | None
     displacement: str | None
-    unit: str | None
+    temperature_unit: str | None
+    displacement_unit: str | None
+    layout: LaidOut
+    temperature_layout: LaidOut
+
+class LaidOut(TypedDict):
+    time: str | None
+    zone: str | None
+    dates: str | None
+    skip: int | None
+    missing: list[str]
+
+def repaired(
+    argument: str, quantity: str, times: npt.NDArray[np.float64], values: npt.NDArray[np.float64]
+) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], list[str]]: ...
 
 def calibrate(
     scenario: Given,
@@ -157,10 +172,7 @@ def fit_temperature(
     measured: Measured,
     *,
     processes: int,
-    periods: list[float],
-    time: str,
-    temperature: str | None,
-    zone: str | None,
+    periods: list[float] | None,
 ) -> Weather: ...
 def twin(
     scenario: Given,

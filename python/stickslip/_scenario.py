@@ -7,6 +7,7 @@ from collections.abc import Iterable, Mapping
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _native, _toml
+from ._data import warn
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -53,7 +54,12 @@ def parse(
     for argument, (flag, key) in _FLAGS.items():
         if flags.get(argument) is not None:
             laid.append((flag, key, _bare(key, flags[argument])))
-    times_and_values = None if temperature is None else samples(temperature)
+    times_and_values = None
+    if temperature is not None:
+        times, values, first = samples(temperature)
+        times, values, remarks = _native.repaired("temperature", "temperature", times, values)
+        warn(remarks, level=4)
+        times_and_values = times, values, first
     parsed = _native.parse(
         name, text, laid, None if times_and_values is None else times_and_values[:2]
     )

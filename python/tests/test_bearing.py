@@ -39,8 +39,8 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
     for data, arguments, flags in [
         ("none.csv", {}, []),
         (TWIN, {"displacement": "gauge"}, ["--displacement", "gauge"]),
-        (TWIN, {"unit": "mile"}, ["--unit", "mile"]),
-        (TWIN, {"temperature": "none.csv"}, ["--temperature", "none.csv"]),
+        (TWIN, {"displacement_unit": "mile"}, ["--displacement-unit", "mile"]),
+        (TWIN, {"temperature_file": "none.csv"}, ["--temperature-file", "none.csv"]),
     ]:
         _, said = mc("calibrate", BRIDGE, data, *flags, succeeds=False)
         with pytest.raises(ss.ArgumentError) as raised:
@@ -82,7 +82,9 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
         )
     frame[["time", "temperature_degC"]].to_csv(tmp_path / "t.csv", index=False)
     frame[["time", "displacement_mm"]][1008:].to_csv(tmp_path / "z.csv", index=False)
-    two = ss.calibrate(BRIDGE, tmp_path / "z.csv", temperature=tmp_path / "t.csv", method="slips")
+    two = ss.calibrate(
+        BRIDGE, tmp_path / "z.csv", temperature_file=tmp_path / "t.csv", method="slips"
+    )
     # A sensor that was mounted a week later: as files, and as series with dates, which have the
     # same clock.
     temperature = dated.temperature_degC
@@ -127,6 +129,42 @@ def test_masked_values_are_missing_as_nan_is():
     )
     weather = ss.fit_temperature((time, np.ma.array(spoilt, mask=is_off)), periods=[86_400])
     assert weather == ss.fit_temperature((time[~is_off], temperatures[~is_off]), periods=[86_400])
+
+
+def test_arrays_and_tables_have_the_same_repairs():
+    pandas = pytest.importorskip("pandas")
+    twin = pandas.read_csv(TWIN, comment="#")
+    time = 600.0 * np.arange(len(twin))
+    temperatures = twin.temperature_degC.to_numpy(copy=True)
+    readings = twin.displacement_mm.to_numpy() / 1000
+    # A sensor that is silent 78 times, and says a mark twice.
+    temperatures[100::55][:78] = np.nan
+    temperatures[[1001, 2002]] = 9999.9
+    frame = pandas.DataFrame(
+        {"time_s": time, "temperature_degC": temperatures, "displacement_m": readings}
+    )
+    silent = int(np.isnan(temperatures).sum())
+
+    def said(work):
+        with pytest.warns(ss.StickSlipWarning) as issued:
+            result = work()
+        return result, " ".join(str(warning.message) for warning in issued)
+
+    by_array, of_array = said(
+        lambda: ss.calibrate(BRIDGE, (time, temperatures), (time, readings), method="slips")
+    )
+    by_frame, of_frame = said(
+        lambda: ss.calibrate(BRIDGE, frame, time="time_s", temperature="temperature_degC", method="slips")
+    )
+    same(by_array, by_frame)
+    for words in (of_array, of_frame):
+        assert f"left out {silent} cells without a value in `temperature" in words, words
+        assert "left out 2 values 9999.9 in `temperature" in words, words
+    weather, of_weather = said(lambda: ss.fit_temperature((time, temperatures), processes=1))
+    again, _ = said(lambda: ss.fit_temperature(frame, time="time_s", processes=1))
+    assert weather == again and "2 values 9999.9" in of_weather
+    with pytest.raises(ss.ArgumentError, match="given for dates|plain number"):
+        ss.calibrate(BRIDGE, frame, time="time_s", zone="UTC")
 
 
 def test_forecast(mc, tmp_path):

@@ -18,8 +18,9 @@ use stick_slip::store::{self, StoredCalibration};
 const EXAMPLES: &str = "\
 Examples:
   mc calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o fit.h5
-  mc calibrate bridge.toml displacement.csv --temperature temperature.csv
-  mc calibrate bridge.toml data.csv --displacement gauge_3 --unit mm --lag 15m
+  mc calibrate bridge.toml displacement.csv --temperature-file temperature.csv
+  mc calibrate bridge.toml data.csv --temperature 'Temp, °F' --time Date,Time --dates dmy --zone Europe/Paris
+  mc calibrate bridge.toml data.csv --displacement gauge_3 --displacement-unit mm --lag 15m
   mc calibrate bridge.toml data.csv --method slips --json | jq .parameters
   mc twin bridge.toml --seed 1 --sensor-noise 30e-6,150e-6 -o twin.csv && mc calibrate bridge.toml twin.csv
 
@@ -80,7 +81,7 @@ impl Calibrate {
         if let Some(output) = &self.output {
             writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
         }
-        let record = self.source.record(&scene)?;
+        let record = self.source.record(&self.scenario, &scene)?;
         let question = CalibrationQuestion {
             method: self.method,
             starts: self.starts,
@@ -94,7 +95,7 @@ impl Calibrate {
         let stop = stop_on_signals()?;
         let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| {
             let remedy = "take --method err, which needs none, and beware of its estimates";
-            refused(&self.source.data, &error, remedy)
+            refused(self.source.shown(), &error, remedy)
         })?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
         show(&stored.title, &stored.calibration, &stored.warnings, self.json)?;

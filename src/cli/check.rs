@@ -44,8 +44,10 @@ impl Check {
         if self.json {
             return print_data(&json(&self.scenario.display().to_string(), &scenario));
         }
+        // The measurement takes a moment, so what is known without it is printed first.
+        print_data(&report(&scenario))?;
         let seconds = cost::measured_cpu_seconds(&scenario).map(|seconds| seconds / super::cores() as f64);
-        print_data(&(report(&scenario) + &duration(seconds) + &warnings(&scenario) + &long(seconds)))
+        print_data(&(duration(seconds) + &warnings(&scenario) + &long(seconds)))
     }
 }
 

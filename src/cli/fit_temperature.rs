@@ -1,14 +1,15 @@
 //! `mc fit-temperature`: fits harmonics and noise of a scenario to a measured temperature.
 
 use super::document::document;
+use super::measurements::LayoutFlags;
 use super::numbers::{Digits, grouped, significant, time};
 use super::{Failure, Row, aligned, measurements, note, print, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::weather::{WeatherError, WeatherFit, fit};
+use stick_slip::bearing::weather::{NotTold, WeatherError, WeatherFit, fit, usual};
 use stick_slip::config;
-use stick_slip::data::{self, Origin, TimeColumn, Wanted};
+use stick_slip::data::{self, ColumnQuantity, Layout, Origin, Wanted};
 use stick_slip::store;
 
 const EXAMPLES: &str = "\
@@ -30,18 +31,18 @@ pub struct FitTemperature {
     /// Number of Ornstein-Uhlenbeck processes in the noise: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
-    /// The periods of the harmonics, e.g. 1d; `none` for no harmonics
-    #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', default_value = "365.25d,1d", value_parser = period)]
+    /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and a
+    /// day, as far as the samples tell them]
+    #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
     periods: Vec<Period>,
-    /// The column of times
-    #[arg(long, value_name = "COLUMN", default_value = "time")]
-    time: String,
     /// The column of temperatures [default: the one whose name begins with `temperature`]
     #[arg(long, value_name = "COLUMN")]
     temperature: Option<String>,
-    /// The time zone of times that name none, e.g. UTC or Europe/Paris
-    #[arg(long, value_name = "ZONE")]
-    zone: Option<String>,
+    /// The unit of temperatures, if the file does not say it: degC, K, degF or degR
+    #[arg(long, value_name = "U")]
+    temperature_unit: Option<String>,
+    #[command(flatten)]
+    layout: LayoutFlags,
     /// Write the temperature section of a scenario to FILE
     #[arg(short, long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
@@ -62,15 +63,23 @@ impl FitTemperature {
         if let Some(output) = &self.output {
             writable(output, self.force, [self.data.as_path()])?;
         }
-        let time = TimeColumn { name: &self.time, zone: self.zone.as_deref() };
         let periods: Vec<f64> = self.periods.iter().filter_map(|period| period.0).collect();
         if (1..periods.len()).any(|i| periods[..i].contains(&periods[i])) {
             return Err(Failure::usage("--periods names one period twice", "name each period once, e.g. 365.25d,1d"));
         }
-        let wanted = [Wanted::temperature(self.temperature.as_deref())];
-        let table = Origin::File(&self.data).read_in_seconds(time, &wanted)?;
+        let wanted =
+            [Wanted::of(ColumnQuantity::Temperature, self.temperature.as_deref(), self.temperature_unit.as_deref())];
+        let layout = self.layout.over(&Layout::default());
+        let table = Origin::File(&self.data).read_in_seconds(&layout, &wanted)?;
         measurements::note_repairs(&self.data, &table.repairs);
         let column = &table.columns[0];
+        let (usual, remarks) = usual(&column.times);
+        let periods = if self.periods.is_empty() {
+            remarks.iter().for_each(|remark| note(remark));
+            usual
+        } else {
+            periods
+        };
         let too_short = "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then";
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
             .map_err(|error| without_weather(&self.data, &error, too_short))?;
@@ -89,7 +98,7 @@ impl FitTemperature {
 /// period depends on the verb and is `too_short`.
 pub(super) fn without_weather(path: &Path, error: &WeatherError, too_short: &str) -> Failure {
     let remedy = match error {
-        WeatherError::ShorterThanPeriod(_) => too_short,
+        WeatherError::NotTold(NotTold::Short(_)) => too_short,
         WeatherError::OneIsEnough => "take --processes 1",
         error => error.remedy(),
     };

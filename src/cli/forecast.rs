@@ -83,7 +83,7 @@ impl Forecast {
         calibration.warnings.iter().for_each(warn);
         let too_short = "measure for at least half a year: a forecast needs to know the seasons";
         let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
-            .map_err(|error| without_weather(&self.source.data, &error, too_short))?;
+            .map_err(|error| without_weather(self.source.shown(), &error, too_short))?;
         let question = ForecastQuestion {
             draws: u64::from(self.draws),
             years: u64::from(self.years),
@@ -106,20 +106,20 @@ impl Forecast {
     /// Calibrates from the slips, because only that method gives errors of the parameters to draw
     /// from.
     fn calibration(&self, scene: &BridgeScene, threads: usize, stop: &AtomicBool) -> Result<Calibration, Failure> {
-        let record = self.source.record(scene)?;
+        let record = self.source.record(&self.scenario, scene)?;
         let question = calibration::CalibrationQuestion {
             method: CalibrationMethod::Slips,
             level: self.interval,
             ..calibration::CalibrationQuestion::of(scene, &record)
         };
         calibration::calibrate(&record, &question, threads, stop)
-            .map_err(|error| calibrate::refused(&self.source.data, &error, error.remedy()))
+            .map_err(|error| calibrate::refused(self.source.shown(), &error, error.remedy()))
     }
 
     fn without_years(&self, error: &ForecastError) -> Failure {
         match error {
             ForecastError::Misfit(misfit) => misfit.clone().into(),
-            ForecastError::GivenUp(..) => Failure::run_of(&self.source.data, error, ForecastError::REMEDY),
+            ForecastError::GivenUp(..) => Failure::run_of(self.source.shown(), error, ForecastError::REMEDY),
         }
     }
 }

@@ -1,15 +1,10 @@
-//! Reads the measured columns of a bearing that a scenario names.
+//! Reads the measured columns of a bearing that flags and a scenario name.
 
 use super::{Failure, note, results};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::MeasuredRecord;
-use stick_slip::data::{BearingData, DataError, Origin, Repairs, TimeColumn, Wanted};
+use stick_slip::data::{BearingData, ColumnSource, DataError, DateOrder, Layout, Origin, Repairs, Wording};
 use stick_slip::scenario::BridgeScene;
-
-/// The column of times that a scenario names, and its time zone.
-pub fn time(scene: &BridgeScene) -> TimeColumn<'_> {
-    TimeColumn { name: &scene.time, zone: scene.zone.as_deref() }
-}
 
 /// Says on standard error what was repaired in a file.
 pub fn note_repairs(path: &Path, repairs: &Repairs) {
@@ -18,43 +13,175 @@ pub fn note_repairs(path: &Path, repairs: &Repairs) {
     }
 }
 
-/// The files and columns with the measurements of a bearing.
+/// How a file is laid out, as far as it does not say so itself.
+#[derive(Debug, clap::Args)]
+pub struct LayoutFlags {
+    /// The column of times, or those of dates and of times of day with a comma between them
+    /// [default: the one with a usual name, such as time, Timestamp or Date/Time]
+    #[arg(long, value_name = "COLUMN[,COLUMN]")]
+    time: Option<String>,
+    /// The time zone of times that name none, e.g. UTC or Europe/Paris
+    #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
+    zone: Option<String>,
+    /// The order of year, month and day in dates [default: the year first, or the only order in
+    /// which all of them are dates]
+    #[arg(long, value_name = "ymd|dmy|mdy", value_parser = dates)]
+    dates: Option<DateOrder>,
+    /// Number of lines before the names of the columns [default: up to the first line with the names
+    /// that are wanted]
+    #[arg(long, value_name = "N")]
+    skip: Option<u64>,
+    /// Numbers and words that mark a missing value, besides the usual ones
+    #[arg(long, value_name = "MARK,MARK", value_delimiter = ',', allow_hyphen_values = true)]
+    missing: Vec<String>,
+}
+
+/// The same for a file of temperatures that is laid out otherwise than that of the displacements.
+#[derive(Debug, clap::Args)]
+struct TemperatureLayoutFlags {
+    /// The column of times in the file of temperatures [default: as --time]
+    #[arg(long, value_name = "COLUMN[,COLUMN]", requires = "temperature_file")]
+    temperature_time: Option<String>,
+    /// The time zone in the file of temperatures [default: as --zone]
+    #[arg(long, value_name = "ZONE", allow_hyphen_values = true, requires = "temperature_file")]
+    temperature_zone: Option<String>,
+    /// The order of dates in the file of temperatures [default: as --dates]
+    #[arg(long, value_name = "ymd|dmy|mdy", value_parser = dates, requires = "temperature_file")]
+    temperature_dates: Option<DateOrder>,
+    /// Number of lines before the names of the columns in the file of temperatures [default: as
+    /// --skip]
+    #[arg(long, value_name = "N", requires = "temperature_file")]
+    temperature_skip: Option<u64>,
+    /// Marks of missing values in the file of temperatures [default: as --missing]
+    #[arg(
+        long,
+        value_name = "MARK,MARK",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        requires = "temperature_file"
+    )]
+    temperature_missing: Vec<String>,
+}
+
+impl LayoutFlags {
+    /// The layout with these flags, and elsewhere as a scenario says.
+    pub fn over(&self, scenario: &Layout) -> Layout {
+        let LayoutFlags { time, zone, dates, skip, missing } = self;
+        let (time, zone) = (time.clone(), zone.clone());
+        Layout { time, zone, dates: *dates, skip: *skip, missing: missing.clone(), wording: Wording::Flag }
+            .over(scenario)
+    }
+}
+
+impl TemperatureLayoutFlags {
+    fn over(&self, other: &Layout) -> Layout {
+        let TemperatureLayoutFlags {
+            temperature_time,
+            temperature_zone,
+            temperature_dates,
+            temperature_skip,
+            temperature_missing,
+        } = self;
+        Layout {
+            time: temperature_time.clone(),
+            zone: temperature_zone.clone(),
+            dates: *temperature_dates,
+            skip: *temperature_skip,
+            missing: temperature_missing.clone(),
+            wording: Wording::TemperatureFlag,
+        }
+        .over(other)
+    }
+}
+
+fn dates(word: &str) -> Result<DateOrder, String> {
+    DateOrder::from_word(word).ok_or_else(|| "write ymd, dmy or mdy".to_string())
+}
+
+/// The columns and the layout of the files with the measurements of a bearing.
 #[derive(Debug, clap::Args)]
 pub struct Source {
-    /// The measurement, a CSV file with times, temperatures and displacements
+    /// The measurement, a CSV or HDF5 file with times, temperatures and displacements [default: the
+    /// files of the scenario, under displacement.series and temperature.series]
     #[arg(value_name = "DATA.csv")]
-    pub data: PathBuf,
+    data: Option<PathBuf>,
     /// The temperatures, if they are in a file of their own
-    #[arg(long, value_name = "FILE.csv")]
-    temperature: Option<PathBuf>,
+    #[arg(long, value_name = "FILE.csv", requires = "data")]
+    temperature_file: Option<PathBuf>,
+    /// The column of temperatures [default: the one whose name begins with `temperature`]
+    #[arg(long, value_name = "COLUMN")]
+    temperature: Option<String>,
+    /// The unit of temperatures, if the file does not say it: degC, K, degF or degR
+    #[arg(long, value_name = "U")]
+    temperature_unit: Option<String>,
     /// The column of displacements [default: the one whose name begins with `displacement`]
     #[arg(long, value_name = "COLUMN")]
     displacement: Option<String>,
-    /// The unit of displacements, if the name of their column does not say it: m, cm, mm or um
+    /// The unit of displacements, if the file does not say it: m, cm, mm or um
     #[arg(long, value_name = "U")]
-    unit: Option<String>,
+    displacement_unit: Option<String>,
+    #[command(flatten)]
+    layout: LayoutFlags,
+    #[command(flatten)]
+    of_temperatures: TemperatureLayoutFlags,
 }
 
 impl Source {
+    /// The file that messages name.
+    pub fn shown(&self) -> &Path {
+        self.data.as_deref().unwrap_or(Path::new("the measurement"))
+    }
+
     /// All files that a study of these measurements is made from: they, a scenario, and the
-    /// temperatures that it names.
+    /// measurements that it names.
     pub fn inputs(&self, scenario: &Path, scene: &BridgeScene) -> Vec<PathBuf> {
-        let named = results::with_series(scenario, scene.file.as_deref());
-        std::iter::once(&self.data).chain(&self.temperature).cloned().chain(named).collect()
+        let named = [&scene.temperature_source, &scene.displacement_source].map(|source| source.file.as_deref());
+        let named = named.into_iter().flat_map(|file| results::with_series(scenario, file));
+        self.data.iter().chain(&self.temperature_file).cloned().chain(named).collect()
     }
 
     /// Reads temperatures and displacements. Repairs are noted on standard error.
-    pub fn record(&self, scene: &BridgeScene) -> Result<MeasuredRecord, Failure> {
-        let wanted = [
-            Wanted::temperature(scene.value.as_deref()),
-            Wanted::displacement(self.displacement.as_deref(), self.unit.as_deref()),
-        ];
-        let temperatures = self.temperature.as_deref().map(Origin::File);
+    pub fn record(&self, scenario: &Path, scene: &BridgeScene) -> Result<MeasuredRecord, Failure> {
+        let displacement = ColumnSource {
+            file: scene.displacement_source.file.clone(),
+            column: self.displacement.clone().or_else(|| scene.displacement_source.column.clone()),
+            unit: self.displacement_unit.clone().or_else(|| scene.displacement_source.unit.clone()),
+            layout: self.layout.over(&scene.displacement_source.layout),
+        };
+        let temperature = ColumnSource {
+            file: scene.temperature_source.file.clone(),
+            column: self.temperature.clone().or_else(|| scene.temperature_source.column.clone()),
+            unit: self.temperature_unit.clone().or_else(|| scene.temperature_source.unit.clone()),
+            layout: self.of_temperatures.over(&self.layout.over(&scene.temperature_source.layout)),
+        };
+        let (data, temperatures) = match &self.data {
+            Some(data) => (data.clone(), self.temperature_file.clone()),
+            None => files_of(scenario, &displacement, &temperature)?,
+        };
+        let origin = temperatures.as_deref().map(Origin::File);
         let BearingData { temperature, displacement, repairs } =
-            BearingData::read(Origin::File(&self.data), temperatures, time(scene), wanted)?;
+            BearingData::read(Origin::File(&data), origin, &temperature, &displacement)?;
         repairs.iter().for_each(|sentence| note(sentence));
         Ok(MeasuredRecord::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]))
     }
+}
+
+/// The files that a scenario names: that of the displacements, and that of the temperatures if it is
+/// another one.
+fn files_of(
+    scenario: &Path,
+    displacement: &ColumnSource,
+    temperature: &ColumnSource,
+) -> Result<(PathBuf, Option<PathBuf>), Failure> {
+    let path = |file: &String| scenario.parent().unwrap_or(Path::new("")).join(file);
+    let Some(data) = displacement.file.as_ref().or(temperature.file.as_ref()).map(path) else {
+        let problem = format!("no measurement is given, and {} names none", scenario.display());
+        let remedy = "give DATA.csv, or write `file = \"data.csv\"` under [displacement.series], and under [temperature.series] if the \
+                      temperatures are in another file";
+        return Err(Failure::usage(problem, remedy));
+    };
+    let other = temperature.file.as_ref().map(path).filter(|file| *file != data);
+    Ok((data, other))
 }
 
 impl From<DataError> for Failure {

@@ -7,7 +7,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
 use stick_slip::config::Override;
-use stick_slip::data::{self, Start, Wanted};
+use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
 use stick_slip::store;
 
@@ -80,8 +80,12 @@ impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
-        writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
-        let (start, times, temperatures) = match &scene.file {
+        writable(
+            &self.output,
+            self.force,
+            results::with_series(&self.scenario, scene.temperature_source.file.as_deref()),
+        )?;
+        let (start, times, temperatures) = match &scene.temperature_source.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => self.drawn(&set)?,
         };
@@ -124,8 +128,9 @@ impl Twin {
 /// The measured temperature that a scenario names.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
-    let wanted = [Wanted::temperature(scene.value.as_deref())];
-    let mut table = data::read(&path, measurements::time(scene), &wanted)?;
+    let source = &scene.temperature_source;
+    let wanted = [source.wanted(ColumnQuantity::Temperature)];
+    let mut table = Origin::File(&path).read_in_seconds(&source.layout, &wanted)?;
     measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
     Ok((table.start, column.times, column.values))
@@ -136,8 +141,10 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Fai
 fn csv(made: &Made, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
     let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
     let start = start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
-    let temperature = scene.value.as_deref().unwrap_or("temperature_degC");
-    let mut text = format!("{},{temperature},displacement_mm\n", scene.time);
+    // A measured temperature is in the file in degrees Celsius, whatever its unit was.
+    let column = scene.temperature_source.column.as_deref().filter(|_| scene.temperature_source.unit.is_none());
+    let time = scene.temperature_source.layout.time.as_deref().filter(|name| !name.contains(',')).unwrap_or("time");
+    let mut text = format!("{time},{},displacement_mm\n", column.unwrap_or("temperature_degC"));
     for i in 0..made.times.len() {
         let stamp = start.after(made.times[i]).ok_or_else(out_of_calendar)?;
         let _ = writeln!(text, "{stamp},{:.3},{:.5}", made.temperatures[i], 1e3 * made.readings[i]);

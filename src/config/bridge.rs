@@ -5,6 +5,7 @@ use super::error::ScenarioError;
 use super::fields::Fields;
 use super::keys;
 use super::overrides::Override;
+use super::series::source;
 use super::source::Sources;
 use super::{text_of, tree};
 use crate::scenario::BridgeScene;
@@ -27,8 +28,9 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     let (oscillator, friction) = (root.table("oscillator"), root.table("friction"));
-    let (bearing, series) = (root.table("bearing"), root.table("temperature").table("series"));
-    let line = |key| Some(series.line_or(key, "")).filter(|text| !text.is_empty());
+    let bearing = root.table("bearing");
+    let temperature_source = source(&root.table("temperature").table("series"), None);
+    let displacement_source = source(&root.table("displacement").table("series"), Some(&temperature_source));
     let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
     let initial = root.table("initial").number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
     sources.outcome(BridgeScene {
@@ -40,10 +42,8 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
         shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value),
         offset: bearing.number_or(keys::OFFSET, 0.0),
         displacement: initial.and_then(Result::ok),
-        file: line(keys::FILE),
-        time: series.line_or(keys::SERIES_TIME, "time"),
-        value: line(keys::VALUE),
-        zone: line(keys::ZONE),
+        temperature_source,
+        displacement_source,
         text: sources.text.to_string(),
     })
 }

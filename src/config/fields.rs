@@ -328,6 +328,28 @@ impl<'a> Fields<'a> {
         }
     }
 
+    /// One line of text, if it is there and not empty.
+    pub fn line_if_present(&self, key: Key) -> Option<String> {
+        Some(self.line_or(key, "")).filter(|text| !text.is_empty())
+    }
+
+    /// Numbers and texts of an array, as texts; none if it is missing. A number or a text alone is
+    /// accepted as well.
+    pub fn marks(&self, key: Key) -> Vec<String> {
+        let Some(node) = self.node(key.name) else { return Vec::new() };
+        let items = if let Value::Array(items) = &node.value { &items[..] } else { std::slice::from_ref(node) };
+        let text = |item: &Node| match &item.value {
+            Value::Text(text) => Some(text.clone()),
+            _ => float(item).map(|number| number.to_string()),
+        };
+        let read: Option<Vec<String>> = items.iter().map(text).collect();
+        read.unwrap_or_else(|| {
+            let remedy = "write e.g. [-9999, \"no data\"]";
+            self.sources.report(wrong_kind(self.sources, node, &self.dotted(key.name), "numbers and texts", remedy));
+            Vec::new()
+        })
+    }
+
     /// Report that a key is missing, and return the number that replaces it.
     fn missing(&self, key: Key) -> f64 {
         if self.is_misread {

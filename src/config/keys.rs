@@ -92,6 +92,7 @@ keys! {
         OSCILLATOR = table("oscillator");
         FRICTION = table("friction");
         TEMPERATURE = table("temperature");
+        SENSOR = table("displacement");
         FORCE = table("force");
         INITIAL = table("initial");
         BEARING = table("bearing");
@@ -131,10 +132,27 @@ keys! {
         FILE = other("file", "relative to the folder of the scenario");
         SERIES_TIME = other("time", "its column of times");
         VALUE = other("value", "its column of temperatures");
+        UNIT = other("unit", "of the values");
         ZONE = other("zone", "of stamps that name none");
+        DATES = other("dates", "the order of year, month and day");
+        SKIP = other("skip", "lines before the names of the columns");
+        MISSING = other("missing", "marks of missing values");
         MAX_GAP = number("max_gap", "", "longest time between two samples", Range::Positive);
         START = other("start", "stamp of t = 0, as the samples say");
         HASH = other("hash", "of the samples");
+    }
+    "displacement" {
+        SENSOR_SERIES = table("series");
+    }
+    "displacement.series" {
+        SENSOR_FILE = FILE;
+        SENSOR_TIME = SERIES_TIME;
+        SENSOR_VALUE = VALUE;
+        SENSOR_UNIT = UNIT;
+        SENSOR_ZONE = ZONE;
+        SENSOR_DATES = DATES;
+        SENSOR_SKIP = SKIP;
+        SENSOR_MISSING = MISSING;
     }
     "temperature.noise" {
         INTENSITY = number("intensity", "rho", "weight of v in T", Range::NonNegative);

@@ -48,6 +48,8 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let read: Vec<Noise> = noises.iter().map(noise).collect();
     let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
+    // Only a calibration reads this table, but mistakes in it are reported by every command.
+    series::source(&root.table("displacement").table("series"), None);
     let (series, measured) = sources.or_report(series::series(sources, root)).flatten().unzip();
     let mut is_pinned = false;
     for table in &noises {

@@ -5,7 +5,7 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
 use super::source::{Samples, Sources};
-use crate::data::{self, ColumnQuantity, DataError, Name, Table, TimeColumn, Wanted};
+use crate::data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted};
 use crate::model::Series;
 use crate::scenario::Measured;
 use std::path::{Path, PathBuf};
@@ -23,15 +23,15 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         return Ok(Some((samples.clone(), in_memory())));
     }
     let Some(table) = root.table("temperature").table_if_present("series") else { return Ok(None) };
-    let line = |key, default| table.line_or(key, default);
+    let ColumnSource { file, column, unit, layout } = source(&table, None);
     let mut measured = Measured {
-        file: line(keys::FILE, ""),
-        time: line(keys::SERIES_TIME, "time"),
-        value: line(keys::VALUE, ""),
-        zone: line(keys::ZONE, ""),
+        file: file.unwrap_or_default(),
+        value: column.unwrap_or_default(),
+        unit,
+        layout,
         max_gap: table.span_if_present(keys::MAX_GAP),
         // If the samples are read from a file, this is overwritten with their first stamp.
-        start: Some(line(keys::START, "")).filter(|stamp| !stamp.is_empty()),
+        start: table.line_if_present(keys::START),
         repairs: Vec::new(),
     };
     let place = table.place_of("file");
@@ -39,7 +39,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
         return Err(table.missing_text("file", remedy));
     }
-    let hash = line(keys::HASH, "");
+    let hash = table.line_or(keys::HASH, "");
     let is_override = sources.is_override(place);
     let series = match sources.samples {
         Some(Samples::Stored(stored)) if !is_override => stored.clone(),
@@ -55,13 +55,32 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     Ok(Some((series, measured)))
 }
 
+/// Where values are measured, as a table says; what it does not say of the layout is as in another
+/// place, if there is one.
+pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> ColumnSource {
+    let given = Layout {
+        time: table.line_if_present(keys::SERIES_TIME),
+        zone: table.line_if_present(keys::ZONE),
+        dates: table.word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word)).and_then(DateOrder::from_word),
+        skip: table.place_of(keys::SKIP.name).map(|_| table.whole_or(keys::SKIP, 0, (0, 1_000_000))),
+        missing: table.marks(keys::MISSING),
+        ..Layout::default()
+    };
+    ColumnSource {
+        file: table.line_if_present(keys::FILE),
+        column: table.line_if_present(keys::VALUE),
+        unit: table.line_if_present(keys::UNIT),
+        layout: other.map_or(given.clone(), |other| given.over(&other.layout)),
+    }
+}
+
 /// The description of samples that come from memory and not from a file.
 fn in_memory() -> Measured {
     Measured {
         file: "memory".into(),
-        time: "time".into(),
         value: "temperature".into(),
-        zone: String::new(),
+        unit: None,
+        layout: Layout::timed("time"),
         max_gap: None,
         start: None,
         repairs: Vec::new(),
@@ -79,16 +98,13 @@ fn read(
         let fault = sources.fault(table.place_of("file"), problem, remedy);
         fault.of("temperature.series.file").value(format!("\"{}\"", measured.file))
     };
-    let time = TimeColumn { name: &measured.time, zone: Some(measured.zone.as_str()).filter(|zone| !zone.is_empty()) };
-    let column = match measured.value.as_str() {
-        "" => Name::Beginning("temperature"),
-        name => Name::Exactly(name),
-    };
+    let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
+    let wanted = Wanted::of(ColumnQuantity::Temperature, column, measured.unit.as_deref());
     let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
-        let wanted = [Wanted { column, quantity: ColumnQuantity::Temperature, unit: None, max_gap }];
+        let wanted = [Wanted { max_gap, ..wanted }];
         match sources.data(&measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
-            Some(text) => data::parse(&measured.file, text.as_bytes(), time, &wanted),
-            None => data::read(&sources.path_of(&measured.file), time, &wanted),
+            Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
+            None => Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted),
         }
     };
     let cannot = |error: DataError| {
@@ -109,13 +125,14 @@ fn read(
         let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
         return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));
     }
-    let Table { start, columns, repairs, .. } = found;
+    let Table { start, time, columns, repairs, .. } = found;
     let Some(column) = columns.into_iter().next() else {
         return Err(fault("has no column of temperatures".into(), "name one as `value`".into()));
     };
     let series = Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "mend the file".into()))?;
     *measured = Measured {
         value: column.name,
+        layout: Layout { time: Some(time), ..measured.layout.clone() },
         max_gap,
         start: start.map(|start| start.to_string()),
         repairs: repairs.sentences(),

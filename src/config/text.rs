@@ -225,13 +225,23 @@ fn noise(text: &mut String, Noise { intensity, relaxation_rate, diffusion, initi
 }
 
 fn series(text: &mut String, measured: &Measured, samples: &Series) {
-    let Measured { file, time, value, zone, max_gap, start, .. } = measured;
+    let Measured { file, value, unit, layout, max_gap, start, .. } = measured;
     table(text, "temperature.series");
     other(text, keys::FILE, &string(file));
-    other(text, keys::SERIES_TIME, &string(time));
-    other(text, keys::VALUE, &string(value));
-    if !zone.is_empty() {
-        other(text, keys::ZONE, &string(zone));
+    let skip = layout.skip.map(|lines| lines.to_string());
+    let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
+    for (key, given) in [
+        (keys::SERIES_TIME, layout.time.as_deref().map(string)),
+        (keys::VALUE, Some(string(value))),
+        (keys::UNIT, unit.as_deref().map(string)),
+        (keys::ZONE, layout.zone.as_deref().map(string)),
+        (keys::DATES, layout.dates.map(|order| string(order.word()))),
+        (keys::SKIP, skip),
+        (keys::MISSING, Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty())),
+    ] {
+        if let Some(given) = given {
+            other(text, key, &given);
+        }
     }
     if let Some(max_gap) = *max_gap {
         number(text, keys::MAX_GAP, max_gap);

@@ -1,5 +1,8 @@
-//! The column of times: stamps with their time zones, or numbers.
+//! The column of times: stamps with their time zones, dates as numbers, or plain numbers.
 
+use super::error::ProblemAndRemedy;
+use super::query::{DateOrder, Layout, Wording};
+use super::stamp::{self, Stamp};
 use super::unit::{self, Unit};
 use jiff::civil::DateTime;
 use jiff::fmt::temporal::DateTimeParser;
@@ -23,9 +26,10 @@ impl Start {
     /// in a CF file. Without a zone it is UTC.
     #[cfg(feature = "store")]
     pub(super) fn of_calendar(text: &str) -> Option<Self> {
-        let text = text.trim().trim_end_matches(" UTC");
-        let utc = |time: DateTime| time.to_zoned(TimeZone::UTC).ok().map(|zoned| Start(zoned.timestamp()));
-        Start::parse(text).or_else(|| PARSER.parse_datetime(text).ok().and_then(utc))
+        let stamp = stamp::stamp(text, None)?;
+        let zone = stamp.offset.map_or(TimeZone::UTC, TimeZone::fixed);
+        let zoned = stamp.local.to_zoned(zone).ok()?;
+        zoned.timestamp().checked_add(stamp.later).ok().map(Start)
     }
 
     /// Seconds from `earlier` to this instant.
@@ -47,30 +51,62 @@ impl fmt::Display for Start {
     }
 }
 
-/// Reads the cells of the time column one after the other and gives seconds.
-pub(super) enum Clock {
-    /// The cells are numbers. They are converted to seconds if the name of the column gives a unit.
-    Numbers { unit: Option<Unit>, first: Option<f64> },
-    /// The cells are stamps.
-    Stamps { zone: Option<TimeZone>, first: Option<Timestamp>, previous: Option<Timestamp>, folds: u64 },
+/// What the cells of a column of times are.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Kind {
+    /// Numbers. They are converted to seconds if their unit is known.
+    Numbers { unit: Option<Unit> },
+    /// Dates.
+    Stamps,
+    /// Dates as whole numbers of so many digits, such as 2025010123.
+    Compact(usize),
+    /// So many of them in a second, since 1970 in UTC.
+    Epoch(f64),
+    /// The days of a spreadsheet.
+    Serial,
 }
 
-/// What is wrong with a time, and the remedy.
-pub(super) type ProblemAndRemedy = (String, String);
+/// Reads the cells of the time column one after the other and gives seconds.
+pub(super) struct Clock {
+    kind: Kind,
+    zone: Option<TimeZone>,
+    order: Option<DateOrder>,
+    wording: Wording,
+    /// The first number, or the first and the latest instant.
+    origin: Option<f64>,
+    first: Option<Timestamp>,
+    previous: Option<Timestamp>,
+    /// Number of stamps that fell in an hour which occurs twice, when clocks are put back.
+    pub folds: u64,
+}
 
 fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, ProblemAndRemedy> {
     Err((problem.into(), remedy.into()))
 }
 
+/// The numbers of days of a spreadsheet from 1954 to 2119, and those that are so likely such days
+/// that no zone is needed to suspect it: from 2000 to 2051.
+const SERIAL_DAYS: std::ops::Range<f64> = 20_000.0..80_000.0;
+const LIKELY_SERIAL_DAYS: std::ops::Range<f64> = 36_526.0..55_153.0;
+
+/// How many seconds, milliseconds, microseconds and nanoseconds since 1970 there are in a number,
+/// from 1999 to 2100, if it is such a number.
+fn per_second_since_epoch(number: f64) -> Option<f64> {
+    [1.0, 1e3, 1e6, 1e9].into_iter().find(|per_second| (9.4e8..4.1e9).contains(&(number / per_second)))
+}
+
 impl Clock {
-    /// A reader for a column with this name, this zone for stamps without one, and this first cell.
-    pub fn new(column: &str, zone: Option<&str>, first: &[u8]) -> Result<Self, ProblemAndRemedy> {
-        let number = std::str::from_utf8(first).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok());
-        if number {
-            return Ok(Clock::Numbers { unit: unit::of_time(column), first: None });
-        }
-        let zone = match zone {
-            None => None,
+    /// A reader for a column with this name, or this unit below its name, and this first cell.
+    pub fn new(
+        column: &str,
+        unit_below: Option<&str>,
+        layout: &Layout,
+        order: Option<DateOrder>,
+        first: &str,
+    ) -> Result<Self, ProblemAndRemedy> {
+        let unit = unit::of_time(column).or_else(|| unit_below.and_then(unit::time));
+        let kind = kind(column, unit, layout, first)?;
+        let zone = match &layout.zone {
             Some(name) => match PARSER.parse_time_zone(name) {
                 Ok(zone) => Some(zone),
                 Err(_) => {
@@ -78,69 +114,166 @@ impl Clock {
                     return wrong(format!("cannot be read, because no time zone is called \"{name}\""), remedy);
                 }
             },
+            None => zone_in(column),
         };
-        Ok(Clock::Stamps { zone, first: None, previous: None, folds: 0 })
+        Ok(Clock { kind, zone, order, wording: layout.wording, origin: None, first: None, previous: None, folds: 0 })
     }
 
     /// Whether times are in seconds. Numbers in a column whose name gives no unit stay in their
     /// own, unknown unit.
     pub fn in_seconds(&self) -> bool {
-        !matches!(self, Clock::Numbers { unit: None, .. })
+        self.kind != Kind::Numbers { unit: None }
     }
 
-    /// The instant from which times count, if the cells are stamps.
+    /// The instant from which times count, if the cells are dates.
     pub fn first(&self) -> Option<Start> {
-        match self {
-            Clock::Stamps { first, .. } => first.map(Start),
-            Clock::Numbers { .. } => None,
-        }
-    }
-
-    /// Number of stamps that fell in an hour which occurs twice, when clocks are put back.
-    pub fn folds(&self) -> u64 {
-        match self {
-            Clock::Stamps { folds, .. } => *folds,
-            Clock::Numbers { .. } => 0,
-        }
+        self.first.map(Start)
     }
 
     /// The time of a cell since the first cell.
-    pub fn read(&mut self, cell: &[u8], number: impl Fn(&[u8]) -> Option<f64>) -> Result<f64, ProblemAndRemedy> {
-        match self {
-            Clock::Numbers { unit, first } => {
-                let Some(time) = number(cell).filter(|time| time.is_finite()) else {
-                    return wrong("is not a number, as the times before it are", "mend the row");
-                };
-                let since = time - *first.get_or_insert(time);
-                Ok(unit.map_or(since, |unit| unit.of(since)))
+    pub fn read(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
+        let as_before = |what: &str| (format!("is not {what}, as the times before it are"), "mend the row".to_string());
+        let number = || number(cell).filter(|time| time.is_finite());
+        let stamp = match self.kind {
+            Kind::Numbers { unit } => {
+                let time = number().ok_or_else(|| as_before("a number"))?;
+                let since = time - *self.origin.get_or_insert(time);
+                return Ok(unit.map_or(since, |unit| unit.of(since)));
             }
-            Clock::Stamps { zone, first, previous, folds } => {
-                let (stamp, fold) = instant(cell, zone.as_ref(), *previous)?;
-                *folds += u64::from(fold);
-                *previous = Some(stamp);
-                let since = stamp.duration_since(*first.get_or_insert(stamp));
-                Ok(since.as_secs() as f64 + f64::from(since.subsec_nanos()) / 1e9)
+            Kind::Epoch(per_second) => {
+                let time = number().ok_or_else(|| as_before("a number"))?;
+                let origin = *self.origin.get_or_insert(time);
+                if self.first.is_none() {
+                    let since_1970 = SignedDuration::try_from_secs_f64(time / per_second).unwrap_or_default();
+                    self.first = Timestamp::UNIX_EPOCH.checked_add(since_1970).ok();
+                }
+                return Ok((time - origin) / per_second);
             }
+            Kind::Serial => number().and_then(stamp::serial).ok_or_else(|| as_before("a number"))?,
+            Kind::Compact(digits) => {
+                let read = Some(cell).filter(|cell| cell.len() == digits).and_then(stamp::compact);
+                read.ok_or_else(|| as_before(&format!("a date of {digits} digits")))?
+            }
+            Kind::Stamps => match stamp::instant(cell) {
+                Some(instant) => return Ok(self.since_first(instant)),
+                None => match stamp::stamp(cell, self.order) {
+                    Some(stamp) => stamp,
+                    None => return self.no_stamp(cell),
+                },
+            },
+        };
+        let (instant, is_fold) = self.instant(&stamp)?;
+        self.folds += u64::from(is_fold);
+        Ok(self.since_first(instant))
+    }
+
+    /// Why a cell is no stamp.
+    fn no_stamp(&self, cell: &str) -> Result<f64, ProblemAndRemedy> {
+        match self.order {
+            _ if stamp::is_time_of_day(cell) => wrong(
+                "is a time of day without a date",
+                format!("name the columns of both, e.g. {}", self.wording.option("time", "Date,Time")),
+            ),
+            None if stamp::needs_order(cell) => wrong(
+                "is a date whose day and month may be exchanged, and so are all others",
+                format!(
+                    "say the order, {} or {}{}",
+                    self.wording.option("dates", "dmy"),
+                    self.wording.option("dates", "mdy"),
+                    if self.zone.is_none() {
+                        format!(", and the zone, e.g. {}", self.wording.option("zone", "UTC"))
+                    } else {
+                        String::new()
+                    }
+                ),
+            ),
+            _ => wrong(
+                "is no time that can be read",
+                "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, or numbers in a column such as `time_s`",
+            ),
         }
+    }
+
+    fn since_first(&mut self, instant: Timestamp) -> f64 {
+        self.previous = Some(instant);
+        let since = instant.duration_since(*self.first.get_or_insert(instant));
+        since.as_secs() as f64 + f64::from(since.subsec_nanos()) / 1e9
+    }
+
+    /// The instant of a stamp, and whether it fell in an hour which occurs twice.
+    fn instant(&self, stamp: &Stamp) -> Result<(Timestamp, bool), ProblemAndRemedy> {
+        let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());
+        let (instant, is_fold) = match (stamp.offset, &self.zone) {
+            (Some(offset), _) => (offset.to_timestamp(stamp.local).map_err(beyond)?, false),
+            (None, Some(zone)) => in_zone(stamp.local, zone, self.previous, self.wording)?,
+            (None, None) => {
+                let what = match self.kind {
+                    Kind::Stamps => "is a stamp without a zone".to_string(),
+                    _ => format!("is the date {} without a zone", stamp.local),
+                };
+                let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
+                return wrong(
+                    what,
+                    format!("say in which zone the clock ran: {utc}, {paris} or an offset such as +01:00"),
+                );
+            }
+        };
+        Ok((instant.checked_add(stamp.later).map_err(beyond)?, is_fold))
     }
 }
 
-/// The instant of a stamp, and whether it fell in an hour which occurs twice.
-fn instant(
-    cell: &[u8],
-    zone: Option<&TimeZone>,
-    previous: Option<Timestamp>,
-) -> Result<(Timestamp, bool), ProblemAndRemedy> {
-    // Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.
-    if cell.iter().skip(10).any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-')) {
-        return PARSER.parse_timestamp(cell).map(|stamp| (stamp, false)).or_else(|_| not_a_stamp());
+/// What the cells of a column are, from the first of them.
+fn kind(column: &str, unit: Option<Unit>, layout: &Layout, first: &str) -> Result<Kind, ProblemAndRemedy> {
+    let Some(number) = number(first) else { return Ok(Kind::Stamps) };
+    let compact = stamp::compact(first);
+    if let Some(unit) = unit {
+        if let Some(stamp) = compact.filter(|_| first.len() > 8 && unit.of(1.0) >= 1.0) {
+            let problem =
+                format!("looks like the date {}, and the name of its column says a unit of time", stamp.local);
+            return wrong(problem, format!("take the unit out of the name, e.g. `{}`", without_unit(column)));
+        }
+        if layout.zone.is_some() {
+            return wrong("is a plain number, and a zone was given, which is for dates", "leave out the zone");
+        }
+        return Ok(Kind::Numbers { unit: Some(unit) });
     }
-    let local = PARSER.parse_datetime(cell).or_else(|_| not_a_stamp())?;
-    let Some(zone) = zone else {
-        let remedy = "say in which zone the clock ran: `zone = \"UTC\"`, \"Europe/Paris\" or \"+01:00\"";
-        return wrong("is a stamp without a zone", remedy);
-    };
-    in_zone(local, zone, previous)
+    if compact.is_some() {
+        return Ok(Kind::Compact(first.len()));
+    }
+    if let Some(per_second) = per_second_since_epoch(number) {
+        return Ok(Kind::Epoch(per_second));
+    }
+    match (layout.zone.is_some(), stamp::serial(number)) {
+        (true, Some(_)) if SERIAL_DAYS.contains(&number) => Ok(Kind::Serial),
+        (true, _) => wrong(
+            "is a plain number, and a zone was given, which is for dates",
+            format!("leave out the zone, or name the column of dates, e.g. {}", layout.wording.option("time", "Date")),
+        ),
+        (false, Some(stamp)) if LIKELY_SERIAL_DAYS.contains(&number) => wrong(
+            format!("may be a day of a spreadsheet, {}, or a plain number", stamp.local),
+            format!(
+                "for a day, say in which zone the clock ran: {}; for a number, put its unit into the name of the column, e.g. `{column}_s`",
+                layout.wording.option("zone", "UTC")
+            ),
+        ),
+        _ => Ok(Kind::Numbers { unit: None }),
+    }
+}
+
+fn without_unit(column: &str) -> &str {
+    column.split(['_', '[', '(', ' ']).next().filter(|name| !name.is_empty()).unwrap_or("time")
+}
+
+/// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Time (UTC)`, `time_utc`.
+fn zone_in(column: &str) -> Option<TimeZone> {
+    let upper = column.to_uppercase();
+    let at = ["UTC", "GMT"].iter().filter_map(|name| upper.rfind(name)).max()?;
+    let text: String = upper[at..].chars().take_while(|c| c.is_ascii_alphanumeric() || "+-:".contains(*c)).collect();
+    stamp::offset(text.trim_end_matches([':', '-', '+'])).map(TimeZone::fixed)
+}
+
+fn number(cell: &str) -> Option<f64> {
+    if cell.contains(',') { cell.replacen(',', ".", 1).parse().ok() } else { cell.parse().ok() }
 }
 
 /// The instant of a local time. A time that the clocks skipped is an error. A time that occurred
@@ -149,14 +282,16 @@ fn in_zone(
     local: DateTime,
     zone: &TimeZone,
     previous: Option<Timestamp>,
+    wording: Wording,
 ) -> Result<(Timestamp, bool), ProblemAndRemedy> {
     let found = zone.to_ambiguous_timestamp(local);
     let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());
+    let fixed = || wording.option("zone", "+01:00");
     match found.offset() {
         AmbiguousOffset::Unambiguous { .. } => found.unambiguous().map(|stamp| (stamp, false)).map_err(beyond),
         AmbiguousOffset::Gap { .. } => wrong(
             "never was in this zone, whose clocks skipped that hour",
-            "if the logger keeps one time the whole year, say which: `zone = \"UTC\"` or an offset such as \"+01:00\"",
+            format!("if the logger keeps one time the whole year, say which, e.g. {}", fixed()),
         ),
         AmbiguousOffset::Fold { .. } => {
             let both = [found.earlier().map_err(beyond)?, found.later().map_err(beyond)?];
@@ -164,16 +299,12 @@ fn in_zone(
                 Some(stamp) => Ok((stamp, true)),
                 None => wrong(
                     "was twice in this zone, whose clocks were put back, and both times lie before the row above",
-                    "sort the rows, write stamps with their offset, or say the zone that the logger keeps the whole year",
+                    format!(
+                        "sort the rows, write stamps with their offset, or say the zone that the logger keeps the whole year, e.g. {}",
+                        fixed()
+                    ),
                 ),
             }
         }
     }
-}
-
-fn not_a_stamp<T>() -> Result<T, ProblemAndRemedy> {
-    wrong(
-        "is no time that can be read",
-        "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, year first, or numbers in a column such as `time_s`",
-    )
 }

@@ -15,6 +15,8 @@ pub struct DataError {
     pub problem: String,
     /// What would be right.
     pub remedy: String,
+    /// What else is wrong, in the same file or in one that is read together with it.
+    pub also: Option<Box<DataError>>,
 }
 
 /// One cell of a file.
@@ -26,13 +28,30 @@ pub struct TableCell {
     pub value: String,
 }
 
+/// What is wrong with a cell or a column, and the remedy.
+pub(super) type ProblemAndRemedy = (String, String);
+
 /// Longest quoted cell, in characters.
 const QUOTE_LENGTH: usize = 40;
 
 impl DataError {
     /// An error of the file as a whole.
     pub(super) fn file(file: &str, problem: String, remedy: &str) -> Self {
-        DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into() }
+        DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into(), also: None }
+    }
+
+    /// This error, with another one behind it.
+    pub(super) fn and(self, other: DataError) -> Self {
+        let also = match self.also {
+            Some(also) => also.and(other),
+            None => other,
+        };
+        DataError { also: Some(Box::new(also)), ..self }
+    }
+
+    /// All errors as one; none if there are none.
+    pub(super) fn of_all(errors: impl IntoIterator<Item = DataError>) -> Option<Self> {
+        errors.into_iter().reduce(DataError::and)
     }
 
     /// The same error, at this line.
@@ -65,7 +84,8 @@ impl fmt::Display for DataError {
         if let Some(cell) = &self.cell {
             write!(f, "`{}` = \"{}\" ", cell.column, cell.value)?;
         }
-        write!(f, "{}\n  fix: {}", self.problem, self.remedy)
+        write!(f, "{}\n  fix: {}", self.problem, self.remedy)?;
+        self.also.as_ref().map_or(Ok(()), |also| write!(f, "\n{also}"))
     }
 }
 

@@ -2,14 +2,22 @@
 //! only module that uses the crates `csv-core` and `jiff`.
 //!
 //! ```text
-//! rows      bytes -> the header and one row after the other: separators, quotes, comments
+//! encoding  the bytes of a file -> UTF-8
+//! rows      the cells of one row after the other: separators, quotes, comments
+//! header    the line that names the columns, and which of them are wanted
 //! unit      the unit that the name of a column gives
-//! clock     a cell of the time column -> seconds: stamps, zones, numbers
-//! table     the rows in order of time, checked and repaired: a Table
+//! stamp     a date and a time of day, as loggers and spreadsheets write them
+//! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
+//! marks     which cells hold no value
+//! outliers  values that differ strongly from those around them
+//! column    the samples of one column, checked, sorted and repaired
+//! repairs   what was repaired and assumed, in sentences
+//! table     the rows in order of time: a Table
+//! arrays    measurements in memory, with the same checks and repairs
 //! hdf5      variables of an HDF5 file as rows (feature `store`)
 //! pair      temperatures and displacements of a bearing on one time axis, from one file or two
 //! span      "6h" as seconds
-//! query     which columns are wanted, and how they are read
+//! query     which columns are wanted, and how a file is laid out
 //! error     what is wrong with a file, and where
 //! ```
 //!
@@ -17,28 +25,41 @@
 //! out, and a repeated row is used once. Anything that could be read in two ways is an error with
 //! its line.
 
+mod arrays;
 mod clock;
+mod column;
+mod encoding;
 mod error;
 #[cfg(feature = "store")]
 mod hdf5;
+mod header;
+#[cfg(test)]
+mod logger_tests;
+mod marks;
+mod outliers;
 mod pair;
 mod query;
+mod repairs;
 mod rows;
 mod span;
+mod stamp;
 mod table;
 #[cfg(test)]
 mod tests;
 mod unit;
 
+pub use arrays::{Array, arrays};
 pub use clock::Start;
+pub use column::{DataColumn, absurd, is_constant};
 pub use error::{DataError, TableCell};
-pub use pair::{BearingData, Origin};
-pub use query::{Name, TimeColumn, Wanted};
+pub use outliers::{median, resolution, spikes, spread};
+pub use pair::{BearingData, ColumnSource, Origin};
+pub use query::{DateOrder, Layout, Name, Wanted, Wording};
+pub use repairs::{ColumnRepairs, Repairs};
 pub use span::seconds;
-pub use table::{DataColumn, Repairs, Table, absurd, is_constant};
+pub use table::Table;
 pub use unit::ColumnQuantity;
 
-use rows::CsvRows;
 use std::io::Read as _;
 use std::path::Path;
 
@@ -47,7 +68,7 @@ const MAX_FILE: u64 = 1 << 30;
 
 /// Read columns of a CSV file in one pass, or, with the feature `store`, variables of an HDF5 file
 /// along one dimension. Fails with a [`DataError`] that names the file, the place and the remedy.
-pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let name = path.display().to_string();
     let unreadable = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
     if path.is_dir() {
@@ -69,26 +90,37 @@ pub fn read(path: &Path, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<
     }
     #[cfg(feature = "store")]
     if bytes.starts_with(hdf5::SIGNATURE) {
-        return hdf5::read(path, time, wanted);
+        return hdf5::read(path, layout, wanted);
     }
-    parse(&name, &bytes, time, wanted)
+    parse(&name, &bytes, layout, wanted)
 }
 
 /// Read columns of a CSV text; messages call it `name`.
 ///
 /// ```
-/// use stick_slip::data::{ColumnQuantity, Name, TimeColumn, Wanted, parse};
+/// use stick_slip::data::{ColumnQuantity, Layout, Wanted, parse};
 ///
-/// let text = b"time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";
-/// let temperature =
-///     Wanted { column: Name::Exactly("temperature_degC"), quantity: ColumnQuantity::Temperature, unit: None, max_gap: None };
-/// let table = parse("t.csv", text, TimeColumn { name: "time", zone: Some("UTC") }, &[temperature])?;
+/// let text = "time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";
+/// let layout = Layout { zone: Some("UTC".into()), ..Layout::default() };
+/// let table = parse("t.csv", text.as_bytes(), &layout, &[Wanted::of(ColumnQuantity::Temperature, None, None)])?;
 /// assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, 1200.0][..], &[15.5, 14.8][..]));
 /// let repairs = ["left out 1 cell without a value in `temperature_degC`", "read 2 decimal commas"];
 /// assert_eq!(table.repairs.sentences(), repairs);
 /// # Ok::<(), stick_slip::data::DataError>(())
 /// ```
-pub fn parse(name: &str, bytes: &[u8], time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
-    let (rows, header) = CsvRows::open(name, bytes)?;
-    table::table(name, &header, rows, time, wanted)
+pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+    let foreign = |what: &str, remedy| DataError::file(name, format!("it is {what}"), remedy);
+    if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
+        return Err(foreign("an HDF5 file, not CSV", "write its columns as CSV"));
+    }
+    if bytes.starts_with(b"PK\x03\x04") {
+        return Err(foreign("a spreadsheet or another zip archive, not CSV", "export the sheet as CSV"));
+    }
+    let Some((text, encoding)) = encoding::decoded(bytes) else {
+        return Err(foreign("binary, or UTF-16 without a byte-order mark", "save it as CSV in UTF-8"));
+    };
+    let (rows, header) = header::open(name, &text, layout, wanted)?;
+    let mut table = table::table(name, &header, rows, layout, wanted)?;
+    table.repairs.encoding = encoding.name();
+    Ok(table)
 }

@@ -1,8 +1,10 @@
 //! Temperatures and displacements on one time axis, from one file or from two.
 
+use super::column::DataColumn;
 use super::error::DataError;
-use super::query::{TimeColumn, Wanted};
-use super::table::{DataColumn, Table};
+use super::query::{Layout, Wanted};
+use super::table::Table;
+use super::unit::ColumnQuantity;
 use super::{parse, read};
 use std::path::Path;
 
@@ -24,18 +26,47 @@ impl Origin<'_> {
         }
     }
 
+    /// Read columns, whatever the unit of their times is.
+    pub fn read(&self, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+        match self {
+            Origin::File(path) => read(path, layout, wanted),
+            Origin::Text(name, text) => parse(name, text.as_bytes(), layout, wanted),
+        }
+    }
+
     /// Read columns whose times are in seconds. Times of an unknown unit are an error.
-    pub fn read_in_seconds(&self, time: TimeColumn<'_>, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
-        let table = match self {
-            Origin::File(path) => read(path, time, wanted)?,
-            Origin::Text(name, text) => parse(name, text.as_bytes(), time, wanted)?,
-        };
+    pub fn read_in_seconds(&self, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
+        let table = self.read(layout, wanted)?;
         if table.in_seconds {
             return Ok(table);
         }
-        let problem = format!("the name of column `{}` says no unit of time", time.name);
-        let remedy = "rename it, e.g. to `time_s` or `time_h`, and say so where the column is named";
-        Err(DataError::file(&self.name(), problem, remedy))
+        let problem = format!("the name of column `{}` says no unit of time", table.time);
+        let renamed = layout.wording.option("time", "time_h");
+        let remedy = format!(
+            "rename it in the file, e.g. to `time_s` or `time_h`, and name the column as it is then, e.g. {renamed}"
+        );
+        Err(DataError::file(&self.name(), problem, &remedy))
+    }
+}
+
+/// A column of a file: which file, which column, its unit, and how the file is laid out, as far as
+/// they are given.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ColumnSource {
+    /// The file.
+    pub file: Option<String>,
+    /// The name of the column of values. Without it, the column whose name begins with the quantity.
+    pub column: Option<String>,
+    /// The unit of the values, if the file does not say it.
+    pub unit: Option<String>,
+    /// How the file is laid out.
+    pub layout: Layout,
+}
+
+impl ColumnSource {
+    /// The column that is wanted.
+    pub fn wanted(&self, quantity: ColumnQuantity) -> Wanted<'_> {
+        Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref())
     }
 }
 
@@ -51,33 +82,41 @@ pub struct BearingData {
 }
 
 impl BearingData {
-    /// Read a temperature and a displacement from one file. If the temperatures are in a file of
-    /// their own, read both files; their times must then be stamps.
+    /// Read a temperature and a displacement from one file, which is laid out as that of the
+    /// displacements. If the temperatures are in a file of their own, read both files; their times
+    /// must then be dates. What is wrong is said of both files at once.
     pub fn read(
         data: Origin<'_>,
         temperatures: Option<Origin<'_>>,
-        time: TimeColumn<'_>,
-        [temperature, displacement]: [Wanted<'_>; 2],
+        temperature: &ColumnSource,
+        displacement: &ColumnSource,
     ) -> Result<BearingData, DataError> {
-        let mut repairs = Vec::new();
-        let mut read = |origin: Origin<'_>, wanted: &[Wanted<'_>]| {
-            let table = origin.read_in_seconds(time, wanted)?;
-            repairs.extend(table.repairs.sentences().iter().map(|sentence| format!("{}: {sentence}", origin.name())));
-            Ok::<_, DataError>(table)
+        let air = temperature.wanted(ColumnQuantity::Temperature);
+        let sensor = displacement.wanted(ColumnQuantity::Displacement);
+        let said = |origin: &Origin<'_>, table: &Table| -> Vec<String> {
+            table.repairs.sentences().iter().map(|sentence| format!("{}: {sentence}", origin.name())).collect()
         };
         let Some(other) = temperatures else {
-            let mut table = read(data, &[temperature, displacement])?;
+            let mut table = data.read_in_seconds(&displacement.layout, &[air, sensor])?;
             let displacement = table.columns.swap_remove(1);
             let temperature = table.columns.swap_remove(0);
-            return Ok(BearingData { temperature, displacement, repairs });
+            return Ok(BearingData { temperature, displacement, repairs: said(&data, &table) });
         };
-        let (mut air, mut sensor) = (read(other, &[temperature])?, read(data, &[displacement])?);
+        let air = other.read_in_seconds(&temperature.layout, &[air]);
+        let sensor = data.read_in_seconds(&displacement.layout, &[sensor]);
+        let (mut air, mut sensor) = match (air, sensor) {
+            (Ok(air), Ok(sensor)) => (air, sensor),
+            (Err(air), Err(sensor)) => return Err(air.and(sensor)),
+            (Err(error), _) | (_, Err(error)) => return Err(error),
+        };
         let (Some(first), Some(later)) = (&air.start, &sensor.start) else {
-            let problem = format!("it has no stamps in common with {}", other.name());
-            let remedy = "give times as stamps, such as 2015-08-13T00:10:00Z, or one file";
-            return Err(DataError::file(&data.name(), problem, remedy));
+            let numbered = if sensor.start.is_none() { &data } else { &other };
+            let problem = "its times are numbers, which cannot be placed beside those of a second file".to_string();
+            let remedy = "give dates as times in both files, such as 2015-08-13T00:10:00Z, or both columns in one file";
+            return Err(DataError::file(&numbered.name(), problem, remedy));
         };
         let later = later.since(first);
+        let repairs = [said(&other, &air), said(&data, &sensor)].concat();
         let mut displacement = sensor.columns.swap_remove(0);
         displacement.times.iter_mut().for_each(|time| *time += later);
         Ok(BearingData { temperature: air.columns.swap_remove(0), displacement, repairs })

@@ -1,14 +1,129 @@
-//! Which columns of a file are wanted.
+//! Which columns of a file are wanted, and how the file is laid out.
 
 use super::unit::ColumnQuantity;
 
-/// The column of times.
-#[derive(Clone, Copy, Debug)]
-pub struct TimeColumn<'a> {
-    /// Its name in the header.
-    pub name: &'a str,
+/// The order of day, month and year in a date.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DateOrder {
+    /// 2015-08-13.
+    YearMonthDay,
+    /// 13.08.2015.
+    DayMonthYear,
+    /// 8/13/2015.
+    MonthDayYear,
+}
+
+impl DateOrder {
+    /// All orders, with the words for them.
+    pub const WORDS: [(&'static str, DateOrder); 3] =
+        [("ymd", DateOrder::YearMonthDay), ("dmy", DateOrder::DayMonthYear), ("mdy", DateOrder::MonthDayYear)];
+
+    /// The word for this order.
+    pub fn word(self) -> &'static str {
+        Self::WORDS.iter().find(|(_, order)| *order == self).map_or("", |(word, _)| word)
+    }
+
+    /// The order that a word stands for.
+    pub fn from_word(word: &str) -> Option<Self> {
+        Self::WORDS.iter().find(|(name, _)| name.eq_ignore_ascii_case(word.trim())).map(|(_, order)| *order)
+    }
+}
+
+/// In which words a remedy names an option, because the same option is a key of a scenario, a flag
+/// of a command, and an argument in Python.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Wording {
+    /// `zone = "UTC"`
+    #[default]
+    Key,
+    /// `--zone UTC`
+    Flag,
+    /// `--temperature-zone UTC`, where the temperatures have a file of their own.
+    TemperatureFlag,
+    /// `zone="UTC"`
+    Argument,
+}
+
+impl Wording {
+    /// An option of the layout with a value.
+    pub(super) fn option(self, name: &str, value: &str) -> String {
+        match self {
+            Wording::Key => format!("`{name} = {}`", literal(value)),
+            Wording::Flag => format!("`--{name} {}`", shell(value)),
+            Wording::TemperatureFlag => format!("`--temperature-{name} {}`", shell(value)),
+            Wording::Argument => format!("`{name}={}`", literal(value)),
+        }
+    }
+
+    /// The option that names the column of a quantity.
+    pub(super) fn column(self, quantity: ColumnQuantity, name: &str) -> String {
+        match self {
+            Wording::Key => format!("`value = {}`", literal(name)),
+            Wording::Argument => format!("`{}={}`", quantity.word(), literal(name)),
+            _ => format!("`--{} {}`", quantity.word(), shell(name)),
+        }
+    }
+
+    /// The option that gives the unit of a quantity.
+    pub(super) fn unit(self, quantity: ColumnQuantity, unit: &str) -> String {
+        match self {
+            Wording::Key => format!("`unit = {}`", literal(unit)),
+            Wording::Argument => format!("`{}_unit={}`", quantity.word(), literal(unit)),
+            _ => format!("`--{}-unit {unit}`", quantity.word()),
+        }
+    }
+}
+
+/// A value as TOML and Python write it.
+fn literal(value: &str) -> String {
+    if value.parse::<u64>().is_ok() { value.to_string() } else { format!("\"{value}\"") }
+}
+
+/// A value as a shell takes it.
+fn shell(value: &str) -> String {
+    let is_plain = |c: char| c.is_ascii_alphanumeric() || "_-.,:/+=".contains(c);
+    if !value.is_empty() && value.chars().all(is_plain) { value.to_string() } else { format!("'{value}'") }
+}
+
+/// How a file is laid out, as far as the file does not say so itself.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Layout {
+    /// The name of the column of times, or those of a column of dates and one of times of day with
+    /// a comma between them. Without it, the column is found by usual names such as `time`,
+    /// `Timestamp` or `Date/Time`.
+    pub time: Option<String>,
     /// The time zone of stamps that name none: an IANA name, or an offset such as `+01:00`.
-    pub zone: Option<&'a str>,
+    pub zone: Option<String>,
+    /// The order of day, month and year. Without it, dates are year first, or the whole column
+    /// decides.
+    pub dates: Option<DateOrder>,
+    /// The number of lines before the line that names the columns. Without it, that is the first
+    /// line with the names that are wanted.
+    pub skip: Option<u64>,
+    /// Numbers and words that mark a missing value, besides the usual ones.
+    pub missing: Vec<String>,
+    /// In which words remedies name these options.
+    pub wording: Wording,
+}
+
+impl Layout {
+    /// A file whose column of times has this name.
+    pub fn timed(time: &str) -> Self {
+        Layout { time: Some(time.to_string()), ..Layout::default() }
+    }
+
+    /// This layout, with the options of another one where this one gives none. The words of remedies
+    /// are those of this one.
+    pub fn over(self, other: &Layout) -> Self {
+        Layout {
+            time: self.time.or_else(|| other.time.clone()),
+            zone: self.zone.or_else(|| other.zone.clone()),
+            dates: self.dates.or(other.dates),
+            skip: self.skip.or(other.skip),
+            missing: if self.missing.is_empty() { other.missing.clone() } else { self.missing },
+            wording: self.wording,
+        }
+    }
 }
 
 /// A column of values.
@@ -25,26 +140,12 @@ pub struct Wanted<'a> {
 }
 
 impl<'a> Wanted<'a> {
-    /// The temperatures in the column of this name, or, without a name, in the one whose name
-    /// begins with `temperature`.
-    pub fn temperature(column: Option<&'a str>) -> Self {
-        Wanted {
-            column: named(column, "temperature"),
-            quantity: ColumnQuantity::Temperature,
-            unit: None,
-            max_gap: None,
-        }
+    /// The values of a quantity in the column of this name, or, without a name, in the one whose
+    /// name begins with that of the quantity.
+    pub fn of(quantity: ColumnQuantity, column: Option<&'a str>, unit: Option<&'a str>) -> Self {
+        let column = column.map_or(Name::Beginning(quantity.word()), Name::Exactly);
+        Wanted { column, quantity, unit, max_gap: None }
     }
-
-    /// The displacements in the column of this name, or, without a name, in the one whose name
-    /// begins with `displacement`.
-    pub fn displacement(column: Option<&'a str>, unit: Option<&'a str>) -> Self {
-        Wanted { column: named(column, "displacement"), quantity: ColumnQuantity::Displacement, unit, max_gap: None }
-    }
-}
-
-fn named<'a>(name: Option<&'a str>, beginning: &'a str) -> Name<'a> {
-    name.map_or(Name::Beginning(beginning), Name::Exactly)
 }
 
 /// How a column is found in the header.
@@ -52,7 +153,7 @@ fn named<'a>(name: Option<&'a str>, beginning: &'a str) -> Name<'a> {
 pub enum Name<'a> {
     /// The column of this name.
     Exactly(&'a str),
-    /// The only column whose name begins with this text.
+    /// The only column whose name begins with this text, or else with its first four letters.
     Beginning(&'a str),
 }
 

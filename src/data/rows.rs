@@ -1,15 +1,19 @@
-//! Rows of cells, and a CSV file as such: its separator, its header, and the place of each row.
+//! Rows of cells, and a CSV file as such: its separator, and the place of each row.
 
 use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
 /// Reads the rows of a table one at a time, and holds the current row.
 pub(super) trait Rows {
-    /// Whether numbers may have a decimal comma.
-    fn may_have_commas(&self) -> bool;
+    /// Whether numbers may have a decimal comma: always, as behind semicolons, or only in quoted
+    /// cells, where it may also divide thousands.
+    fn commas_are_decimal(&self) -> bool;
 
     /// Read the next row; false at the end.
     fn next(&mut self) -> Result<bool, DataError>;
+
+    /// Stand before the first row again.
+    fn rewind(&mut self);
 
     /// A cell of the current row, without the blanks around it.
     fn cell(&self, field: usize) -> &[u8];
@@ -29,8 +33,9 @@ pub(super) struct CsvRows<'a> {
     separator: u8,
     /// Number of columns.
     width: usize,
-    /// Byte offsets: `at` is how far the file has been read, `row_offset` is where the search for
-    /// the current row began.
+    /// Byte offsets: `first` is where the rows begin, `at` is how far the file has been read,
+    /// `row_offset` is where the search for the current row began.
+    first: usize,
     at: usize,
     row_offset: usize,
     cells: Vec<u8>,
@@ -39,39 +44,36 @@ pub(super) struct CsvRows<'a> {
 }
 
 impl<'a> CsvRows<'a> {
-    /// Open a file and read its header. The reader then stands before the first row.
-    pub fn open(file: &'a str, bytes: &'a [u8]) -> Result<(Self, Vec<String>), DataError> {
-        let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
-        let foreign = |what: &str, remedy| DataError::file(file, format!("it is {what}"), remedy);
-        if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
-            return Err(foreign("an HDF5 file, not CSV", "write its columns as CSV"));
+    /// The rows from this byte on, with this separator. Lines that begin with `#` are skipped if
+    /// they are comments.
+    pub fn at(file: &'a str, bytes: &'a [u8], offset: usize, separator: u8, skips_comments: bool) -> Self {
+        let comment = Some(b'#').filter(|_| skips_comments);
+        let reader = ReaderBuilder::new().delimiter(separator).comment(comment).build();
+        CsvRows {
+            file,
+            bytes,
+            reader,
+            separator,
+            width: 0,
+            first: offset,
+            at: offset,
+            row_offset: offset,
+            cells: vec![0; 1 << 12],
+            ends: vec![0; 64],
+            fields: 0,
         }
-        if bytes.starts_with(b"PK\x03\x04") {
-            return Err(foreign("a spreadsheet or another zip archive, not CSV", "export the sheet as CSV"));
-        }
-        if bytes.starts_with(b"\xff\xfe")
-            || bytes.starts_with(b"\xfe\xff")
-            || bytes[..bytes.len().min(512)].contains(&0)
-        {
-            return Err(foreign("not UTF-8 text (UTF-16, or binary)", "save it as CSV in UTF-8"));
-        }
-        let separator = separator(&bytes[row_start(bytes, 0)..]);
-        let reader = ReaderBuilder::new().delimiter(separator).comment(Some(b'#')).build();
-        let (cells, ends) = (vec![0; 1 << 12], vec![0; 64]);
-        let mut rows =
-            CsvRows { file, bytes, reader, separator, width: 0, at: 0, row_offset: 0, cells, ends, fields: 0 };
-        if !rows.read() {
-            return Err(foreign("empty", "give a CSV file whose first line names its columns"));
-        }
-        let header: Vec<String> =
-            (0..rows.fields).map(|field| String::from_utf8_lossy(rows.cell(field)).into_owned()).collect();
-        if header.iter().all(|name| name.is_empty() || name.replace(',', ".").parse::<f64>().is_ok()) {
-            let problem = "its first line holds numbers, where the names of the columns should be".to_string();
-            let error = DataError::file(file, problem, "put a line such as `time_s,temperature_degC` before it");
-            return Err(error.line(rows.line(rows.place())));
-        }
-        rows.width = rows.fields;
-        Ok((rows, header))
+    }
+
+    /// The cells of the next row as texts; none at the end of the file.
+    pub fn texts(&mut self) -> Option<Vec<String>> {
+        self.read()
+            .then(|| (0..self.fields).map(|field| String::from_utf8_lossy(self.cell(field)).into_owned()).collect())
+    }
+
+    /// From here on every row has as many cells as the row that was just read, which names them.
+    pub fn below(mut self) -> Self {
+        (self.width, self.first) = (self.fields, self.at);
+        self
     }
 
     /// The error of a row that has not as many cells as the header.
@@ -117,7 +119,7 @@ impl<'a> CsvRows<'a> {
 }
 
 impl Rows for CsvRows<'_> {
-    fn may_have_commas(&self) -> bool {
+    fn commas_are_decimal(&self) -> bool {
         self.separator != b','
     }
 
@@ -127,6 +129,11 @@ impl Rows for CsvRows<'_> {
         }
         let is_even = self.fields >= self.width && (self.width..self.fields).all(|field| self.cell(field).is_empty());
         if is_even { Ok(true) } else { Err(self.uneven()) }
+    }
+
+    fn rewind(&mut self) {
+        self.reader.reset();
+        self.at = self.first;
     }
 
     fn cell(&self, field: usize) -> &[u8] {
@@ -139,9 +146,13 @@ impl Rows for CsvRows<'_> {
     }
 
     fn line(&self, place: u32) -> u64 {
-        let before = &self.bytes[..row_start(self.bytes, place as usize)];
-        1 + before.iter().filter(|byte| **byte == b'\n').count() as u64
+        line_at(self.bytes, row_start(self.bytes, place as usize))
     }
+}
+
+/// The number of the line, from 1, that holds this byte.
+pub(super) fn line_at(bytes: &[u8], offset: usize) -> u64 {
+    1 + bytes[..offset].iter().filter(|byte| **byte == b'\n').count() as u64
 }
 
 /// The byte offset of the next row, after empty lines and comments.
@@ -157,12 +168,12 @@ fn row_start(bytes: &[u8], from: usize) -> usize {
     at
 }
 
-/// The separator of the header: a semicolon or a tab if the header contains one, else a comma.
+/// The separator of a line of names: a semicolon or a tab if the line contains one, else a comma.
 /// Characters within quoted names do not count.
-fn separator(header: &[u8]) -> u8 {
+pub(super) fn separator(line: &[u8]) -> u8 {
     let mut quoted = false;
-    let line = header.iter().take_while(|byte| **byte != b'\n');
     let bare: Vec<u8> = line
+        .iter()
         .copied()
         .filter(|byte| {
             quoted ^= *byte == b'"';
@@ -183,7 +194,8 @@ fn name_of(separator: u8) -> &'static str {
 /// The names of a header, as a message lists them.
 pub(super) fn listed(header: &[String]) -> String {
     const MOST: usize = 20;
-    let names: Vec<String> = header.iter().take(MOST).map(|name| format!("`{}`", quoted(name.as_bytes()))).collect();
-    let more = if header.len() > MOST { format!(" and {} more", header.len() - MOST) } else { String::new() };
-    names.join(", ") + &more
+    let named: Vec<String> =
+        header.iter().filter(|name| !name.is_empty()).map(|name| format!("`{}`", quoted(name.as_bytes()))).collect();
+    let more = if named.len() > MOST { format!(" and {} more", named.len() - MOST) } else { String::new() };
+    named[..named.len().min(MOST)].join(", ") + &more
 }

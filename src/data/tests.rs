@@ -1,7 +1,10 @@
 use super::*;
 use proptest::prelude::*;
 
-const TIME: TimeColumn<'_> = TimeColumn { name: "time", zone: None };
+/// A file whose column of times is called `time`.
+fn time() -> Layout {
+    Layout::timed("time")
+}
 
 fn temperature(column: &str) -> Wanted<'_> {
     Wanted { column: Name::Exactly(column), quantity: ColumnQuantity::Temperature, unit: None, max_gap: None }
@@ -13,11 +16,11 @@ fn displacement(column: &str) -> Wanted<'_> {
 
 /// Read the column `T` of a text.
 fn read_t(text: &str) -> Result<Table, DataError> {
-    parse("t.csv", text.as_bytes(), TIME, &[temperature("T")])
+    parse("t.csv", text.as_bytes(), &time(), &[temperature("T")])
 }
 
 fn in_zone(zone: &'static str, text: &str) -> Result<Table, DataError> {
-    parse("t.csv", text.as_bytes(), TimeColumn { zone: Some(zone), ..TIME }, &[temperature("T")])
+    parse("t.csv", text.as_bytes(), &Layout { zone: Some(zone.into()), ..time() }, &[temperature("T")])
 }
 
 /// The times and values of the only column.
@@ -34,7 +37,7 @@ fn stamps_become_seconds_from_the_first() {
     assert_eq!(samples(&table), [(0.0, 15.5), (600.5, 14.0), (3600.0, -1.0)]);
     assert_eq!(table.start.map(|start| start.to_string()).as_deref(), Some("2015-08-13T00:00:00Z"));
     assert_eq!(table.start.and_then(|start| start.after(90.0)), Start::parse("2015-08-13T00:01:30Z"));
-    assert_eq!((table.rows, table.in_seconds, table.repairs.sentences().len()), (3, true, 0));
+    assert_eq!((table.rows, table.in_seconds, table.repairs.sentences().len()), (3, true, 1));
     // A stamp without a zone is in the zone that is given, and a date alone is its midnight.
     let table = in_zone("+01:00", "time,T\n2015-08-13 01:00,1\n2015-08-14,2\n").unwrap();
     assert_eq!(samples(&table), [(0.0, 1.0), (82_800.0, 2.0)]);
@@ -47,7 +50,7 @@ fn numbers_become_seconds_by_the_unit_in_the_name() {
         [("time_s", 1.0), ("time_min", 60.0), ("time [h]", 3600.0), ("t_days", 86_400.0), ("t (ms)", 1e-3)]
     {
         let text = format!("{name},T\n10,1\n12.5,2\n");
-        let table = parse("t.csv", text.as_bytes(), TimeColumn { name, zone: None }, &[temperature("T")]).unwrap();
+        let table = parse("t.csv", text.as_bytes(), &Layout::timed(name), &[temperature("T")]).unwrap();
         assert_eq!(samples(&table), [(0.0, 1.0), (2.5 * unit, 2.0)], "{name}");
         assert!(table.in_seconds && table.start.is_none());
     }
@@ -59,13 +62,13 @@ fn units_stand_in_the_names_of_columns() {
     let text = b"time,a_degC,b_K,c [degF],d_mm,e (um),f_m,north\n0,1,273.5,50,2.5,30,-0.01,7\n1,2,274,212,5,1,0.5,8\n";
     let wanted = ["a_degC", "b_K", "c [degF]", "north"].map(temperature);
     let wanted: Vec<Wanted<'_>> = wanted.into_iter().chain(["d_mm", "e (um)", "f_m"].map(displacement)).collect();
-    let table = parse("t.csv", text, TIME, &wanted).unwrap();
+    let table = parse("t.csv", text, &time(), &wanted).unwrap();
     let first: Vec<f64> = table.columns.iter().map(|column| column.values[0]).collect();
     assert_eq!(first, [1.0, 273.5, 10.0, 7.0, 0.0025, 30e-6, -0.01]);
     assert_eq!(table.columns[2].values[1], 100.0);
     let given = Wanted { unit: Some("cm"), ..displacement("north") };
-    assert_eq!(parse("t.csv", text, TIME, &[given]).unwrap().columns[0].values, [0.07, 0.08]);
-    let says = |wanted: Wanted<'_>| parse("t.csv", text, TIME, &[wanted]).unwrap_err().to_string();
+    assert_eq!(parse("t.csv", text, &time(), &[given]).unwrap().columns[0].values, [0.07, 0.08]);
+    let says = |wanted: Wanted<'_>| parse("t.csv", text, &time(), &[wanted]).unwrap_err().to_string();
     assert!(says(displacement("north")).contains("says no unit") && says(displacement("north")).contains("north_mm"));
     assert!(says(displacement("b_K")).contains("says no unit"));
     assert!(says(displacement("c [degF]")).contains("a unit that is not known, `degF`"));
@@ -78,7 +81,7 @@ fn units_stand_in_the_names_of_columns() {
 fn columns_of_one_pass_share_their_time_and_nothing_else() {
     let text = b"time_h,temperature_degC,displacement_mm\n0,,1\n1,5,\n2,6,NaN\n3,7,4\n";
     let begins = Wanted { column: Name::Beginning("displacement"), ..displacement("") };
-    let time = TimeColumn { name: "time_h", zone: None };
+    let time = &Layout::timed("time_h");
     let table = parse("t.csv", text, time, &[temperature("temperature_degC"), begins]).unwrap();
     assert_eq!(
         (&table.columns[0].times[..], &table.columns[0].values[..]),
@@ -99,7 +102,7 @@ fn rows_are_sorted_and_taken_once_and_that_is_counted() {
     assert_eq!(samples(&table), [(0.0, 2.0), (2.0, 1.0), (6.0, 3.0)]);
     let said = ["sorted 2 rows that stood behind a later one", "left out 2 rows that are there more than once"];
     assert_eq!(table.repairs.sentences()[..2], said);
-    assert_eq!(table.repairs.missing, [("T".to_string(), 2)]);
+    assert_eq!(table.repairs.columns[0].missing, 2);
     let text = "time,T\n5,1\n3,2\n5,1.5\n";
     let error = read_t(text).unwrap_err();
     assert_eq!(error.line, Some(4));
@@ -152,7 +155,7 @@ fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
 #[test]
 fn a_gap_is_allowed_up_to_the_longest_one() {
     let text = b"time_h,T\n0,1\n6,2\n\n12.5,3\n13,4\n";
-    let time = TimeColumn { name: "time_h", zone: None };
+    let time = &Layout::timed("time_h");
     let with = |max_gap| parse("t.csv", text, time, &[Wanted { max_gap, ..temperature("T") }]);
     assert!(with(None).is_ok() && with(Some(6.5 * 3600.0)).is_ok());
     let error = with(Some(6.0 * 3600.0)).unwrap_err();
@@ -175,16 +178,18 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         ("time,T\n0,15,5\n1,14,5\n", Some(2), "3 cells where the header names 2 columns", "semicolons"),
         ("time,T\n0,1\n1\n", Some(3), "1 cell where", "mend the row"),
         ("time;T\n0;1.5\n1;1,500\n", Some(3), "mixes decimal commas", "decimal points"),
-        ("time;T\n0;1.234,5\n", Some(2), "is not a number", "empty it"),
+        ("time;T\n0;1.234,5\n", Some(2), "between thousands", "without them"),
+        ("time,T\n0,1\n1,\"1,234\"\n", Some(3), "decimals or thousands", "decimal points"),
         ("time,T\n0,1\n1,\"2\n", Some(3), "", ""),
-        ("time,T\n0,1\n1,warm\n", Some(3), "`T` = \"warm\" is not a number", "empty it"),
-        ("time,T\n0,1\n1,inf\n", Some(3), "is not finite", "empty it"),
+        ("time,T\n0,1\n1,warm\n", Some(3), "`T` = \"warm\" is not a number", "missing = "),
+        ("time,T\n0,1\n1,inf\n", Some(3), "is not finite", "missing = "),
         ("time,T\n0,1\n,2\n", Some(3), "has no time", "remove it"),
         ("time,T\n0,1\n2015-01-01,2\n", Some(3), "is not a number, as the times before it", "mend"),
         ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "mend"),
         ("time,T\n2015-01-01 00:00,1\n", Some(2), "without a zone", "zone = \"UTC\""),
-        ("time,T\n13/08/2015 00:10,1\n", Some(2), "no time that can be read", "year first"),
-        ("time,T\n2015-02-30T00:00:00Z,1\n", Some(2), "no time that can be read", "year first"),
+        ("time,T\n13/08/2015 00:10,1\n", Some(2), "without a zone", "zone = \"UTC\""),
+        ("time,T\n05/06/2015 00:10,1\n", Some(2), "may be exchanged", "dates = \"dmy\""),
+        ("time,T\n2015-02-30T00:00:00Z,1\n", Some(2), "no time that can be read", "2015-08-13 00:10"),
         ("time,T\n0,1\n", None, "column `T` has 1 value", "two values"),
         ("time,T\n0,\n1,\n", None, "column `T` has 0 values", "two values"),
     ] {
@@ -196,23 +201,22 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         assert!(error.to_string().contains(says) && error.remedy.contains(remedy), "{text:?}: {error}");
         assert!(error.to_string().starts_with("t.csv") && error.to_string().contains("\n  fix: "));
     }
-    let cold = parse("t.csv", b"time,T_degC\n0,1\n1,-9999\n", TIME, &[temperature("T_degC")]).unwrap_err();
+    let cold = parse("t.csv", b"time,T_degC\n0,1\n1,-300\n", &time(), &[temperature("T_degC")]).unwrap_err();
     assert!(cold.problem.contains("absolute zero") && cold.line == Some(3), "{cold}");
     let zone = in_zone("Europe/Pariss", "time,T\n2015-01-01 00:00,1\n").unwrap_err();
     assert!(zone.problem.contains("no time zone is called \"Europe/Pariss\""), "{zone}");
     for (bytes, says) in [
-        (&b"\xff\xfet\0i\0"[..], "UTF-16"),
-        (b"t\0i\0m\0", "UTF-16"),
+        (&b"t\0i\0m\0"[..], "UTF-16"),
         (b"PK\x03\x04x", "zip archive"),
         (b"\x89HDF\r\n\x1a\nx", "HDF5"),
         (b"time,T\n0,\xff\n", "is not a number"),
     ] {
-        let error = parse("t.csv", bytes, TIME, &[temperature("T")]).unwrap_err();
+        let error = parse("t.csv", bytes, &time(), &[temperature("T")]).unwrap_err();
         assert!(error.problem.contains(says), "{error}");
     }
-    let error = read(Path::new("/nowhere/t.csv"), TIME, &[]).unwrap_err();
+    let error = read(Path::new("/nowhere/t.csv"), &time(), &[]).unwrap_err();
     assert!(error.to_string().starts_with("/nowhere/t.csv: cannot be read"), "{error}");
-    assert!(read(Path::new("/"), TIME, &[]).unwrap_err().problem.contains("directory"));
+    assert!(read(Path::new("/"), &time(), &[]).unwrap_err().problem.contains("directory"));
 }
 
 /// The text of a cell in a message stays on one line and contains no control characters.
@@ -241,7 +245,7 @@ proptest! {
             let value = value.map_or(String::new(), |value| format!("{value:?}"));
             text += &format!("{time}{separator}{q}{value}{q}{end}");
         }
-        let time = TimeColumn { name: "time_s", zone: None };
+        let time = &Layout::timed("time_s");
         let read = parse("t.csv", text.as_bytes(), time, &[temperature("T")]);
         if twice || expected.len() < 2 {
             prop_assert!(read.is_err());
@@ -272,7 +276,7 @@ proptest! {
     #[test]
     fn no_bytes_make_the_reader_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200), text in "[time,T;0-9.\"\n\r#-]{0,80}") {
         for bytes in [&bytes[..], text.as_bytes(), &[b"time,T\n", &bytes[..]].concat(), format!("time;T\n{text}").as_bytes()] {
-            if let Err(error) = parse("t.csv", bytes, TIME, &[temperature("T")]) {
+            if let Err(error) = parse("t.csv", bytes, &time(), &[temperature("T")]) {
                 prop_assert!(error.to_string().contains("fix: "));
             }
         }
@@ -282,13 +286,16 @@ proptest! {
 /// The same for HDF5 files.
 #[cfg(feature = "store")]
 mod in_hdf5 {
-    use super::super::{BearingData, Name, Origin, TimeColumn, Wanted, parse, read};
+    use super::super::{BearingData, ColumnQuantity, ColumnSource, Layout, Name, Origin, Wanted, parse, read};
     use ::hdf5::File;
     use ::hdf5::types::VarLenUnicode;
 
     const CSV: &str = "time,temperature_degC,displacement_mm\n2015-08-13T00:10:00Z,15.5,1\n2015-08-13T00:00:00Z,15,0.5\n\
                        2015-08-13T00:20:00Z,,2\n2015-08-13T00:30:00Z,14.25,3\n";
-    const TIME: TimeColumn<'_> = TimeColumn { name: "time", zone: None };
+    /// A file whose column of times is called `time`.
+    fn time() -> Layout {
+        Layout::timed("time")
+    }
 
     /// An HDF5 file with the record of `CSV`, these units of time and these times.
     fn written(units: Option<&str>, times: &[f64]) -> tempfile::NamedTempFile {
@@ -311,9 +318,13 @@ mod in_hdf5 {
 
     #[test]
     fn a_file_of_either_kind_is_the_same_record() {
-        let wanted = || [Wanted::temperature(None), Wanted::displacement(None, None)];
-        let text = BearingData::read(Origin::Text("t.csv", CSV), None, TIME, wanted()).expect("read");
-        let start = parse("t.csv", CSV.as_bytes(), TIME, &wanted()).expect("read").start;
+        let wanted = || {
+            [ColumnQuantity::Temperature, ColumnQuantity::Displacement].map(|quantity| Wanted::of(quantity, None, None))
+        };
+        let text =
+            BearingData::read(Origin::Text("t.csv", CSV), None, &ColumnSource::default(), &ColumnSource::default())
+                .expect("read");
+        let start = parse("t.csv", CSV.as_bytes(), &time(), &wanted()).expect("read").start;
         for (units, times) in [
             ("seconds since 2015-08-13 00:00:00", [600.0, 0.0, 1200.0, 1800.0]),
             ("minutes since 2015-08-12T23:50:00Z", [20.0, 10.0, 30.0, 40.0]),
@@ -321,9 +332,11 @@ mod in_hdf5 {
             ("days since 2015-08-12", [1.0 + 1.0 / 144.0, 1.0, 1.0 + 1.0 / 72.0, 1.0 + 1.0 / 48.0]),
         ] {
             let file = written(Some(units), &times);
-            let table = read(file.path(), TIME, &wanted()).expect("read");
+            let table = read(file.path(), &time(), &wanted()).expect("read");
             assert_eq!(table.start, start, "{units}");
-            let pair = BearingData::read(Origin::File(file.path()), None, TIME, wanted()).expect("read");
+            let pair =
+                BearingData::read(Origin::File(file.path()), None, &ColumnSource::default(), &ColumnSource::default())
+                    .expect("read");
             let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-9);
             assert!(near(&pair.temperature.times, &text.temperature.times), "{units}: {pair:?}");
             assert!(near(&pair.displacement.times, &text.displacement.times), "{units}: {pair:?}");
@@ -333,11 +346,73 @@ mod in_hdf5 {
         }
     }
 
+    /// Attributes and fill values of netCDF mark what is missing, whatever the type of the variable is.
+    #[test]
+    fn values_that_netcdf_says_are_missing_are_left_out() {
+        let times: Vec<f64> = (0..40).map(f64::from).collect();
+        let sound: Vec<f64> = times.iter().map(|t| 10.0 + 5.0 * (0.3 * t).sin()).collect();
+        for (what, attributes, mark) in [
+            ("_FillValue", vec![("_FillValue", vec![12.5])], 12.5),
+            ("missing_value", vec![("missing_value", vec![12.5, 13.5])], 13.5),
+            ("missing_value beside a fill", vec![("_FillValue", vec![-1.0]), ("missing_value", vec![12.5])], 12.5),
+            ("valid_min", vec![("valid_min", vec![4.0])], 3.0),
+            ("valid_max", vec![("valid_max", vec![16.0])], 17.0),
+            ("valid_range", vec![("valid_range", vec![4.0, 16.0])], 17.0),
+            ("the fill value of netCDF", vec![], 9.969_209_968_386_869e36),
+        ] {
+            let place = tempfile::NamedTempFile::new().expect("a file");
+            let file = File::create(place.path()).expect("HDF5");
+            let mut values = sound.clone();
+            (values[7], values[20]) = (mark, mark);
+            for (name, values) in [("time_s", &times), ("temperature_degC", &values)] {
+                let dataset = file.new_dataset_builder().with_data(values).create(name).expect("written");
+                for (attribute, numbers) in attributes.iter().filter(|_| name != "time_s") {
+                    dataset.new_attr_builder().with_data(numbers).create(*attribute).expect("an attribute");
+                }
+            }
+            drop(file);
+            let wanted = [Wanted::of(ColumnQuantity::Temperature, None, None)];
+            let table =
+                read(place.path(), &Layout::timed("time_s"), &wanted).unwrap_or_else(|error| panic!("{what}: {error}"));
+            assert_eq!(table.columns[0].values.len(), 38, "{what}");
+            assert!(table.columns[0].values.iter().all(|value| (4.9..15.1).contains(value)), "{what}");
+            assert_eq!(table.repairs.columns[0].missing, 2, "{what}");
+        }
+    }
+
+    /// Days of other calendars are not those of a measurement.
+    #[test]
+    fn a_calendar_of_models_is_refused_by_name() {
+        for (calendar, is_read) in [
+            ("standard", true),
+            ("Gregorian", true),
+            ("proleptic_gregorian", true),
+            ("360_day", false),
+            ("noleap", false),
+            ("julian", false),
+        ] {
+            let place = written(Some("days since 2025-01-01"), &[0.0, 1.0, 2.0, 3.0]);
+            let file = File::open_rw(place.path()).expect("HDF5");
+            let text: VarLenUnicode = calendar.parse().expect("text");
+            let attribute =
+                file.dataset("time").expect("there").new_attr::<VarLenUnicode>().create("calendar").expect("new");
+            attribute.write_scalar(&text).expect("written");
+            drop(file);
+            let read = read(place.path(), &time(), &[Wanted::of(ColumnQuantity::Temperature, None, None)]);
+            match read {
+                Ok(_) => assert!(is_read, "{calendar}"),
+                Err(error) => {
+                    assert!(!is_read && error.problem.contains(&format!("\"{calendar}\"")), "{calendar}: {error}")
+                }
+            }
+        }
+    }
+
     #[test]
     fn what_is_wrong_is_named() {
         let tried = |file: &tempfile::NamedTempFile, time: &str, value: Name<'_>| {
-            let wanted = [Wanted { column: value, ..Wanted::temperature(None) }];
-            read(file.path(), TimeColumn { name: time, zone: None }, &wanted)
+            let wanted = [Wanted { column: value, ..Wanted::of(ColumnQuantity::Temperature, None, None) }];
+            read(file.path(), &Layout::timed(time), &wanted)
         };
         let sound = written(Some("s"), &[600.0, 0.0, 1200.0, 1800.0]);
         for (time, value, says) in [

@@ -1,13 +1,42 @@
-//! The unit that the name of a column gives: `temperature_degC`, `displacement [mm]`, `time_h`.
+//! The unit that the name of a column gives: `temperature_degC`, `displacement [mm]`, `Temp, °F`.
+
+use super::error::ProblemAndRemedy;
 
 /// What a column measures.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ColumnQuantity {
     /// Temperature. Degrees Celsius and kelvin are kept as given, because only differences act on
-    /// the body; Fahrenheit is converted to Celsius. Without a unit, values are kept as given.
+    /// the body; other units are converted to degrees Celsius or kelvin. Without a unit, values are
+    /// kept as given.
     Temperature,
     /// Displacement, converted to metres. A column without a unit is an error.
     Displacement,
+}
+
+impl ColumnQuantity {
+    /// Its name, with which the name of its column begins.
+    pub fn word(self) -> &'static str {
+        match self {
+            ColumnQuantity::Temperature => "temperature",
+            ColumnQuantity::Displacement => "displacement",
+        }
+    }
+
+    /// The units that it may have, in words.
+    pub(super) fn units(self) -> &'static str {
+        match self {
+            ColumnQuantity::Temperature => "degC, K, degF or degR",
+            ColumnQuantity::Displacement => "m, cm, mm or um",
+        }
+    }
+
+    /// The unit that is called so, if there is one.
+    pub(super) fn unit(self, name: &str) -> Option<Unit> {
+        match self {
+            ColumnQuantity::Temperature => temperature(name),
+            ColumnQuantity::Displacement => displacement(name),
+        }
+    }
 }
 
 /// A unit: value = times (cell - origin) / over. The scale is kept as a ratio of two numbers, so
@@ -22,7 +51,7 @@ pub(super) struct Unit {
 }
 
 impl Unit {
-    const AS_GIVEN: Unit = Unit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY };
+    pub const AS_GIVEN: Unit = Unit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY };
 
     fn larger(times: f64) -> Unit {
         Unit { times, ..Self::AS_GIVEN }
@@ -38,30 +67,48 @@ impl Unit {
     }
 }
 
-/// The unit of temperature that is called so, if there is one.
+/// A unit of temperature, which may have a scale: `degC`, `°F`, `mK`, `0.1degC`, `degrees Celsius`.
 fn temperature(name: &str) -> Option<Unit> {
-    match name {
-        "degc" | "c" | "celsius" | "\u{b0}c" => Some(Unit { least: -273.15, ..Unit::AS_GIVEN }),
-        "k" | "kelvin" => Some(Unit { least: 0.0, ..Unit::AS_GIVEN }),
-        "degf" | "f" | "fahrenheit" | "\u{b0}f" => {
-            Some(Unit { over: 1.8, origin: 32.0, least: -459.67, ..Unit::AS_GIVEN })
-        }
-        _ => None,
-    }
+    let name: String = name.chars().filter(|c| !c.is_whitespace() && !"_\u{ba}\u{b0}".contains(*c)).collect();
+    let name = name.trim_end_matches('.');
+    let number = name.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
+    let (scale, name) = match name[..number].parse::<f64>() {
+        // A scale of 0.1 is kept as one over 10, so that 155 tenths are the double nearest to 15.5.
+        Ok(scale) if scale > 0.0 && scale < 1.0 => (Unit::smaller((1.0 / scale).round()), &name[number..]),
+        Ok(scale) if scale > 0.0 => (Unit::larger(scale), &name[number..]),
+        _ if name == "mK" => (Unit::smaller(1e3), "K"),
+        _ if number > 0 => return None,
+        _ => (Unit::AS_GIVEN, name),
+    };
+    let lower = name.to_lowercase();
+    let bare =
+        ["degrees", "degree", "degs", "deg"].iter().find_map(|prefix| lower.strip_prefix(prefix)).unwrap_or(&lower);
+    let (unit, least) = match bare {
+        "c" | "celsius" | "centigrade" => (Unit::AS_GIVEN, -273.15),
+        "k" | "kelvin" | "kelvins" => (Unit::AS_GIVEN, 0.0),
+        "f" | "fahrenheit" => (Unit { over: 1.8, origin: 32.0, ..Unit::AS_GIVEN }, -459.67),
+        "r" | "rankine" => (Unit::smaller(1.8), 0.0),
+        _ => return None,
+    };
+    // (cell scale - origin) / over, with the scale taken into the origin and the ratio.
+    let of_scale = scale.times / scale.over;
+    let origin = unit.origin / of_scale;
+    Some(Unit { times: scale.times, over: unit.over * scale.over, origin, least: least / of_scale })
 }
 
 fn displacement(name: &str) -> Option<Unit> {
-    match name {
-        "m" => Some(Unit::AS_GIVEN),
+    match name.to_lowercase().as_str() {
+        "m" | "metre" | "metres" | "meter" | "meters" => Some(Unit::AS_GIVEN),
         "cm" => Some(Unit::smaller(1e2)),
-        "mm" => Some(Unit::smaller(1e3)),
-        "um" | "\u{b5}m" | "\u{3bc}m" => Some(Unit::smaller(1e6)),
+        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => Some(Unit::smaller(1e3)),
+        "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometre" | "micrometer" => Some(Unit::smaller(1e6)),
         _ => None,
     }
 }
 
-fn time(name: &str) -> Option<Unit> {
-    match name {
+/// A unit of time, converted to seconds.
+pub(super) fn time(name: &str) -> Option<Unit> {
+    match name.to_lowercase().as_str() {
         "ms" => Some(Unit::smaller(1e3)),
         "s" | "sec" | "second" | "seconds" => Some(Unit::AS_GIVEN),
         "min" | "minute" | "minutes" => Some(Unit::larger(60.0)),
@@ -71,49 +118,90 @@ fn time(name: &str) -> Option<Unit> {
     }
 }
 
-/// The conversion of numbers in this unit of time to seconds; `None` if the unit is unknown.
-#[cfg(feature = "store")]
-pub(super) fn seconds_of(unit: &str) -> Option<impl Fn(f64) -> f64 + use<>> {
-    let unit = time(&unit.to_lowercase())?;
-    Some(move |number| unit.of(number))
+/// The text in the last pair of brackets that ends a name, or stands before blanks and other
+/// brackets.
+fn bracketed(name: &str) -> impl Iterator<Item = &str> {
+    name.split(['[', '(']).skip(1).filter_map(|part| part.split([']', ')']).next()).map(str::trim)
 }
 
-/// The part of a name that may be a unit: in brackets at its end (the flag is then true), or after
-/// its last underscore.
-fn suffix(name: &str) -> Option<(&str, bool)> {
-    let brackets =
-        |open: char, close: char| name.strip_suffix(close)?.rsplit_once(open).map(|(_, unit)| (unit.trim(), true));
-    let underscore = || name.rsplit_once('_').map(|(_, unit)| (unit, false));
-    brackets('[', ']').or_else(|| brackets('(', ')')).or_else(underscore)
-}
-
-/// The unit of a column of values; the error is what is wrong and the remedy.
-pub(super) fn of_values(quantity: ColumnQuantity, column: &str, given: Option<&str>) -> Result<Unit, (String, String)> {
-    let (known, names): (fn(&str) -> Option<Unit>, _) = match quantity {
-        ColumnQuantity::Temperature => (temperature, "degC, K or degF"),
-        ColumnQuantity::Displacement => (displacement, "m, cm, mm or um"),
-    };
-    if let Some(given) = given {
-        let unknown = || (format!("no unit is called `{given}`"), format!("give {names}"));
-        return known(&given.to_lowercase()).ok_or_else(unknown);
+/// The units in a name: its parts between blanks, underscores and commas, where up to three parts
+/// may be one unit, as in `0.1 deg C`; and a capital at the end of a part, as in `tempF` and
+/// `AirTC`. The first part is the noun, and no unit by itself.
+fn words(quantity: ColumnQuantity, name: &str) -> Vec<Unit> {
+    let parts: Vec<&str> =
+        name.split([' ', '_', ',', ';', '\t', '-', '/', '[', ']', '(', ')']).filter(|part| !part.is_empty()).collect();
+    let mut found: Vec<Unit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
+    let mut at = 1;
+    while at < parts.len() {
+        let most = 3.min(parts.len() - at);
+        let longest = (1..=most).rev().find_map(|n| Some((n, quantity.unit(&parts[at..at + n].concat())?)));
+        at += longest.map_or(1, |(n, _)| n);
+        found.extend(longest.map(|(_, unit)| unit));
     }
-    let named = suffix(column);
-    match (named.and_then(|(unit, _)| known(&unit.to_lowercase())), named, quantity) {
-        (Some(unit), ..) => Ok(unit),
-        (None, Some((unit, true)), _) => Err((
+    found
+}
+
+/// The end of a part that says the unit without a separator.
+fn joined_to_noun(part: &str) -> Option<&str> {
+    if let Some(at) = part.find('\u{b0}') {
+        return Some(&part[at..]);
+    }
+    let before = part.trim_end_matches(['C', 'F', 'K', 'R', 'T']);
+    let after = &part[before.len()..];
+    let is_noun = |text: &str| ["temperature", "temp", "tmp"].iter().any(|end| text.to_lowercase().ends_with(end));
+    match after {
+        "C" | "F" | "K" | "R" if is_noun(before) => Some(after),
+        "TC" | "TF" | "TK" => Some(&after[1..]),
+        _ => {
+            let at =
+                part.to_lowercase().find("deg").filter(|at| part.is_char_boundary(*at) && is_noun(&part[..*at]))?;
+            Some(&part[at..])
+        }
+    }
+}
+
+/// The words in brackets that are no unit, but say which sensor it is, or which statistic.
+fn is_note(text: &str) -> bool {
+    let lower = text.to_lowercase();
+    text.contains(':') || ["avg", "mean", "min", "max", "smp", "std", "raw", "air", "steel"].contains(&lower.as_str())
+}
+
+/// The unit that the name of a column gives; an error if it gives two, or one that is not known.
+pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<Unit>, ProblemAndRemedy> {
+    let mut found: Option<Unit> = None;
+    let mut unknown = None;
+    for text in bracketed(column) {
+        match quantity.unit(text).or_else(|| text.split([' ', ',', ';']).find_map(|word| quantity.unit(word))) {
+            Some(unit) if found.is_none_or(|known| known == unit) => found = Some(unit),
+            Some(_) => return Err(two(column)),
+            None if is_note(text) => {}
+            None => unknown = Some(text),
+        }
+    }
+    if found.is_some() {
+        return Ok(found);
+    }
+    if let Some(unit) = unknown {
+        return Err((
             format!("column `{column}` has a unit that is not known, `{unit}`"),
-            format!("convert it to one of {names}, and say so in the name"),
-        )),
-        (None, _, ColumnQuantity::Temperature) => Ok(Unit::AS_GIVEN),
-        (None, _, ColumnQuantity::Displacement) => Err((
-            format!("the name of column `{column}` says no unit"),
-            format!("rename it, e.g. to `{column}_mm`, or give the unit, one of {names}"),
-        )),
+            format!("convert it to one of {}, and say so in the name", quantity.units()),
+        ));
     }
+    let named = words(quantity, column);
+    if named.iter().any(|unit| *unit != named[0]) { Err(two(column)) } else { Ok(named.first().copied()) }
+}
+
+fn two(column: &str) -> ProblemAndRemedy {
+    (
+        format!("the name of column `{column}` says two units"),
+        "say in the name only the unit that the column has".into(),
+    )
 }
 
 /// The conversion to seconds for a column of numeric times; `None` if the name of the column gives
 /// no unit.
 pub(super) fn of_time(column: &str) -> Option<Unit> {
-    suffix(column).and_then(|(unit, _)| time(&unit.to_lowercase()))
+    let suffix = column.rsplit_once('_').map(|(_, unit)| unit);
+    let last = column.rsplit_once([' ', ',']).map(|(_, unit)| unit);
+    bracketed(column).chain(suffix).chain(last).find_map(time)
 }

@@ -1,6 +1,8 @@
 //! The parts of a scenario that a calibration needs. A run needs more, but a calibration simulates
 //! nothing.
 
+use crate::data::ColumnSource;
+
 /// A bearing as a scenario describes it: where the search for its parameters begins, and how its
 /// data are read.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,15 +23,11 @@ pub struct BridgeScene {
     pub offset: f64,
     /// x(0); `None` if it is missing or a word ("balanced", "free").
     pub displacement: Option<f64>,
-    /// The file of the temperature, relative to the folder of the scenario.
-    pub file: Option<String>,
-    /// The name of the column of times.
-    pub time: String,
-    /// The name of the column of temperatures. `None` means the column whose name begins with
-    /// `temperature`.
-    pub value: Option<String>,
-    /// The time zone of stamps that name none.
-    pub zone: Option<String>,
+    /// Where the temperatures are measured; the file is relative to the folder of the scenario.
+    pub temperature_source: ColumnSource,
+    /// Where the displacements are measured. What `[displacement.series]` does not say is as for the
+    /// temperatures, except for the file, the column and the unit.
+    pub displacement_source: ColumnSource,
     /// The text of the scenario.
     pub text: String,
 }

@@ -1,18 +1,20 @@
 //! The measured parts of a scenario: where its temperature comes from, and how a sensor at the
 //! bearing sees the body.
 
+use crate::data::Layout;
+
 /// Where a measured temperature comes from, as the scenario states it. The samples themselves are
 /// in the model.
 #[derive(Clone, Debug)]
 pub struct Measured {
     /// The file as the scenario names it, relative to the folder of the scenario.
     pub file: String,
-    /// The name of the column of times.
-    pub time: String,
     /// The name of the column of temperatures.
     pub value: String,
-    /// The time zone of stamps that name none; empty if the scenario gives no zone.
-    pub zone: String,
+    /// The unit of the temperatures, if the scenario gives it.
+    pub unit: Option<String>,
+    /// How the file is laid out, with the name of the column of times.
+    pub layout: Layout,
     /// The longest time allowed between two samples; `None` for no limit.
     pub max_gap: Option<f64>,
     /// The stamp of t = 0, if the file has stamps.
@@ -25,7 +27,7 @@ pub struct Measured {
 /// The repairs are not compared, because they are known only when the data file itself is read.
 impl PartialEq for Measured {
     fn eq(&self, other: &Self) -> bool {
-        let said = |m: &Self| (m.file.clone(), m.time.clone(), m.value.clone(), m.zone.clone(), m.start.clone());
+        let said = |m: &Self| (m.file.clone(), m.value.clone(), m.unit.clone(), m.layout.clone(), m.start.clone());
         said(self) == said(other) && self.max_gap == other.max_gap
     }
 }

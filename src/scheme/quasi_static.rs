@@ -16,6 +16,12 @@
 //! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
 //! f_s = f_d the body never moves; slips still take their time.
 //!
+//! **A body that starts outside the corridor**, |b| > f_s at t = 0, because of its x(0) or of a noise
+//! that starts stationary, swings from the b that it has: the equilibrium is (|b| - f_d)/K away, and
+//! `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing ends outside as well, the body swings
+//! back at once, in a further sub-phase. With f_s for |b| it would come to rest on another lattice,
+//! and stay on it. Later b reaches f_s continuously.
+//!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and never ends.
 //! The slip is taken to last the settling time, until a thousandth of the distance is left, and to
 //! cover the whole distance. A slip must end, or the recursion would stop at the first one. Any end
@@ -32,7 +38,7 @@
 //!
 //! Exits are those of the event-driven scheme: first roots without noise, crossings of a threshold
 //! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
-//! is false, the stick that begins there is empty.
+//! is false because the temperature moved on, the stick that begins there is empty.
 
 use super::columns::{Columns, Seen};
 use super::event_driven::{
@@ -127,14 +133,40 @@ enum Exits {
 #[derive(Clone, Debug)]
 struct Swing {
     response: StepResponse,
-    /// (1 + q) (f_s - f_d)/K, the distance that a slip covers.
+    /// (1 + q) (f_s - f_d)/K, the distance that a slip from |b| = f_s covers.
     jump: f64,
+    /// f_s and K.
+    threshold: f64,
+    stiffness: f64,
 }
 
 impl Swing {
-    /// x and x' of a slip that begins at x0, a time after its start.
-    fn at(&self, x0: f64, direction: Sign, since: f64) -> (f64, f64) {
-        let equilibrium = direction.value() * self.jump / (1.0 + self.response.overshoot);
+    /// By how much |b| exceeds f_s as a slip begins with this event: 0 except in the slip of a body
+    /// that starts outside the corridor, and in its further sub-phases.
+    fn excess(&self, event: &Event) -> f64 {
+        let is_from_outside = match event.kind {
+            EventKind::SlipStarted(_) => event.time == 0.0,
+            EventKind::SubPhaseBoundary(_) => true,
+            EventKind::StickEntered => false,
+        };
+        if is_from_outside { (event.force.abs() - self.threshold).max(0.0) } else { 0.0 }
+    }
+
+    /// The distance that a slip covers which starts with this excess, with the sign of the direction.
+    fn way(&self, direction: Sign, excess: f64) -> f64 {
+        direction.value() * (self.jump + (1.0 + self.response.overshoot) * excess / self.stiffness)
+    }
+
+    /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick, or
+    /// the swing back of a body that swung out of the corridor.
+    fn end(&self, direction: Sign, excess: f64, force: f64) -> EventKind {
+        let is_back = excess > 0.0 && force * direction.value() < -self.threshold;
+        if is_back { EventKind::SubPhaseBoundary(Sign::of(force)) } else { EventKind::StickEntered }
+    }
+
+    /// x and x' of a slip that begins at x0 with this excess, a time after its start.
+    fn at(&self, x0: f64, direction: Sign, excess: f64, since: f64) -> (f64, f64) {
+        let equilibrium = self.way(direction, excess) / (1.0 + self.response.overshoot);
         let (way, velocity) = self.response.at(equilibrium, since);
         // The body does not turn within the slip; at its ends, rounding decides the sign.
         (x0 + way, if velocity * direction.value() < 0.0 { 0.0 } else { velocity })
@@ -148,7 +180,7 @@ impl QuasiStaticSimulation {
         let Model { oscillator, friction, .. } = model;
         let response = StepResponse::new(oscillator);
         let jump = (1.0 + response.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
-        let slip = Swing { response, jump };
+        let slip = Swing { response, jump, threshold: friction.static_force, stiffness: oscillator.stiffness };
         let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
             Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
@@ -163,8 +195,9 @@ impl QuasiStaticSimulation {
     fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
         let mut columns = Columns::new(lanes);
         let mut work = WorkLeft::new(self.work_limit);
-        let (mut phase, mut since, mut x) = (Phase::Static, 0.0, self.model.initial_displacement);
-        let mut next = self.next(cascade, phase, since, x, &mut work);
+        let mut x = self.model.initial_displacement;
+        let (mut phase, mut since, mut excess) = (Phase::Static, 0.0, 0.0);
+        let mut next = self.next(cascade, phase, since, x, excess, &mut work);
         for stop in self.timeline.stops() {
             while let Ok(Some(event)) = next {
                 if event.time > stop.time || observer.is_stopped() {
@@ -172,12 +205,13 @@ impl QuasiStaticSimulation {
                 }
                 (0..lanes).for_each(|lane| observer.event(lane, event));
                 (phase, since, x) = (event.kind.phase(), event.time, event.displacement);
-                next = self.next(cascade, phase, since, x, &mut work);
+                excess = self.slip.excess(&event);
+                next = self.next(cascade, phase, since, x, excess, &mut work);
             }
             let (x, v) = match phase {
                 _ if next.is_err() => (f64::NAN, f64::NAN),
                 Phase::Static => (x, 0.0),
-                Phase::Slip(direction) => self.slip.at(x, direction, stop.time - since),
+                Phase::Slip(direction) => self.slip.at(x, direction, excess, stop.time - since),
             };
             columns.fill((x, v, cascade.mean_temperature(stop.time), phase == Phase::Static));
             observer.snapshot(stop.instant, columns.snapshot(stop.time));
@@ -185,13 +219,15 @@ impl QuasiStaticSimulation {
         if next.is_ok() { Vec::new() } else { (0..lanes).collect() }
     }
 
-    /// The event that ends a phase without noise; none if the phase does not end.
+    /// The event that ends a phase without noise; none if the phase does not end. A slip began with
+    /// this excess of |b|.
     fn next(
         &self,
         cascade: &Noiseless,
         phase: Phase,
         since: f64,
         x: f64,
+        excess: f64,
         work: &mut WorkLeft,
     ) -> Result<Option<Event>, Unresolved> {
         work.spend()?;
@@ -199,11 +235,11 @@ impl QuasiStaticSimulation {
             return cascade.stick_exit(ExactTime::ZERO.after(since), x, work);
         };
         let time = since + self.slip.response.duration;
-        let displacement = x + direction.value() * self.slip.jump;
+        let displacement = x + self.slip.way(direction, excess);
         let oscillator = &self.model.oscillator;
         let force =
             oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: EventKind::StickEntered, time, displacement, force }))
+        Ok(Some(Event { kind: self.slip.end(direction, excess, force), time, displacement, force }))
     }
 }
 
@@ -223,15 +259,16 @@ impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let ladder = scene.ladder(cell_length(longest, timeline.end));
+        let ladder = scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end));
         let corridor = Corridor::new(&scene, rules.chord_error);
         NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
     }
 }
 
 impl Cascade for NoisyRecursion {
-    /// The time at which the slip began. During slip j the displacement of the path stays x_j.
-    type Memory = f64;
+    /// The time at which the slip began, and the excess of |b| then. During slip j the displacement of
+    /// the path stays x_j.
+    type Memory = (f64, f64);
     type Scratch = ();
 
     fn scene(&self) -> &Scene {
@@ -263,7 +300,7 @@ impl Cascade for NoisyRecursion {
     fn slip(
         &self,
         cell: &Cell,
-        path: &mut Path<f64>,
+        path: &mut Path<(f64, f64)>,
         direction: Sign,
         end_noise: f64,
         _: &mut (),
@@ -271,12 +308,13 @@ impl Cascade for NoisyRecursion {
     ) -> Result<Option<Event>, Unresolved> {
         path.work.spend()?;
         let x0 = path.displacement;
-        let began = path.motion - cell.start;
+        let (began, excess) = (path.motion.0 - cell.start, path.motion.1);
         let end = began + self.slip.response.duration;
         let mut piece = SwingPiece {
             slip: &self.slip,
             began,
             displacement: x0,
+            excess,
             direction,
             ends: [(path.after, path.noise), (cell.length, end_noise)],
         };
@@ -288,20 +326,20 @@ impl Cascade for NoisyRecursion {
         if end >= cell.length {
             return Ok(None);
         }
-        let displacement = x0 + direction.value() * self.slip.jump;
+        let displacement = x0 + self.slip.way(direction, excess);
         let force = cell.forcing(end).value + path.noise - self.scene.oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: EventKind::StickEntered, time: cell.start + end, displacement, force }))
+        Ok(Some(Event { kind: self.slip.end(direction, excess, force), time: cell.start + end, displacement, force }))
     }
 
-    fn motion_after(&self, event: &Event) -> f64 {
-        event.time
+    fn motion_after(&self, event: &Event) -> (f64, f64) {
+        (event.time, self.slip.excess(event))
     }
 
-    fn look(&self, path: &Path<f64>, cell: &Cell) -> (f64, f64) {
+    fn look(&self, path: &Path<(f64, f64)>, cell: &Cell) -> (f64, f64) {
         match path.phase {
             Phase::Static => (path.displacement, 0.0),
             Phase::Slip(direction) => {
-                self.slip.at(path.displacement, direction, cell.start + cell.length - path.motion)
+                self.slip.at(path.displacement, direction, path.motion.1, cell.start + cell.length - path.motion.0)
             }
         }
     }
@@ -311,9 +349,11 @@ impl Cascade for NoisyRecursion {
 #[derive(Clone, Copy)]
 struct SwingPiece<'a> {
     slip: &'a Swing,
-    /// The time at which the slip began, after the start of the cell, and x at that time.
+    /// The time at which the slip began, after the start of the cell, and x and the excess of |b| at
+    /// that time.
     began: f64,
     displacement: f64,
+    excess: f64,
     direction: Sign,
     /// The times at which the piece begins and ends, and n there.
     ends: [Known; 2],
@@ -327,7 +367,7 @@ impl WatchedPiece for SwingPiece<'_> {
     fn parted(&self, scene: &Scene, glance: Glance, draws: &mut AddressedDraws) -> (Seen, Self, Self) {
         let time = glance.time;
         let noise = noise_between(scene, self.ends, time, draws);
-        let (x, v) = self.slip.at(self.displacement, self.direction, time - self.began);
+        let (x, v) = self.slip.at(self.displacement, self.direction, self.excess, time - self.began);
         let seen = (x, v, scene.temperature(glance.forcing, noise), false);
         let ([first, last], here) = (self.ends, (time, noise));
         (seen, SwingPiece { ends: [first, here], ..*self }, SwingPiece { ends: [here, last], ..*self })

@@ -34,8 +34,8 @@ fn two_files_say_what_one_says() {
         json(&done(path, &arguments))
     };
     let one = calibrated(DATA, &[]);
-    assert_eq!(calibrated("z.csv", &["--temperature", "t.csv"]), one);
-    let late = calibrated("late.csv", &["--temperature", "t.csv"]);
+    assert_eq!(calibrated("z.csv", &["--temperature-file", "t.csv"]), one);
+    let late = calibrated("late.csv", &["--temperature-file", "t.csv"]);
     let slips = |reported: &Value| {
         let times =
             reported["slips"].as_array().expect("slips").iter().map(|slip| slip["time"].as_f64().expect("a time"));
@@ -48,8 +48,91 @@ fn two_files_say_what_one_says() {
 
     fs::write(path.join("n.csv"), "time_s,displacement_mm\n0,1\n600,1.1\n").expect("written");
     let arguments =
-        ["calibrate", BEARING, "n.csv", "--temperature", "t.csv", "--set", "temperature.series.time=time_s"];
+        ["calibrate", BEARING, "n.csv", "--temperature-file", "t.csv", "--set", "temperature.series.time=time_s"];
     refused(path, &arguments, 2, &["t.csv"]);
+}
+
+/// Two loggers with their own separators, names, dates, marks, units and encodings say what the one
+/// file says, by flags and by a scenario, and two refusals are enough to learn how.
+#[test]
+fn two_loggers_say_what_one_file_says() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let text = fs::read_to_string(DATA).expect("the twin");
+    let rows: Vec<Vec<&str>> = text.lines().skip(1).map(|line| line.split(',').collect()).collect();
+    let mut air = String::from("Messstelle 7\nZeitpunkt;Luft \u{b0}C\n");
+    let mut gauge = String::from("Plot Title: pier 3\nWhen,At,gauge 3\n,,mm\n");
+    for row in &rows {
+        let (date, time) = row[0].trim_end_matches('Z').split_once('T').expect("a stamp");
+        let [year, month, day] = [&date[..4], &date[5..7], &date[8..]];
+        air += &format!("{day}.{month}.{year} {time};{}\n", row[1].replace('.', ","));
+        let hour: u32 = time[..2].parse().expect("an hour");
+        let (half, hour) = (if hour < 12 { "AM" } else { "PM" }, if hour % 12 == 0 { 12 } else { hour % 12 });
+        gauge += &format!("{month}/{day}/{},{hour}:{} {half},{}\n", &year[2..], &time[3..], row[2]);
+    }
+    air += "01.01.2030 00:00;9999,9\n";
+    let latin: Vec<u8> = air.chars().map(|c| c as u8).collect();
+    fs::write(path.join("air.csv"), latin).expect("written");
+    fs::write(path.join("gauge.csv"), gauge).expect("written");
+    let base = ["calibrate", BEARING, "gauge.csv", "--temperature-file", "air.csv", "--method", "slips", "--json"];
+    let columns = [
+        "--temperature",
+        "Luft \u{b0}C",
+        "--temperature-time",
+        "Zeitpunkt",
+        "--time",
+        "When,At",
+        "--displacement",
+        "gauge 3",
+    ];
+    let rest = ["--zone", "UTC"];
+    refused(path, &base, 2, &["air.csv", "gauge.csv", "--temperature-time", "--temperature ", "--displacement "]);
+    refused(
+        path,
+        &[&base[..], &columns].concat(),
+        2,
+        &["air.csv", "gauge.csv", "--temperature-zone UTC", "--zone UTC"],
+    );
+    let two = json(&done(path, &[&base[..], &columns, &rest].concat()));
+    let one = json(&done(path, &["calibrate", BEARING, DATA, "--method", "slips", "--json"]));
+    assert_eq!(two, one);
+    // The same in the scenario, without flags.
+    let series = "\n[temperature.series]\nfile = \"air.csv\"\ntime = \"Zeitpunkt\"\nvalue = \"Luft \u{b0}C\"\nzone = \"UTC\"\n\
+                  dates = \"dmy\"\n[displacement.series]\nfile = \"gauge.csv\"\ntime = \"When,At\"\nvalue = \"gauge 3\"\n\
+                  dates = \"mdy\"\n";
+    fs::write(path.join("two.toml"), fs::read_to_string(BEARING).expect("a bearing") + series).expect("written");
+    let named = json(&done(path, &["calibrate", "two.toml", "--method", "slips", "--json"]));
+    assert_eq!(named["parameters"], one["parameters"]);
+    refused(path, &["calibrate", BEARING], 2, &["no measurement is given", "[displacement.series]"]);
+    refused(path, &["calibrate", "two.toml", "--set", "displacement.series.dats=dmy"], 2, &["dates"]);
+}
+
+/// A daily record needs no option, and what its samples cannot tell is refused by name.
+#[test]
+fn harmonics_are_those_that_the_samples_tell() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    // 900 days, and as many half days, with a wave of a year of samples and a noise that is the same
+    // in each run. Of half days, the wave lasts half a year.
+    let mut state = 12_345u64;
+    let mut weather = 0.0;
+    let mut daily = String::from("time_d,temperature_degC\n");
+    let mut half = String::from("time_h,temperature_degC\n");
+    for day in 0..900u32 {
+        state = (1_103_515_245 * state + 12_345) % (1 << 31);
+        weather = 0.7 * weather + 3.0 * (state as f64 / (1u64 << 31) as f64 - 0.5);
+        let value = 10.0 + 9.0 * (f64::from(day) * std::f64::consts::TAU / 365.25).cos() + weather;
+        daily += &format!("{day},{value:.2}\n");
+        half += &format!("{},{value:.2}\n", 12 * day);
+    }
+    fs::write(path.join("daily.csv"), daily).expect("written");
+    fs::write(path.join("half.csv"), half).expect("written");
+    let found = json(&done(path, &["fit-temperature", "daily.csv", "--processes", "1", "--json"]));
+    let harmonics = found["harmonics"].as_array().expect("harmonics");
+    assert_eq!(harmonics.len(), 1);
+    assert!((harmonics[0]["amplitude"].as_f64().expect("a number") - 9.0).abs() < 2.0, "{found}");
+    let half = ["fit-temperature", "half.csv", "--periods", "1d"];
+    refused(path, &half, 1, &["samples are 12 h apart and cannot tell a harmonic of 1 d"]);
 }
 
 /// The section that is written reads back as the temperature that is printed, and makes a scenario

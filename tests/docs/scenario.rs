@@ -44,9 +44,16 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
     // A scenario with a measured temperature and a bearing.
-    let zone = ["temperature.series.zone=UTC", "temperature.noise={intensity=1, pinned=true}"];
-    let zone = zone.map(|set| Override::set(set).expect("well formed"));
-    let measured = shipped("bridge").expect("shipped").parse(&zone).expect("sound").to_toml();
+    let given = [
+        "temperature.series.zone=UTC",
+        "temperature.series.unit=degC",
+        "temperature.series.dates=ymd",
+        "temperature.series.skip=0",
+        "temperature.series.missing=[-9999]",
+        "temperature.noise={intensity=1, pinned=true}",
+    ];
+    let given = given.map(|set| Override::set(set).expect("well formed"));
+    let measured = shipped("bridge").expect("shipped").parse(&given).expect("sound").to_toml();
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
     // A body on a belt, and a force of the user's own with parameters.
     for name in ["belt", "stribeck-belt"] {

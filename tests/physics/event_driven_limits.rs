@@ -7,7 +7,8 @@
 use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
 use stick_slip::model::*;
 use stick_slip::scheme::{
-    DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline,
+    DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, QuasiStaticSimulation,
+    Simulate as _, Snapshot, Timeline,
 };
 use stick_slip::stats::{Record, Statistic};
 
@@ -331,5 +332,41 @@ fn without_friction_zeros_of_the_velocity_are_as_many_as_rice_says() {
             (mean - expected) / error
         );
         assert!((mean - expected).abs() < 4.0 * error, "{alpha} {theta}: {mean} +- {error}, not {expected}");
+    }
+}
+
+/// The work of a path is bounded as theta falls to 0, where the noise is a Brownian motion: a path
+/// of 40 units of time makes fewer than 20 000 evaluations for every theta, and its slips do not
+/// depend on a theta that is far below 1/t_end. A cell as long as 1/theta made 10^5 times as many at
+/// 1e-9.
+#[test]
+fn noise_that_hardly_relaxes_takes_bounded_work() {
+    let simulated = |theta: f64, is_quasi_static: bool| {
+        let noise = Noise { intensity: 1.0, relaxation_rate: theta, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+        let model = Model {
+            oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
+            friction: Friction { static_force: 2.0, dynamic_force: 1.0 },
+            temperature: Temperature { noise: Some(noise), ..Temperature::default() },
+            force: None,
+            initial_displacement: 0.0,
+        };
+        let line = timeline(40.0, 40.0);
+        let mut keep = Keep::lanes(64);
+        let numbers: Vec<u64> = (0..64).collect();
+        let lost = if is_quasi_static {
+            QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE)
+                .with_work_limit(20_000)
+                .simulate(1, &numbers, &mut keep)
+        } else {
+            EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE)
+                .with_work_limit(20_000)
+                .simulate(1, &numbers, &mut keep)
+        };
+        assert!(lost.is_empty(), "theta {theta}: {} paths take more work", lost.len());
+        keep.events.iter().flatten().filter(|event| event.time <= 40.0).count()
+    };
+    for is_quasi_static in [false, true] {
+        let slow = [1e-6, 1e-9, 1e-12].map(|theta| simulated(theta, is_quasi_static));
+        assert!(slow[0] > 64 && slow[1] == slow[2], "{slow:?}");
     }
 }

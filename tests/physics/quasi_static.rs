@@ -235,3 +235,78 @@ fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
         assert!(slow < (0.5 * fast).max(noise), "{zeta}: {fast} falls to {slow}");
     }
 }
+
+/// A body outside the corridor swings from the b that it has, and then lies on the lattice of that
+/// swing. The expected values are by hand: with m = K = beta = 1, f_s = 1 and f_d = 1/2, a slip
+/// from b moves the body by 2 (|b| - 1/2), until |b| <= 1. So x goes from 0 to 5.6, 2.0 and 3.6 where
+/// T = 3.3; then slips of length 1 follow T. From |b| = f_s for |b| the body came to 3 and stayed on
+/// the lattice of whole numbers.
+#[test]
+fn a_start_outside_the_corridor_swings_from_the_force_it_has() {
+    let model = |x0: f64, temperature: Temperature| Model {
+        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
+        friction: Friction { static_force: 1.0, dynamic_force: 0.5 },
+        temperature,
+        force: None,
+        initial_displacement: x0,
+    };
+    let wave = |amplitude: f64| Temperature {
+        harmonics: vec![Harmonic { amplitude, angular_frequency: 1e-9, phase: 0.0 }],
+        ..Temperature::default()
+    };
+    let series = |samples: &[(f64, f64)]| Temperature {
+        series: Some(std::sync::Arc::new(
+            Series::new(samples.iter().map(|at| at.0).collect(), samples.iter().map(|at| at.1).collect())
+                .expect("ascending"),
+        )),
+        ..Temperature::default()
+    };
+    for (what, model, end, expected) in [
+        ("at the crest", model(0.0, wave(3.3)), 1e3, 3.6),
+        ("in the trough", model(0.0, wave(-3.3)), 1e3, -3.6),
+        ("far above", model(7.0, wave(3.3)), 1e3, 2.6),
+        ("just outside", model(0.0, wave(1.2)), 1e3, 1.4),
+        ("just inside", model(0.0, wave(0.9)), 1e3, 0.0),
+        ("after many periods", model(0.0, wave(3.3)), 1e12, 2.6),
+        ("a series", model(0.0, series(&[(0.0, 3.3), (1e3, 3.3), (1e12, -3.0), (2e12, 3.0)])), 2e12, 2.6),
+    ] {
+        let line = timeline(end, end);
+        let [exact, quasi] = [false, true].map(|is_quasi_static| kept(&model, &line, is_quasi_static));
+        let last = |keep: &Keep| keep.events[0].last().map_or(model.initial_displacement, |event| event.displacement);
+        assert!((last(&quasi) - expected).abs() < 1e-6, "{what}: {} {expected}", last(&quasi));
+        assert!((last(&exact) - expected).abs() < 1e-6, "{what}, event-driven: {} {expected}", last(&exact));
+        assert_eq!(exact.events[0].len(), quasi.events[0].len(), "{what}");
+    }
+}
+
+/// A noise that starts stationary leaves most bodies outside the corridor at t = 0. In 40 units of
+/// time it moves by 0.02, so that the displacement of a path is that of event-driven, which uses the
+/// same random numbers, to this distance, unless the body leaves a second time in one scheme alone.
+/// Of 64 paths with a fixed seed, 60 agree at least; from |b| = f_s for |b| some 20 agree.
+#[test]
+fn a_stationary_noise_starts_from_the_force_it_has() {
+    let theta = 1e-6;
+    let noise = Noise {
+        intensity: 1.0,
+        relaxation_rate: theta,
+        diffusion: 3.0 * (2.0 * theta).sqrt(),
+        initial: InitialNoise::Stationary,
+    };
+    let model = Model {
+        oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
+        friction: Friction { static_force: 1.0, dynamic_force: 0.5 },
+        temperature: Temperature { noise: Some(noise), ..Temperature::default() },
+        force: None,
+        initial_displacement: 0.0,
+    };
+    let line = timeline(40.0, 40.0);
+    let numbers: Vec<u64> = (0..64).collect();
+    let mut keeps = [Keep::lanes(64), Keep::lanes(64)];
+    EventDrivenSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut keeps[0]);
+    QuasiStaticSimulation::new(&model, &line, DEFAULT_TOLERANCE).simulate(1, &numbers, &mut keeps[1]);
+    let last = |keep: &Keep, lane: usize| keep.events[lane].last().map_or(0.0, |event| event.displacement);
+    let differences: Vec<f64> = (0..64).map(|lane| (last(&keeps[0], lane) - last(&keeps[1], lane)).abs()).collect();
+    let agree = differences.iter().filter(|difference| **difference < 0.1).count();
+    let moved = (0..64).filter(|lane| last(&keeps[1], *lane) != 0.0).count();
+    assert!(moved > 40 && agree >= 60, "{agree} of 64 agree, {moved} moved: {differences:?}");
+}

@@ -1,5 +1,8 @@
 //! The record, in the forms that the methods need.
 
+pub use crate::data::{median, spread};
+
+use crate::data::resolution;
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
@@ -102,11 +105,7 @@ impl MeasuredRecord {
 
     /// The resolution of the thermometer, in kelvin: the median distance of neighbouring values.
     pub fn resolution(&self) -> f64 {
-        let mut values = self.temperatures.clone();
-        values.sort_by(f64::total_cmp);
-        values.dedup();
-        let steps = median(&mut values.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>());
-        if steps.is_finite() { steps } else { 0.0 }
+        resolution(&self.temperatures)
     }
 }
 
@@ -155,22 +154,6 @@ fn starts(times: &[f64]) -> Vec<usize> {
 fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usize>> {
     let ends = starts.iter().skip(1).copied().chain([end]);
     starts.iter().zip(ends).map(|(start, end)| *start..end)
-}
-
-/// The median; of an even number of values, the upper of the middle two. NaN for no values.
-pub fn median(values: &mut [f64]) -> f64 {
-    if values.is_empty() {
-        return f64::NAN;
-    }
-    let middle = values.len() / 2;
-    *values.select_nth_unstable_by(middle, f64::total_cmp).1
-}
-
-/// A robust standard deviation: that of a normal distribution with the same median distance from
-/// the median.
-pub fn spread(values: &[f64]) -> f64 {
-    let centre = median(&mut values.to_vec());
-    1.482_602_218_505_602 * median(&mut values.iter().map(|value| (value - centre).abs()).collect::<Vec<_>>())
 }
 
 /// The correlation of pairs of values.

@@ -1,13 +1,7 @@
 //! Wrong samples: a few in a row that differ strongly from those around them.
 
-use super::samples::{MeasuredRecord, median, spread};
-
-/// Number of samples on each side that a sample is compared with. A change of level, as in a slip,
-/// is not a spike, because such a sample agrees with the majority of its window.
-const REACH: usize = 3;
-
-/// A spike exceeds this many standard deviations of the usual differences.
-const FAR: f64 = 8.0;
+use super::samples::MeasuredRecord;
+use crate::data::spikes;
 
 /// Number of samples that were taken out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -46,17 +40,6 @@ pub fn without_spikes(record: &MeasuredRecord) -> (MeasuredRecord, Spikes) {
         good = Some(i);
     }
     (clean, counts)
-}
-
-/// Which values are far from the median of those around them.
-fn spikes(values: &[f64], resolution: f64) -> Vec<bool> {
-    let around = |i: usize| i.saturating_sub(REACH)..(i + REACH + 1).min(values.len());
-    let off: Vec<f64> = (0..values.len()).map(|i| values[i] - median(&mut values[around(i)].to_vec())).collect();
-    // Values with a coarse resolution often equal their own median. These zeros are left out, since
-    // they would make the spread zero.
-    let moving: Vec<f64> = off.iter().copied().filter(|off| *off != 0.0).collect();
-    let far = FAR * spread(&moving).max(spread(&off)).max(resolution);
-    off.iter().map(|off| off.abs() > far).collect()
 }
 
 #[cfg(test)]

@@ -1,6 +1,7 @@
 //! The most likely parameters of the weather, and their errors.
 
 use super::kalman::{Likelihood, Shape, likelihood};
+use super::periods::{NotTold, told};
 use super::simplex;
 use crate::bearing::linear::{Matrix, cholesky, inverse, times as product};
 use crate::data::{absurd, is_constant};
@@ -83,12 +84,9 @@ pub enum WeatherError {
     /// The record has too few samples.
     #[error("{0} samples tell no weather; at least {LEAST} are needed")]
     TooShort(usize),
-    /// The record is shorter than half a period.
-    #[error("the record is shorter than half a period of {0} s, so it does not tell that harmonic")]
-    ShorterThanPeriod(f64),
-    /// Two harmonics have the same period.
-    #[error("one period is named twice: {0} s")]
-    PeriodTwice(f64),
+    /// The samples cannot tell one of the harmonics.
+    #[error(transparent)]
+    NotTold(#[from] NotTold),
     /// A temperature or its time is not finite, or too large to compute with.
     #[error("the temperature at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
     Absurd {
@@ -113,8 +111,7 @@ impl WeatherError {
     pub fn remedy(&self) -> &'static str {
         match self {
             WeatherError::TooShort(_) => "measure for longer",
-            WeatherError::ShorterThanPeriod(_) => "measure for at least half of that period",
-            WeatherError::PeriodTwice(_) => "name it once",
+            WeatherError::NotTold(error) => error.remedy(),
             WeatherError::Absurd { .. } => "mend the sample, or remove it",
             WeatherError::Constant | WeatherError::NoProcess => {
                 "see that it is the right column, and that its sensor works"
@@ -154,12 +151,7 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
         return Err(WeatherError::Constant);
     }
     let duration = times[n - 1] - times[0];
-    if let Some((_, period)) = periods.iter().enumerate().find(|(i, period)| periods[..*i].contains(period)) {
-        return Err(WeatherError::PeriodTwice(*period));
-    }
-    if let Some(period) = periods.iter().find(|period| duration < 0.5 * **period) {
-        return Err(WeatherError::ShorterThanPeriod(*period));
-    }
+    told(times, periods)?;
     let interval = duration / (n as f64 - 1.0);
     // The search starts from a correlation time of half a day, or from three hours and four days.
     let starts: &[f64] = if processes == 1 { &[0.5] } else { &[0.125, 4.0] };

@@ -83,7 +83,7 @@ impl Noisy {
         let slow = frequencies.iter().copied().fold(scene.noise_rate(), f64::max);
         let is_swift = fastest > TWO_SCALES * slow;
         let longest_cell = if is_swift { rules.slip_length / slow } else { longest };
-        let ladder = scene.ladder(cell_length(longest_cell, timeline.end));
+        let ladder = scene.ladder(cell_length(longest_cell.min(scene.longest_cell()), timeline.end));
         let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);

@@ -57,6 +57,9 @@ pub struct Scene {
     own: Option<(Force, InstructionSet)>,
 }
 
+/// The number of sticks with their slips that a cell may be long.
+const MOST_CASCADES: f64 = 64.0;
+
 impl Scene {
     /// T where the forcing and n have these values.
     #[inline(always)]
@@ -162,6 +165,18 @@ impl Scene {
     /// than either theta (see [`TwoNoises::rate`]).
     pub fn noise_rate(&self) -> f64 {
         self.two_noises.map_or(self.relaxation_rate, |both| both.rate())
+    }
+
+    /// The longest cell that holds only so much work, however slowly the noise relaxes.
+    ///
+    /// A path crosses the last cell to its end, also beyond the end of the run, because no event
+    /// depends on the end. In a cell as long as 1/theta, a noise that hardly relaxes crosses the
+    /// corridor any number of times. It takes (f_s/s)^2 to cross it, and a slip takes 1/w0.
+    pub fn longest_cell(&self) -> f64 {
+        let (f_s, w0) = (self.friction.static_force, self.oscillator.natural_frequency());
+        let crossing = f_s / self.diffusion;
+        let cascade = crossing * crossing + if w0 > 0.0 { 1.0 / w0 } else { f64::INFINITY };
+        if cascade > 0.0 { MOST_CASCADES * cascade } else { f64::INFINITY }
     }
 
     /// The size of the changes of b that the noise causes until `end`; none if they are so small

@@ -1,0 +1,50 @@
+//! Measurements in memory, with the checks and repairs of those in a file.
+
+use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
+use super::error::DataError;
+use super::marks::Marks;
+use super::query::{Layout, Name, Wanted};
+use super::repairs::Repairs;
+use super::unit::ColumnQuantity;
+
+/// A measurement in memory: what was measured, its times in seconds, and its values in the units of
+/// the results. Values that are NaN are missing.
+pub type Array<'a> = (ColumnQuantity, &'a [f64], &'a [f64]);
+
+/// Check, sort and repair measurements in memory. Their times stay as they are.
+pub fn arrays(arrays: &[Array<'_>], missing: &[String]) -> Result<(Vec<DataColumn>, Repairs), DataError> {
+    let marks = Marks::of(&Layout { missing: missing.to_vec(), ..Layout::default() });
+    let mut repairs = Repairs::default();
+    let mut columns = Vec::new();
+    for (quantity, times, values) in arrays {
+        let name = quantity.word();
+        let unit = if *quantity == ColumnQuantity::Temperature { "degC" } else { "m" };
+        let wanted = Wanted { column: Name::Exactly(name), quantity: *quantity, unit: Some(unit), max_gap: None };
+        let whole = |(problem, remedy): (String, String)| DataError::file(name, problem, &remedy);
+        let mut column = Column::of(name, &wanted).map_err(whole)?;
+        for (place, (time, value)) in times.iter().zip(*values).enumerate() {
+            let wrong = |problem: &str, remedy: &str| {
+                let error = DataError::file(name, format!("{problem} (value {})", place + 1), remedy);
+                error.cell(name, format!("{value}").as_bytes())
+            };
+            if value.is_nan() {
+                column.miss();
+                continue;
+            }
+            if time.is_nan() || time.abs() > LARGEST_MEASURED {
+                return Err(wrong(
+                    "has a time that is missing or too large",
+                    "give the sample its time, or leave it out",
+                ));
+            }
+            let cell = format!("{value}");
+            column
+                .take(*time, *value, cell.as_bytes(), place as u32, &marks)
+                .map_err(|(problem, _)| wrong(problem, "mend the value; NaN marks a missing one"))?;
+        }
+        let twice = "see which of the two is right";
+        sorted(&mut column, &mut repairs, name, twice, &|place| u64::from(place) + 1, true)?;
+        columns.push(column.finished(0.0));
+    }
+    Ok((columns, repairs))
+}

@@ -1,0 +1,250 @@
+//! The samples of one column: checked, sorted and repaired.
+
+use super::error::{DataError, ProblemAndRemedy};
+use super::marks::{Marks, apart, is_suspect};
+use super::outliers::{resolution, spikes};
+use super::query::{Wanted, Wording};
+use super::repairs::{ColumnRepairs, Repairs};
+use super::unit::{self, ColumnQuantity, Unit};
+use crate::numbers::short;
+
+/// One column: times in ascending order, with their values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DataColumn {
+    /// Its name in the header.
+    pub name: String,
+    /// Times from the earliest value of all columns that were wanted; each is later than the one
+    /// before.
+    pub times: Vec<f64>,
+    /// Values: temperatures in degrees, displacements in metres.
+    pub values: Vec<f64>,
+}
+
+/// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
+/// displacement or date in seconds, and small enough for sums of squares.
+pub(super) const LARGEST_MEASURED: f64 = 1e15;
+
+/// Whether all values are the same, or so close together that no sensor tells them apart and their
+/// squares are no doubles.
+pub fn is_constant(values: &[f64]) -> bool {
+    let (low, high) =
+        values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(*x), high.max(*x)));
+    high - low < 1.0 / LARGEST_MEASURED
+}
+
+/// The first sample, as its time and its value, that is not finite or is too large for a
+/// measurement. A file with such a sample is refused when it is read.
+pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
+    let is_sound = |x: f64| x.abs() <= LARGEST_MEASURED;
+    let mut samples = times.iter().copied().zip(values.iter().copied());
+    samples.find(|(time, value)| !(is_sound(*time) && is_sound(*value)))
+}
+
+/// A column while it is read: its unit, and its samples so far.
+pub(super) struct Column<'a> {
+    name: String,
+    wanted: &'a Wanted<'a>,
+    /// The unit, and whether it is known.
+    unit: Unit,
+    is_known: bool,
+    /// Time, value in the unit of the cells, and the place of the row.
+    pub samples: Vec<(f64, f64, u32)>,
+    said: ColumnRepairs,
+}
+
+impl<'a> Column<'a> {
+    /// A column with the unit that is given, or that its name says.
+    pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
+        let unit = match wanted.unit {
+            Some(given) => Some(wanted.quantity.unit(given).ok_or_else(|| {
+                (format!("no unit is called `{given}`"), format!("give {}", wanted.quantity.units()))
+            })?),
+            None => unit::of_name(wanted.quantity, name)?,
+        };
+        let said = ColumnRepairs { name: name.to_string(), ..ColumnRepairs::default() };
+        let is_known = unit.is_some();
+        Ok(Column {
+            name: name.to_string(),
+            wanted,
+            unit: unit.unwrap_or(Unit::AS_GIVEN),
+            is_known,
+            samples: Vec::new(),
+            said,
+        })
+    }
+
+    /// Take the unit from a row of units.
+    pub fn take_unit(&mut self, cell: &str) -> Result<(), ProblemAndRemedy> {
+        let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
+        let Some(unit) = self.wanted.quantity.unit(inside) else { return Ok(()) };
+        if self.is_known && self.wanted.unit.is_none() && unit != self.unit {
+            return Err((
+                "is another unit than the name of the column says".into(),
+                "say in both the unit that the column has".into(),
+            ));
+        }
+        if !self.is_known {
+            (self.unit, self.is_known) = (unit, true);
+        }
+        Ok(())
+    }
+
+    /// Decide on the unit before the first value.
+    pub fn settle_unit(&mut self, wording: Wording) -> Result<(), ProblemAndRemedy> {
+        match self.wanted.quantity {
+            _ if self.is_known => Ok(()),
+            ColumnQuantity::Temperature => {
+                self.said.assumed_unit = Some("degrees Celsius or kelvin");
+                Ok(())
+            }
+            ColumnQuantity::Displacement => Err((
+                format!("the name of column `{}` says no unit", self.name),
+                format!(
+                    "give the unit, {}, e.g. {}, or rename the column, e.g. to `{}_mm`",
+                    self.wanted.quantity.units(),
+                    wording.unit(self.wanted.quantity, "mm"),
+                    self.name
+                ),
+            )),
+        }
+    }
+
+    /// Count a cell without a value.
+    pub fn miss(&mut self) {
+        self.said.missing += 1;
+    }
+
+    /// Take the value of a row, unless it marks a missing one.
+    pub fn take(
+        &mut self,
+        when: f64,
+        value: f64,
+        cell: &[u8],
+        place: u32,
+        marks: &Marks,
+    ) -> Result<(), (&'static str, &'static str)> {
+        if marks.is_number(value) {
+            self.mark(&String::from_utf8_lossy(cell));
+            return Ok(());
+        }
+        if !value.is_finite() {
+            return Err(("is not finite", "mend the cell; if it marks a missing value, give MARK"));
+        }
+        if value.abs() > LARGEST_MEASURED {
+            return Err(("is too large for a measurement", "mend the cell; if it marks a missing value, give MARK"));
+        }
+        if value < self.unit.least && !is_suspect(value) {
+            return Err(BELOW_ZERO);
+        }
+        self.samples.push((when, value, place));
+        Ok(())
+    }
+
+    fn mark(&mut self, mark: &str) {
+        match self.said.marks.iter().position(|(known, _)| known == mark) {
+            Some(place) => self.said.marks[place].1 += 1,
+            None if self.said.marks.len() < MOST_MARKS => self.said.marks.push((mark.to_string(), 1)),
+            None => self.said.outliers += 1,
+        }
+    }
+
+    /// Leave out the samples that are flagged, each with what is to be counted.
+    fn leave_out(&mut self, flags: &[bool], mut count: impl FnMut(&mut Self, f64)) {
+        let all = std::mem::take(&mut self.samples);
+        for (sample, flag) in all.into_iter().zip(flags) {
+            if *flag { count(self, sample.1) } else { self.samples.push(sample) }
+        }
+    }
+
+    /// The column, with times from this one on.
+    pub fn finished(self, begin: f64) -> DataColumn {
+        DataColumn {
+            name: self.name,
+            times: self.samples.iter().map(|sample| sample.0 - begin).collect(),
+            values: self.samples.iter().map(|sample| self.unit.of(sample.1)).collect(),
+        }
+    }
+}
+
+const BELOW_ZERO: (&str, &str) = ("is below absolute zero", "mend the unit; if it marks a missing value, give MARK");
+
+/// Most different marks that are counted by their value.
+const MOST_MARKS: usize = 5;
+
+/// Fewest samples among which a spike can be told.
+const LEAST_FOR_SPIKES: usize = 30;
+
+/// Leave marks and outliers out of a column, sort it, leave out repeated samples, and check for
+/// gaps. `twice` is the remedy for two values at one time.
+pub(super) fn sorted(
+    column: &mut Column<'_>,
+    repairs: &mut Repairs,
+    file: &str,
+    twice: &str,
+    line: &dyn Fn(u32) -> u64,
+    in_seconds: bool,
+) -> Result<(), DataError> {
+    let name = column.name.clone();
+    let error = |problem: String, remedy: &str| DataError::file(file, problem, remedy);
+    let values: Vec<f64> = column.samples.iter().map(|sample| sample.1).collect();
+    column.leave_out(&apart(&values), |column, value| column.mark(&format!("{value}")));
+    if let Some((_, value, place)) = column.samples.iter().find(|sample| sample.1 < column.unit.least) {
+        let (problem, remedy) = BELOW_ZERO;
+        let remedy = remedy.replace("MARK", "it as a mark of missing values");
+        return Err(error(problem.into(), &remedy).line(line(*place)).cell(&name, format!("{value}").as_bytes()));
+    }
+    let samples = &mut column.samples;
+    let mut latest = f64::NEG_INFINITY;
+    let mut unsorted = 0;
+    for (time, ..) in samples.iter() {
+        unsorted += u64::from(*time < latest);
+        latest = latest.max(*time);
+    }
+    repairs.unsorted = repairs.unsorted.max(unsorted);
+    // The sort is stable, so samples of equal time stay in the order of their rows.
+    samples.sort_by(|a, b| a.0.total_cmp(&b.0));
+    if let Some(pair) = samples.windows(2).find(|pair| pair[0].0 == pair[1].0 && pair[0].1 != pair[1].1) {
+        let problem = format!(
+            "line {} gives another value of `{name}` at the same time as line {}",
+            line(pair[1].2),
+            line(pair[0].2)
+        );
+        return Err(error(problem, twice).line(line(pair[1].2)));
+    }
+    let all = samples.len();
+    samples.dedup_by(|later, before| later.0 == before.0);
+    repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
+    if samples.len() >= LEAST_FOR_SPIKES {
+        let values: Vec<f64> = samples.iter().map(|sample| sample.1).collect();
+        column.leave_out(&spikes(&values, resolution(&values)), |column, _| column.said.outliers += 1);
+    }
+    let samples = &column.samples;
+    if samples.len() < 2 {
+        let problem =
+            format!("column `{name}` has {} value{}", samples.len(), if samples.len() == 1 { "" } else { "s" });
+        return Err(error(problem, "give a column with two values or more, at different times"));
+    }
+    let longest = column.wanted.max_gap.unwrap_or(f64::INFINITY);
+    if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
+        let gap = pair[1].0 - pair[0].0;
+        let problem = format!(
+            "no value of `{name}` for {}, since line {}, where at most {} are allowed",
+            lasting(gap, in_seconds),
+            line(pair[0].2),
+            lasting(longest, in_seconds)
+        );
+        let remedy = "fill the gap, cut the file there, or raise `max_gap` if a straight line across it will do";
+        return Err(error(problem, remedy).line(line(pair[1].2)));
+    }
+    repairs.columns.push(std::mem::take(&mut column.said));
+    Ok(())
+}
+
+fn lasting(time: f64, in_seconds: bool) -> String {
+    match in_seconds {
+        true if time >= 7200.0 => format!("{} h", short(time / 3600.0)),
+        true if time >= 120.0 => format!("{} min", short(time / 60.0)),
+        true => format!("{} s", short(time)),
+        false => short(time),
+    }
+}

@@ -1,0 +1,50 @@
+//! The bytes of a text file as UTF-8.
+
+use std::borrow::Cow;
+
+/// How a text was encoded, if it was not UTF-8.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum Encoding {
+    /// UTF-8, of which ASCII is a part.
+    Utf8,
+    /// UTF-16 with a byte-order mark, as some loggers and spreadsheets write it.
+    Utf16,
+    /// One byte for each character, as in Western Europe before UTF-8.
+    Latin1,
+}
+
+impl Encoding {
+    /// Its name, if it is worth mentioning.
+    pub fn name(self) -> Option<&'static str> {
+        match self {
+            Encoding::Utf8 => None,
+            Encoding::Utf16 => Some("UTF-16"),
+            Encoding::Latin1 => Some("Latin-1"),
+        }
+    }
+}
+
+/// The text in UTF-8, without a byte-order mark, and how it was encoded. `None` for bytes that are
+/// no text.
+pub(super) fn decoded(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
+    let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
+        let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
+        let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
+        Some((Cow::Owned(text.into_bytes()), Encoding::Utf16))
+    };
+    match bytes {
+        [0xff, 0xfe, rest @ ..] => return utf16(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => return utf16(rest, u16::from_be_bytes),
+        _ => {}
+    }
+    let bytes = bytes.strip_prefix(b"\xef\xbb\xbf").unwrap_or(bytes);
+    if bytes[..bytes.len().min(512)].contains(&0) {
+        return None;
+    }
+    if std::str::from_utf8(bytes).is_ok() {
+        return Some((Cow::Borrowed(bytes), Encoding::Utf8));
+    }
+    // The first 256 characters of Unicode are those of Latin-1.
+    let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
+    Some((Cow::Owned(text.into_bytes()), Encoding::Latin1))
+}

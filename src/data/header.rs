@@ -1,0 +1,281 @@
+//! The line of a CSV file that names its columns, and which of them are wanted.
+
+use super::error::DataError;
+use super::query::{Layout, Name, Wanted};
+use super::rows::{CsvRows, line_at, listed, separator};
+use std::cmp::Reverse;
+
+/// The columns that are wanted, by their places in the row of names.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(super) struct Header {
+    /// The names of all columns.
+    pub names: Vec<String>,
+    /// The column of times, or those of dates and of times of day.
+    pub times: Vec<usize>,
+    /// The columns of values, in the order in which they were wanted.
+    pub values: Vec<usize>,
+    /// Number of lines before it that are no measurements, besides comments.
+    pub skipped: u64,
+}
+
+/// Among how many lines the names of the columns are looked for.
+const LOOKED_THROUGH: usize = 200;
+
+/// A line that may name the columns.
+struct Line {
+    /// Where its cells begin.
+    offset: usize,
+    /// Its number, from 1.
+    number: u64,
+    separator: u8,
+    is_comment: bool,
+    names: Vec<String>,
+}
+
+/// Open a file at the row below the names of its columns. That is the first line in which every
+/// wanted column can be found, or the line after those that are to be skipped.
+pub(super) fn open<'a>(
+    file: &'a str,
+    bytes: &'a [u8],
+    layout: &Layout,
+    wanted: &[Wanted<'_>],
+) -> Result<(CsvRows<'a>, Header), DataError> {
+    let lines = lines(file, bytes, layout.skip);
+    let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
+        let problem =
+            if layout.skip.is_some() && !bytes.is_empty() { "it has no line of names" } else { "it is empty" };
+        let remedy = "give a CSV file whose first line names its columns";
+        return Err(DataError::file(file, problem.into(), remedy));
+    };
+    let in_line = |line: &Line| in_names(file, &line.names, layout, wanted).is_ok();
+    let in_text = lines.iter().filter(|line| !line.is_comment).find(|line| in_line(line));
+    // A comment names the columns only if the rows below it have as many cells.
+    let in_comment = || {
+        let last = lines.iter().rev().find(|line| !line.is_comment)?;
+        lines.iter().filter(|line| line.is_comment && line.names.len() == last.names.len()).find(|line| in_line(line))
+    };
+    if let Some(line) = in_text.or_else(in_comment) {
+        let (times, values) = in_names(file, &line.names, layout, wanted)?;
+        let skipped = lines.iter().take_while(|other| other.number < line.number).filter(|other| !other.is_comment);
+        let header = Header { names: line.names.clone(), times, values, skipped: skipped.count() as u64 };
+        let mut rows = CsvRows::at(file, bytes, line.offset, line.separator, true);
+        rows.texts();
+        return Ok((rows.below(), header));
+    }
+    let is_number = |name: &String| name.is_empty() || name.replace(',', ".").parse::<f64>().is_ok();
+    if first.names.iter().all(is_number) {
+        let problem = "its first line holds numbers, where the names of the columns should be".to_string();
+        let remedy = "put a line such as `time_s,temperature_degC` before it";
+        return Err(DataError::file(file, problem, remedy).line(first.number));
+    }
+    let best = likeliest(file, &lines, layout, wanted).unwrap_or(first);
+    let error = in_names(file, &best.names, layout, wanted).err();
+    let error = error.unwrap_or_else(|| DataError::file(file, "it has no line of names".into(), "add one"));
+    Err(if best.number == first.number { error } else { error.line(best.number) })
+}
+
+/// The line that most likely names the columns, though not all that are wanted: the one with most of
+/// them, then the one with as many cells as the last line, without numbers.
+fn likeliest<'l>(file: &str, lines: &'l [Line], layout: &Layout, wanted: &[Wanted<'_>]) -> Option<&'l Line> {
+    let width = lines.last()?.names.len();
+    let found = |line: &Line| {
+        let values = wanted.iter().filter(|one| find(file, &line.names, one, layout).is_ok()).count();
+        values + usize::from(times(file, &line.names, layout).is_ok())
+    };
+    let is_named = |line: &&Line| !line.is_comment && line.names.iter().all(|name| name.parse::<f64>().is_err());
+    let rank = |line: &&Line| (found(line), line.names.len() == width, Reverse(line.number));
+    lines.iter().filter(is_named).max_by_key(rank)
+}
+
+/// The first lines of a file with their cells, without a line such as `sep=;`, which says the
+/// separator. Of a file whose first lines are to be skipped, only the line after them, with the
+/// comments before it.
+fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
+    let mut found = Vec::new();
+    let (mut at, mut number, mut given) = (0, 0, None);
+    while at < bytes.len() && found.len() < LOOKED_THROUGH {
+        let length = bytes[at..].iter().position(|byte| *byte == b'\n').unwrap_or(bytes.len() - at);
+        let text = bytes[at..at + length].trim_ascii();
+        number += 1;
+        let hashes = text.iter().take_while(|byte| **byte == b'#').count();
+        let offset = at + bytes[at..].iter().position(|byte| !byte.is_ascii_whitespace()).unwrap_or(0) + hashes;
+        at += length + 1;
+        if let [b's' | b'S', b'e' | b'E', b'p' | b'P', b'=', separator] = text {
+            given = Some(*separator);
+            continue;
+        }
+        if text.len() == hashes || skip.is_some_and(|lines| number <= lines) {
+            continue;
+        }
+        let separator = given.unwrap_or_else(|| separator(text));
+        let names = CsvRows::at(file, bytes, offset, separator, false).texts().unwrap_or_default();
+        found.push(Line { offset, number: line_at(bytes, offset), separator, is_comment: hashes > 0, names });
+        if skip.is_some() && hashes == 0 {
+            break;
+        }
+    }
+    found
+}
+
+/// The columns of times and of the values that are wanted.
+pub(super) fn in_names(
+    file: &str,
+    names: &[String],
+    layout: &Layout,
+    wanted: &[Wanted<'_>],
+) -> Result<(Vec<usize>, Vec<usize>), DataError> {
+    let times = times(file, names, layout);
+    let (found, missing): (Vec<_>, Vec<_>) =
+        wanted.iter().map(|one| find(file, names, one, layout)).partition(Result::is_ok);
+    let errors = times.as_ref().err().cloned().into_iter().chain(missing.into_iter().filter_map(Result::err));
+    match DataError::of_all(errors) {
+        Some(error) => Err(error),
+        None => Ok((times?, found.into_iter().flatten().collect())),
+    }
+}
+
+/// Names of columns that hold date and time, those that hold a time, and those that hold a date, as
+/// loggers and spreadsheets write them in lower case.
+const DATE_AND_TIME: [&str; 6] = ["timestamp", "time stamp", "datetime", "date time", "date/time", "date_time"];
+const TIME: [&str; 4] = ["time", "zeit", "tid", "heure"];
+const DATE: [&str; 3] = ["date", "datum", "dato"];
+
+/// The column of times, or those of dates and of times of day.
+fn times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, DataError> {
+    let Some(name) = &layout.time else { return usual_times(file, names, layout) };
+    let listed = || listed_remedy(names);
+    let whole = fields_called(names, name);
+    let parts: Vec<Vec<usize>> = name.split(',').map(|part| fields_called(names, part.trim())).collect();
+    match (&whole[..], &parts[..]) {
+        ([field], _) => Ok(vec![*field]),
+        ([], [date, time]) if date.len() == 1 && time.len() == 1 => Ok(vec![date[0], time[0]]),
+        ([], [_]) => Err(none(file, names, Name::Exactly(name), &listed())),
+        ([], [_, _]) => {
+            let missing = name
+                .split(',')
+                .zip(&parts)
+                .find(|(_, found)| found.len() != 1)
+                .map_or(name.as_str(), |(part, _)| part.trim());
+            Err(none(file, names, Name::Exactly(missing), &listed()))
+        }
+        ([], _) => Err(none(file, names, Name::Exactly(name), &listed())),
+        _ => Err(several(file, Name::Exactly(name), whole.len(), "give the columns different names")),
+    }
+}
+
+/// The columns of times that a file has under a usual name.
+fn usual_times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, DataError> {
+    let lower: Vec<String> = names.iter().map(|name| name.to_lowercase()).collect();
+    let of = |is: &dyn Fn(&str) -> bool| -> Vec<usize> { (0..lower.len()).filter(|i| is(&lower[*i])).collect() };
+    let exact = fields_called(names, "time");
+    if let [field] = exact[..]
+        && names[field] == "time"
+    {
+        return Ok(vec![field]);
+    }
+    let both = of(&|name| DATE_AND_TIME.iter().any(|word| name.starts_with(word)));
+    let time = of(&|name| TIME.contains(&name));
+    let date = of(&|name| DATE.contains(&name));
+    let beginning = of(&|name| name.starts_with("time"));
+    match (&both[..], &time[..], &date[..], &beginning[..]) {
+        ([field], ..) => Ok(vec![*field]),
+        ([], [time], [date], _) => Ok(vec![*date, *time]),
+        ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
+        ([], [], [], []) => {
+            let example = names.iter().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
+            let remedy = format!("say which it is, e.g. {}: {}", layout.wording.option("time", example), listed(names));
+            Err(none(file, names, Name::Exactly("time"), &(remedy + one_column(names))))
+        }
+        _ => {
+            let remedy = format!(
+                "say which, e.g. {}; they are {}",
+                layout.wording.option(
+                    "time",
+                    &names[both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0)]
+                ),
+                listed(names)
+            );
+            Err(several(
+                file,
+                Name::Beginning("time"),
+                both.len() + time.len().max(beginning.len()).max(date.len()),
+                &remedy,
+            ))
+        }
+    }
+}
+
+/// The columns of this name: exactly, or in other case, or followed by a unit or a note.
+fn fields_called(names: &[String], name: &str) -> Vec<usize> {
+    let fields = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
+        names.iter().enumerate().filter(|(_, column)| is(column)).map(|(field, _)| field).collect()
+    };
+    let found = fields(&|column| column == name);
+    if !found.is_empty() {
+        return found;
+    }
+    let found = fields(&|column| column.to_lowercase() == name.to_lowercase());
+    if !found.is_empty() || name.is_empty() {
+        return found;
+    }
+    fields(&|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with([' ', ',', '(', '['])))
+}
+
+/// The place of a wanted column; if there is not exactly one, the error lists the names.
+fn find(file: &str, names: &[String], wanted: &Wanted<'_>, layout: &Layout) -> Result<usize, DataError> {
+    let name = wanted.column;
+    let beginning = |start: &str| -> Vec<usize> {
+        (0..names.len()).filter(|field| names[*field].to_lowercase().starts_with(start)).collect()
+    };
+    let found = match name {
+        Name::Exactly(name) => fields_called(names, name),
+        Name::Beginning(start) => {
+            let whole = beginning(start);
+            if whole.is_empty() { beginning(&start[..start.len().min(4)]) } else { whole }
+        }
+    };
+    match (&found[..], name) {
+        ([field], _) => Ok(*field),
+        ([], Name::Exactly(_)) => Err(none(file, names, name, &listed_remedy(names))),
+        ([], Name::Beginning(_)) => {
+            let example = names.iter().rev().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
+            let remedy =
+                format!("say which it is, e.g. {}: {}", layout.wording.column(wanted.quantity, example), listed(names));
+            Err(none(file, names, name, &(remedy + one_column(names))))
+        }
+        (all, _) => {
+            let has_own_name = all.iter().all(|field| names.iter().filter(|name| **name == names[*field]).count() == 1);
+            let remedy = if has_own_name {
+                let which: Vec<String> = all.iter().map(|field| names[*field].clone()).collect();
+                format!(
+                    "say which, e.g. {}; they are {}",
+                    layout.wording.column(wanted.quantity, &which[0]),
+                    listed(&which)
+                )
+            } else {
+                format!("give each column of the file a name of its own: {}", listed(names))
+            };
+            Err(several(file, name, all.len(), &remedy))
+        }
+    }
+}
+
+fn listed_remedy(names: &[String]) -> String {
+    format!("name one of its columns: {}{}", listed(names), one_column(names))
+}
+
+fn one_column(names: &[String]) -> &'static str {
+    if names.len() == 1 { "; columns are separated by commas, semicolons or tabs" } else { "" }
+}
+
+fn none(file: &str, names: &[String], name: Name<'_>, remedy: &str) -> DataError {
+    let (Name::Exactly(text) | Name::Beginning(text)) = name;
+    let alike = |column: &&String| strsim::jaro_winkler(text, column);
+    let nearest = names.iter().filter(|column| alike(column) > 0.8).max_by(|a, b| alike(a).total_cmp(&alike(b)));
+    let hint = nearest.map_or(String::new(), |column| format!("; did you mean `{column}`?"));
+    DataError::file(file, format!("no column {}{hint}", name.description()), remedy)
+}
+
+fn several(file: &str, name: Name<'_>, count: usize, remedy: &str) -> DataError {
+    DataError::file(file, format!("{count} columns are meant, because each {}", name.description()), remedy)
+}

@@ -1,0 +1,91 @@
+//! What was repaired in a file, and what was assumed.
+
+/// What was repaired in a file, and what was assumed.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Repairs {
+    /// Number of lines before the names of the columns that were left out.
+    pub skipped: u64,
+    /// Number of lines below the names of the columns that hold units and the like.
+    pub unit_rows: u64,
+    /// The encoding of the file, if it is not UTF-8.
+    pub encoding: Option<&'static str>,
+    /// The order of day and month, if all dates together told it.
+    pub order: Option<&'static str>,
+    /// Number of rows that came after a row with a later time, and were sorted.
+    pub unsorted: u64,
+    /// Number of rows that repeated the time and the value of another row, and were left out.
+    pub repeated: u64,
+    /// Number of stamps in an hour that occurs twice; they were understood by the order of the
+    /// rows.
+    pub folds: u64,
+    /// Number of numbers with a decimal comma.
+    pub decimal_commas: u64,
+    /// For each column, what was left out of it.
+    pub columns: Vec<ColumnRepairs>,
+}
+
+/// What was left out of one column, and what was assumed of it.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct ColumnRepairs {
+    /// The name of the column.
+    pub name: String,
+    /// Number of cells without a value.
+    pub missing: u64,
+    /// Numbers that mark a missing value, with their counts.
+    pub marks: Vec<(String, u64)>,
+    /// Number of values that differ strongly from those around them.
+    pub outliers: u64,
+    /// The unit that was assumed, because nothing says one.
+    pub assumed_unit: Option<&'static str>,
+}
+
+fn many(count: u64, one: &str, more: &str) -> Option<String> {
+    match count {
+        0 => None,
+        1 => Some(one.replace('#', "1")),
+        _ => Some(more.replace('#', &count.to_string())),
+    }
+}
+
+impl Repairs {
+    /// The repairs as sentences; none if nothing was repaired.
+    pub fn sentences(&self) -> Vec<String> {
+        let before = "left out # line before the names of the columns";
+        let before = many(self.skipped, before, "left out # lines before the names of the columns");
+        let below = "took # line below the names of the columns as units";
+        let below = many(self.unit_rows, below, "took # lines below the names of the columns as units and notes");
+        let encoding = self.encoding.map(|name| format!("read the text as {name}"));
+        let order =
+            self.order.map(|word| format!("took dates as {word}, the only order in which all of them are dates"));
+        let unsorted = "sorted # row that stood behind a later one";
+        let unsorted = many(self.unsorted, unsorted, "sorted # rows that stood behind a later one");
+        let repeated = "left out # row that is there twice";
+        let repeated = many(self.repeated, repeated, "left out # rows that are there more than once");
+        let folds = "took # stamp of an hour that was twice in the order of its row";
+        let folds = many(self.folds, folds, "took # stamps of hours that were twice in the order of their rows");
+        let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
+        let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
+        [before, below, encoding, order, unsorted, repeated, folds]
+            .into_iter()
+            .flatten()
+            .chain(columns)
+            .chain(commas)
+            .collect()
+    }
+}
+
+impl ColumnRepairs {
+    fn sentences(&self) -> Vec<String> {
+        let name = &self.name;
+        let missing = many(self.missing, "left out # cell without a value", "left out # cells without a value");
+        let marks = self.marks.iter().filter_map(|(mark, count)| {
+            let said = many(*count, "left out # value", "left out # values")?;
+            Some(format!("{said} {mark} in `{name}`, which marks a missing value"))
+        });
+        let outliers = "left out # value that differs strongly from those around it";
+        let outliers = many(self.outliers, outliers, "left out # values that differ strongly from those around them");
+        let counted = [missing, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
+        let unit = self.assumed_unit.map(|unit| format!("took `{name}` as {unit}, because nothing says its unit"));
+        counted.chain(marks).chain(unit).collect()
+    }
+}

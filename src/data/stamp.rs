@@ -1,0 +1,242 @@
+//! A date and a time of day, as loggers and spreadsheets write them.
+
+use super::query::DateOrder;
+use jiff::civil::{Date, DateTime, Time};
+use jiff::fmt::temporal::DateTimeParser;
+use jiff::tz::Offset;
+use jiff::{SignedDuration, Span, Timestamp};
+
+static PARSER: DateTimeParser = DateTimeParser::new();
+
+/// A date and a time of day, with the offset from UTC if the text gives one.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Stamp {
+    pub local: DateTime,
+    pub offset: Option<Offset>,
+    /// What is added to `local`: a time at the end of the day, which no calendar has.
+    pub later: SignedDuration,
+}
+
+/// Three numbers of a date, as they stand in the text.
+struct Numbers {
+    parts: [i16; 3],
+    /// Whether the first of them is a year of four digits, or whether the month is a word.
+    order: Option<DateOrder>,
+    /// Whether the year, at the end, has two digits.
+    is_short: bool,
+}
+
+/// Which orders of day, month and year agree with all dates of a column.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Orders {
+    pub day_first: bool,
+    pub month_first: bool,
+}
+
+/// Read a stamp. A date whose year is not first is read in this order; without an order it is none.
+pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
+    let text = text.trim();
+    // Most files write dates as ISO 8601 does, and this reader is fast.
+    if is_iso(text)
+        && !has_zone(text)
+        && let Ok(local) = PARSER.parse_datetime(text)
+    {
+        return Some(Stamp { local, offset: None, later: SignedDuration::ZERO });
+    }
+    let (date, rest) = date(text)?;
+    let of = |order: DateOrder| {
+        let [a, b, c] = date.parts;
+        let (year, month, day) = match order {
+            DateOrder::YearMonthDay => (a, b, c),
+            DateOrder::DayMonthYear => (c, b, a),
+            DateOrder::MonthDayYear => (c, a, b),
+        };
+        let is_first = order == DateOrder::YearMonthDay;
+        let year =
+            if (date.is_short || is_first && date.order.is_none()) && year < 100 { whole_year(year) } else { year };
+        Date::new(year, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()
+    };
+    let day = of(date.order.or(order)?)?;
+    let (time, later, rest) = time_of_day(rest)?;
+    let offset = if rest.trim().is_empty() { None } else { Some(offset(rest.trim())?) };
+    Some(Stamp { local: day.to_datetime(time), offset, later })
+}
+
+/// The year of two digits, as POSIX understands it.
+fn whole_year(short: i16) -> i16 {
+    if short < 69 { 2000 + short } else { 1900 + short }
+}
+
+/// Whether a text has the form of ISO 8601 or RFC 9557, and no leap second, which their reader
+/// counts as the second before it.
+fn is_iso(text: &str) -> bool {
+    let bytes = text.as_bytes();
+    bytes.len() >= 10 && bytes[4] == b'-' && bytes[7] == b'-' && !text.contains(":60")
+}
+
+/// The instant that a text with a zone or an offset names, as ISO 8601 or RFC 9557 write it.
+pub(super) fn instant(text: &str) -> Option<Timestamp> {
+    Some(text).filter(|text| is_iso(text) && has_zone(text)).and_then(|text| PARSER.parse_timestamp(text).ok())
+}
+
+/// Behind the ten characters of the date, `Z`, `+` or `-` gives the zone.
+fn has_zone(text: &str) -> bool {
+    text.bytes().skip(10).any(|byte| matches!(byte, b'Z' | b'z' | b'+' | b'-'))
+}
+
+/// The numbers of the date at the beginning of a text, and the text behind it.
+fn date(text: &str) -> Option<(Numbers, &str)> {
+    let (first, rest) = digits(text)?;
+    if first.len() == 8 && !rest.starts_with(['-', '/', '.']) {
+        let parts = [first[..4].parse().ok()?, first[4..6].parse().ok()?, first[6..].parse().ok()?];
+        return Some((Numbers { parts, order: Some(DateOrder::YearMonthDay), is_short: false }, rest));
+    }
+    let separator = rest.chars().next().filter(|c| "-/. ".contains(*c))?;
+    let (second, word, rest) = match digits(&rest[1..]) {
+        Some((second, rest)) => (second.parse().ok()?, false, rest),
+        None => {
+            let end = rest[1..].find(|c: char| !c.is_ascii_alphabetic()).unwrap_or(rest.len() - 1);
+            (month(&rest[1..=end])?, true, &rest[end + 1..])
+        }
+    };
+    if separator == ' ' && !word {
+        return None;
+    }
+    let (third, rest) = digits(rest.strip_prefix(separator)?)?;
+    let parts = [first.parse().ok()?, second, third.parse().ok()?];
+    let order = match (first.len(), third.len(), word) {
+        (4, 1 | 2, _) => Some(DateOrder::YearMonthDay),
+        (1 | 2, 2 | 4, true) => Some(DateOrder::DayMonthYear),
+        (1 | 2, 2 | 4, false) => None,
+        _ => return None,
+    };
+    Some((Numbers { parts, order, is_short: third.len() == 2 && first.len() != 4 }, rest))
+}
+
+/// The month that an English word stands for, from its first three letters.
+fn month(word: &str) -> Option<i16> {
+    const MONTHS: [&str; 12] = ["jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"];
+    let lower = word.to_lowercase();
+    let place = MONTHS.iter().position(|month| lower.starts_with(month))?;
+    Some(place as i16 + 1)
+}
+
+fn digits(text: &str) -> Option<(&str, &str)> {
+    let end = text.find(|c: char| !c.is_ascii_digit()).unwrap_or(text.len());
+    (end > 0 && end <= 9).then(|| text.split_at(end))
+}
+
+/// The time of day, what is to be added to it, and the text behind it. No text is midnight.
+fn time_of_day(text: &str) -> Option<(Time, SignedDuration, &str)> {
+    let text = text.strip_prefix(['T', 't', ',']).unwrap_or(text).trim_start();
+    if text.is_empty() || !text.starts_with(|c: char| c.is_ascii_digit()) {
+        return Some((Time::midnight(), SignedDuration::ZERO, text));
+    }
+    let (hours, mut rest) = digits(text)?;
+    let (mut hour, minute): (i8, i8);
+    let (mut second, mut nanos) = (0, 0);
+    if hours.len() == 4 {
+        (hour, minute) = (hours[..2].parse().ok()?, hours[2..].parse().ok()?);
+    } else if hours.len() <= 2 {
+        hour = hours.parse().ok()?;
+        rest = rest.strip_prefix([':', '.'])?;
+        let (minutes, after) = digits(rest).filter(|(minutes, _)| minutes.len() == 2)?;
+        (minute, rest) = (minutes.parse().ok()?, after);
+        if let Some((seconds, after)) = rest.strip_prefix([':', '.']).and_then(digits).filter(|(s, _)| s.len() == 2) {
+            (second, rest) = (seconds.parse().ok()?, after);
+            if let Some((fraction, after)) = rest.strip_prefix(['.', ',']).and_then(digits) {
+                nanos = format!("{fraction:0<9}")[..9].parse().ok()?;
+                rest = after;
+            }
+        }
+    } else {
+        return None;
+    }
+    let word: String = rest.trim_start().chars().take_while(|c| c.is_ascii_alphabetic() || *c == '.').collect();
+    let half = word.replace('.', "").to_lowercase();
+    if half == "am" || half == "pm" {
+        if !(1..=12).contains(&hour) {
+            return None;
+        }
+        hour = hour % 12 + if half == "pm" { 12 } else { 0 };
+        rest = &rest.trim_start()[word.len()..];
+    }
+    let mut later = SignedDuration::ZERO;
+    if hour == 24 && minute == 0 && second == 0 && nanos == 0 {
+        (hour, later) = (0, SignedDuration::from_hours(24));
+    } else if second == 60 && minute == 59 {
+        // A leap second is no time of the calendar. It is put between its neighbours.
+        (second, later) = (59, SignedDuration::from_millis(500));
+    }
+    Some((Time::new(hour, minute, second, nanos).ok()?, later, rest))
+}
+
+/// The offset from UTC that a text gives: `Z`, `UTC`, `GMT`, `+01:00`, `+0100`, `UTC+1`.
+pub(super) fn offset(text: &str) -> Option<Offset> {
+    let upper = text.to_uppercase();
+    let rest = ["UTC", "GMT", "Z"].iter().find_map(|name| upper.strip_prefix(name));
+    match rest {
+        Some("") => return Some(Offset::UTC),
+        None if !upper.starts_with(['+', '-', '\u{2212}']) => return None,
+        _ => {}
+    }
+    let rest = rest.unwrap_or(&upper);
+    let sign = if rest.starts_with('+') { 1 } else { -1 };
+    let numbers = rest.strip_prefix(['+', '-', '\u{2212}'])?;
+    let (hours, minutes) = match numbers.split_once(':') {
+        Some((hours, minutes)) => (hours, minutes),
+        None if numbers.len() == 4 => numbers.split_at(2),
+        None => (numbers, "0"),
+    };
+    let number = |text: &str| Some(text).filter(|text| !text.is_empty() && text.len() <= 2)?.parse::<i32>().ok();
+    Offset::from_seconds(sign * (3600 * number(hours)? + 60 * number(minutes).filter(|minutes| *minutes < 60)?)).ok()
+}
+
+impl Orders {
+    pub const ALL: Orders = Orders { day_first: true, month_first: true };
+
+    /// Those orders in which this text is a date as well; the same if it is none in either.
+    pub fn with(self, text: &str) -> Self {
+        let is = |order| stamp(text, Some(order)).is_some();
+        let (day_first, month_first) = (is(DateOrder::DayMonthYear), is(DateOrder::MonthDayYear));
+        if !day_first && !month_first {
+            return self;
+        }
+        Orders { day_first: self.day_first && day_first, month_first: self.month_first && month_first }
+    }
+}
+
+/// Whether a text is a date whose order of day and month must be known.
+pub(super) fn needs_order(text: &str) -> bool {
+    let is = |order| stamp(text, Some(order)).is_some();
+    stamp(text, None).is_none() && (is(DateOrder::DayMonthYear) || is(DateOrder::MonthDayYear))
+}
+
+/// Whether a text is a time of day without a date, such as 13:10.
+pub(super) fn is_time_of_day(text: &str) -> bool {
+    let text = text.trim();
+    text.contains(':') && text.len() <= 12 && time_of_day(text).is_some_and(|(.., rest)| rest.trim().is_empty())
+}
+
+/// A whole number that is a date with 8 to 14 digits: 20250101, 2025010123, 202501012300 or
+/// 20250101230000, from 1900 to 2099.
+pub(super) fn compact(text: &str) -> Option<Stamp> {
+    let is_number = text.bytes().all(|byte| byte.is_ascii_digit());
+    if !is_number || !matches!(text.len(), 8 | 10 | 12 | 14) || !(text.starts_with("19") || text.starts_with("20")) {
+        return None;
+    }
+    let number = |at: usize| text.get(at..at + 2).map_or(Some(0), |digits| digits.parse::<i8>().ok());
+    let day = Date::new(text[..4].parse().ok()?, number(4)?, number(6)?).ok()?;
+    let (hour, minute, second) = (number(8)?, number(10)?, number(12)?);
+    let (hour, later) = if (hour, minute, second) == (24, 0, 0) { (0, 24) } else { (hour, 0) };
+    let local = day.to_datetime(Time::new(hour, minute, second, 0).ok()?);
+    Some(Stamp { local, offset: None, later: SignedDuration::from_hours(later) })
+}
+
+/// The date that a spreadsheet keeps as this number of days, to a millisecond.
+pub(super) fn serial(days: f64) -> Option<Stamp> {
+    let milliseconds = (days * 86_400_000.0).round() as i64;
+    let local = Date::new(1899, 12, 30).ok()?.to_datetime(Time::midnight());
+    let local = local.checked_add(Span::new().try_milliseconds(milliseconds).ok()?).ok()?;
+    Some(Stamp { local, offset: None, later: SignedDuration::ZERO })
+}
