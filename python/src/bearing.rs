@@ -10,8 +10,8 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::Path;
 use stick_slip::bearing::calibration::{
-    Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
-    NotHeld, Quantity, calibrate as calibrated, drawn, twin as made, values,
+    Air, Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
+    NotHeld, Quantity, calibrate as calibrated, twin as made, values,
 };
 use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
 use stick_slip::bearing::weather::{PERIODS, WeatherError, WeatherFit, fit};
@@ -368,8 +368,8 @@ pub fn twin<'py>(
     let Read { scene, name, overrides } = read(py, scenario)?;
     let mut remarks = Vec::new();
     let mut start = None;
-    let [times, temperatures] = match (&temperature, &scene.file) {
-        (Some(arrays), _) => arrays.each_ref().map(|array| array.as_array().to_vec()),
+    let air = match (&temperature, &scene.file) {
+        (Some([times, values]), _) => Air::measured(times.as_array().to_vec(), values.as_array().to_vec()),
         (None, Some(file)) => {
             let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
             let time = TimeColumn { name: &scene.time, zone: scene.zone.as_deref() };
@@ -381,19 +381,19 @@ pub fn twin<'py>(
             remarks.extend(table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())));
             start = table.start;
             let column = table.columns.swap_remove(0);
-            [column.times, column.values]
+            Air::measured(column.times, column.values)
         }
         (None, None) => {
             let text = text.as_deref().unwrap_or(&scene.text);
             let scenario = Checked::parse(&name, text, &overrides).map_err(|error| errors::of_scenario(py, &error))?;
-            drawn(&scenario.model.temperature, (duration / every) as usize, every, seed)
+            Air::drawn(&scenario.model.temperature, (duration / every) as usize, every, seed)
         }
     };
-    let first = temperatures.first().copied().unwrap_or(0.0);
+    let first = air.temperatures.first().copied().unwrap_or(0.0);
     let response = Bearing::of(&scene, first).response();
     let (white, red, memory) = noise;
     let flaws = Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps };
-    let (found, _) = watched(py, None, |_| made(&response, &times, &temperatures, &flaws, seed))?;
+    let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
     let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);
     Ok((to_python(py, Dataset::of_twin(&start, &truth, &found))?, remarks))

@@ -119,7 +119,9 @@ impl Forecast {
     fn without_years(&self, error: &ForecastError) -> Failure {
         match error {
             ForecastError::Misfit(misfit) => misfit.clone().into(),
-            ForecastError::GivenUp(..) => Failure::run_of(&self.source.data, error, ForecastError::REMEDY),
+            ForecastError::Unknown | ForecastError::GivenUp(..) => {
+                Failure::run_of(&self.source.data, error, ForecastError::REMEDY)
+            }
         }
     }
 }
@@ -205,6 +207,7 @@ fn json(found: &Found) -> String {
     let all = json!({
         "draws": found.years.len(),
         "draws_left_out": found.draws_left_out,
+        "draws_redrawn": found.redrawn,
         "years": found.years.iter().map(Vec::len).sum::<usize>(),
         "interval": found.question.level,
         "share": found.question.share,

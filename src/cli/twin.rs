@@ -5,7 +5,7 @@ use super::overrides::settings;
 use super::{Failure, Row, aligned, measurements, note, print, results, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
+use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin as Made, twin, values};
 use stick_slip::config::Override;
 use stick_slip::data::{self, Start, Wanted};
 use stick_slip::scenario::{BridgeScene, Scenario};
@@ -18,7 +18,8 @@ Examples:
   mc calibrate examples/bridge/bridge.toml twin.csv
 
 The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its
-harmonics and noise. Each flaw has random numbers of its own, so that one more of them leaves the others as they are.";
+harmonics and noise. Between samples it moves as weather does, as rough as from one sample to the next. Each flaw has random numbers of
+its own, so that one more of them leaves the others as they are.";
 
 /// Arguments of `mc twin`.
 #[derive(Debug, clap::Args)]
@@ -66,10 +67,6 @@ pub struct Twin {
     force: bool,
 }
 
-/// The temperature of the air: the time of the first sample if it is known, and the times and
-/// temperatures of all samples.
-type Air = (Option<Start>, Vec<f64>, Vec<f64>);
-
 /// The time of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";
 
@@ -81,11 +78,11 @@ impl Twin {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
-        let (start, times, temperatures) = match &scene.file {
+        let (start, air) = match &scene.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
-            None => self.drawn(&set)?,
+            None => (None, self.drawn(&set)?),
         };
-        let response = Bearing::of(&scene, temperatures[0]).response();
+        let response = Bearing::of(&scene, air.temperatures[0]).response();
         let flaws = Flaws {
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),
@@ -94,7 +91,7 @@ impl Twin {
             gaps: self.gaps,
             ..self.sensor_noise
         };
-        let made = twin(&response, &times, &temperatures, &flaws, self.seed);
+        let made = twin(&response, &air, &flaws, self.seed);
         store::write_whole(&self.output, csv(&made, start, &scene)?.as_bytes(), self.force)?;
         let truth = values(&response, scene.shear_stiffness);
         let row = |quantity: &Quantity| {
@@ -116,19 +113,18 @@ impl Twin {
             let problem = format!("{count:.0} samples are not between 2 and 1e7");
             return Err(Failure::usage(problem, "choose other --duration and --every"));
         }
-        let [times, temperatures] = drawn(&scenario.model.temperature, count as usize, self.every, self.seed);
-        Ok((None, times, temperatures))
+        Ok(Air::drawn(&scenario.model.temperature, count as usize, self.every, self.seed))
     }
 }
 
-/// The measured temperature that a scenario names.
-fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
+/// The measured temperature that a scenario names, and the time of its first sample if it is known.
+fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<Start>, Air), Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
     let wanted = [Wanted::temperature(scene.value.as_deref())];
     let mut table = data::read(&path, measurements::time(scene), &wanted)?;
     measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
-    Ok((table.start, column.times, column.values))
+    Ok((table.start, Air::measured(column.times, column.values)))
 }
 
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in

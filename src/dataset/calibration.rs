@@ -16,7 +16,7 @@ use crate::stats::{Dimension, Units};
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
 /// Major and minor version of the format.
-pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 1);
+pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 2);
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -108,6 +108,9 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     match stored.is_repeatable {
         true => walk.attribute("temperature_resolution", &mut calibration.resolution)?,
         false => calibration.resolution = f64::NAN,
+    }
+    if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
+        walk.attribute("temperature_roughness", &mut calibration.roughness)?;
     }
     if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
         walk.attribute("lag_likeliest", &mut profile.likeliest)?;
@@ -233,6 +236,13 @@ fn measured<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), 
     let n = record.times.len();
     walk.along(&TEMPERATURE, &mut record.temperatures, n)?;
     walk.along(&STEEL, steel, n)?;
+    let is_there = walk.present(&INTERPOLATED, &mut Some(())).is_some();
+    if is_there {
+        let mut flags = vec![0_i8; n];
+        record.interpolated.iter().for_each(|i| flags[*i] = 1);
+        walk.variable(&INTERPOLATED, &mut flags)?;
+        record.interpolated = (0..flags.len()).filter(|i| flags[*i] == 1).collect();
+    }
     walk.along(&READING, &mut record.readings, n)?;
     walk.along(&MODELLED, modelled, n)
 }
@@ -286,6 +296,9 @@ table! {
     TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample").with(&[("axis", "T")]);
     TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured, without spikes");
     STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
+    INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,
+        "whether the temperature is interpolated between those of the thermometer")
+        .flags(&[0, 1], &[("flag_meanings", "measured interpolated")]);
     READING = variable("displacement", &["time"], LENGTH, "displacement as measured, without spikes");
     MODELLED = variable("displacement_modelled", &["time"], LENGTH, "displacement of the model");
 }

@@ -3,7 +3,7 @@
 use super::bearing::Response;
 use super::hold::conditioned;
 use super::quantity::{Values, response_of, values};
-use super::question::CalibrationQuestion;
+use super::question::{CalibrationError, CalibrationQuestion};
 use super::slips::Evidence;
 use super::uncertainty::{AroundLag, Replicates};
 
@@ -22,12 +22,27 @@ impl<'a> BySlips<'a> {
     pub fn of(around: &'a AroundLag, question: &CalibrationQuestion) -> Self {
         let shear = question.shear_stiffness.unwrap_or(1.0);
         let evidence = &around.here;
-        let mut replicates = Replicates::new(around, shear);
+        let mut replicates = Replicates::new(around, question);
         let response = evidence
             .fit(&evidence.unweighted())
             .map(|fit| response_of(&conditioned(values(&fit, Some(shear)), &mut replicates, &question.held, shear)));
         let deviations = replicates.deviations();
         BySlips { response, replicates, deviations, evidence }
+    }
+
+    /// Check that the jumps are the slips of a bearing, and that they tell which: more than half of
+    /// the random weights have to give a possible bearing.
+    pub fn check(&self, shear_stiffness: Option<f64>) -> Result<(), CalibrationError> {
+        let jumps = self.evidence.slips.len();
+        let found = self.response.and_then(|response| response.impossible(shear_stiffness));
+        if let Some((quantity, value)) = found {
+            return Err(CalibrationError::NotSlips { jumps, quantity, value });
+        }
+        let [impossible, all] = self.replicates.impossible();
+        if 2 * impossible > all {
+            return Err(CalibrationError::Undetermined { jumps, impossible, all });
+        }
+        Ok(())
     }
 
     /// The slips, if they determine the response.

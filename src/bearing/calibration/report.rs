@@ -82,6 +82,9 @@ pub struct Calibration {
     pub record: MeasuredRecord,
     /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
+    /// The variance that the temperature of the steel gains between samples, in K^2/s; 0 for
+    /// straight lines.
+    pub roughness: f64,
     /// The resolution of the thermometer, in kelvin.
     pub resolution: f64,
     /// Number of spikes that were taken out.
@@ -156,13 +159,14 @@ impl Calibration {
             is_usual: slip.is_usual,
         };
         let temperatures = &steel.record.temperatures;
-        let positions = response.motion.follow(temperatures);
+        let positions = response.motion.at_samples(steel.overlooked).follow(temperatures);
         let reading = |(xi, t): (&f64, &f64)| response.sensor.reading(*xi, *t);
         let modelled: Vec<f64> = positions.iter().zip(temperatures).map(reading).collect();
         let Prepared { record, resolution, spikes, is_mirrored } = prepared;
         Calibration {
             question: question.clone(),
             steel: temperatures.clone(),
+            roughness: steel.roughness,
             resolution,
             spikes,
             is_mirrored,

@@ -1,11 +1,12 @@
 //! The slips that are visible in a record: their times, temperatures and sizes.
 
+use super::crossing::{Window, as_slips_say};
 use super::detect::{self, Jumps, trimmed_slope};
 use super::level::{Level, LevelSums};
-use super::samples::{Samples, median, spread};
+use super::samples::{MeasuredRecord, Samples, median, spread};
 use super::stick_analysis::{StickAnalysis, block};
 use super::sticks::bin_length;
-use std::ops::Range;
+use super::thermometer::Thermometer;
 
 /// One slip, or several between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +17,7 @@ pub struct Slip {
     pub time: f64,
     /// Its direction: 1 or -1.
     pub sign: f64,
-    /// Its temperature: the middle between that of the sample after it and the farthest temperature
-    /// that was reached before without a slip.
+    /// The temperature at which it began (`crossing.rs`).
     pub temperature: f64,
     /// The level of z before it, from all samples of its stick.
     pub before: Level,
@@ -53,6 +53,8 @@ pub struct Evidence {
     pub contrast: f64,
     /// Length of the bins of that regression, in seconds.
     pub bin: f64,
+    /// The thermometer, and how it moves between samples.
+    pub thermometer: Thermometer,
     /// The level at the start of the record, if a gap lies between it and the first slip that was
     /// seen.
     pub beginning: Option<Level>,
@@ -71,7 +73,8 @@ impl Evidence {
     /// The first search compares windows and needs no knowledge of the bearing. The later ones use
     /// the sticks in between: how the level drifts, and where a level that is known from all
     /// samples of a stick jumps.
-    pub fn find(samples: &Samples, resolution: f64) -> Option<Evidence> {
+    pub fn find(record: &MeasuredRecord, resolution: f64) -> Option<Evidence> {
+        let samples = &record.samples();
         let seconds = bin_length(samples, resolution);
         let mut found = detect::jumps(samples, trimmed_slope(samples));
         for _ in 0..ROUNDS {
@@ -82,14 +85,23 @@ impl Evidence {
                 break;
             }
         }
-        Evidence::of(samples, &found, &StickAnalysis::new(samples, &found, seconds)?)
+        let thermometer = Thermometer::of(record);
+        let moves = |windows: &[(Window, f64)]| as_slips_say(thermometer, windows);
+        Evidence::of(samples, moves, &found, &StickAnalysis::new(samples, &found, seconds)?)
     }
 
-    /// The evidence from these jumps.
-    fn of(samples: &Samples, found: &Jumps, sticks: &StickAnalysis) -> Option<Evidence> {
+    /// The evidence from these jumps. `moves` says how the thermometer moves between samples, from
+    /// when slips were seen and their directions.
+    fn of(
+        samples: &Samples,
+        moves: impl FnOnce(&[(Window, f64)]) -> Thermometer,
+        found: &Jumps,
+        sticks: &StickAnalysis,
+    ) -> Option<Evidence> {
         let still = sticks.still();
         let start = samples.times[0];
         let mut slips = Vec::with_capacity(found.jumps.len());
+        let mut windows = Vec::with_capacity(found.jumps.len());
         let mut since = 0;
         for jump in &found.jumps {
             let (i, sign) = (jump.index, jump.size.signum());
@@ -98,15 +110,20 @@ impl Evidence {
                 index: i,
                 time: 0.5 * (samples.times[i - 1] + samples.times[i]),
                 sign,
-                temperature: crossing(&samples.temperatures, since.max(stretch)..i, sign),
+                temperature: f64::NAN,
                 before: sticks.before[i - 1],
                 after: sticks.after[i],
                 is_usual: false,
             };
-            since = i;
+            let since = samples.times[std::mem::replace(&mut since, i).max(stretch)];
             if slip.size(still) > 0.0 {
                 slips.push(slip);
+                windows.push((Window { since, before: samples.times[i - 1], after: samples.times[i] }, sign));
             }
+        }
+        let thermometer = moves(&windows);
+        for (slip, (window, sign)) in slips.iter_mut().zip(&windows) {
+            slip.temperature = thermometer.crossing(window, *sign)?.temperature;
         }
         mark_usual(&mut slips, still);
         let is_whole = |from: usize, to: usize| !samples.starts.iter().any(|start| (from + 1..=to).contains(start));
@@ -123,6 +140,7 @@ impl Evidence {
             sums: sticks.sums.clone(),
             contrast: found.contrast,
             bin: sticks.bin,
+            thermometer,
             beginning,
             start,
         })
@@ -139,22 +157,17 @@ impl Evidence {
     }
 
     /// The evidence from the same slips with other temperatures of the samples.
-    pub fn with_temperatures(&self, samples: &Samples) -> Option<Evidence> {
+    pub fn with_temperatures(&self, record: &MeasuredRecord) -> Option<Evidence> {
+        let samples = &record.samples();
         let jumps = self.slips.iter().map(|slip| detect::Jump { index: slip.index, size: slip.sign }).collect();
         let found = Jumps { jumps, window: 1, contrast: self.contrast };
-        Evidence::of(samples, &found, &StickAnalysis::new(samples, &found, self.bin)?)
+        let is_rough = self.thermometer.roughness > 0.0;
+        let moves = |_: &[(Window, f64)]| {
+            let rough = Thermometer::of(record);
+            if is_rough { rough } else { rough.moving(0.0) }
+        };
+        Evidence::of(samples, moves, &found, &StickAnalysis::new(samples, &found, self.bin)?)
     }
-}
-
-/// The temperature of a slip between the samples `before` and the next one.
-///
-/// When the temperature rises, the slip comes once T is higher than ever since the last slip. It
-/// therefore lies between the highest temperature so far and that of the next sample. The middle of
-/// the two is right on average.
-fn crossing(temperatures: &[f64], before: Range<usize>, sign: f64) -> f64 {
-    let next = sign * temperatures[before.end];
-    let farthest = temperatures[before].iter().fold(f64::NEG_INFINITY, |far, t| far.max(sign * t));
-    sign * if next > farthest { 0.5 * (next + farthest) } else { farthest }
 }
 
 /// Mark the slips that have the usual size.

@@ -1,7 +1,8 @@
 //! Synthetic records: the model, seen by an imperfect sensor and thermometer.
 
+use super::air::Air;
 use super::bearing::Response;
-use super::samples::MeasuredRecord;
+use super::course::{Course, course};
 use crate::noise::{Stream, Transition};
 
 /// The imperfections of a measurement.
@@ -48,33 +49,14 @@ pub struct Twin {
     pub slips: u64,
 }
 
-/// A record of a bearing under these temperatures, measured with these imperfections.
-pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Flaws, seed: u64) -> Twin {
+/// A record of a bearing under this temperature, measured with these imperfections.
+pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
     // others as they are.
-    let [mut sensor, mut friction, mut spikes, mut gaps] = std::array::from_fn(|i| Stream::new(seed, i as u64));
-    let air = MeasuredRecord { times: times.to_vec(), temperatures: temperatures.to_vec(), readings: Vec::new() };
-    let steel = air.lagged(flaws.lag).temperatures;
-    let (mut positions, mut slips) = (Vec::with_capacity(times.len()), 0);
-    let (mut xi, mut reach) = (response.motion.start, response.motion.reach);
-    let kinetic = response.motion.kinetic_reach();
-    for &temperature in &steel {
-        if flaws.scatter == 0.0 {
-            let next = response.motion.next(xi, temperature);
-            if response.motion.jump > 0.0 {
-                slips += ((next - xi) / response.motion.jump).abs().round() as u64;
-            }
-            xi = next;
-        } else {
-            while (temperature - xi).abs() > reach {
-                xi += (2.0 * (reach - kinetic)).copysign(temperature - xi);
-                slips += 1;
-                let drawn = response.motion.reach * (1.0 + flaws.scatter * friction.normal());
-                reach = drawn.max(kinetic);
-            }
-        }
-        positions.push(xi);
-    }
+    let [mut sensor, friction, mut spikes, mut gaps, between] = std::array::from_fn(|i| Stream::new(seed, i as u64));
+    let Course { steel, positions, slips } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
+    let [mut times, temperatures] = air.samples();
+    let mut positions = positions;
     let mut red = flaws.red * sensor.normal();
     let mut readings = Vec::with_capacity(times.len());
     for i in 0..times.len() {
@@ -90,7 +72,6 @@ pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Fl
     }
     let shown = |t: &f64| if flaws.resolution > 0.0 { (t / flaws.resolution).round() * flaws.resolution } else { *t };
     let mut temperatures: Vec<f64> = temperatures.iter().map(shown).collect();
-    let mut times = times.to_vec();
     let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
     for _ in 0..flaws.gaps {
         let from = times[0] + length * gaps.uniform();

@@ -390,7 +390,7 @@ impl WeatherFit {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::bearing::calibration::drawn;
+    use crate::bearing::calibration::Air;
 
     const DAY: f64 = 86_400.0;
     const PERIODS: [f64; 2] = [365.25 * DAY, DAY];
@@ -432,7 +432,7 @@ mod tests {
         let mut squares = [0.0; 7];
         let records = 40;
         for seed in 0..records {
-            let [times, temperatures] = drawn(&truth, 7200, 3600.0, seed);
+            let [times, temperatures] = Air::drawn(&truth, 7200, 3600.0, seed).samples();
             let fit = fit(&times, &temperatures, &PERIODS, 2).expect("a fit");
             let (mean, cycles, processes) = (fit.mean(), fit.cycles(), fit.processes());
             let [fast, slow] = [processes[0], processes[1]];
@@ -462,7 +462,7 @@ mod tests {
         let mut truth = truth();
         truth.harmonics.remove(1);
         for seed in 100..104 {
-            let [times, temperatures] = drawn(&truth, 20_000, 600.0, seed);
+            let [times, temperatures] = Air::drawn(&truth, 20_000, 600.0, seed).samples();
             let shown: Vec<f64> = temperatures.iter().map(|t| 2.0 * t).map(|t| t.round() / 2.0).collect();
             let fit = fit(&times, &shown, &[DAY], 2).expect("a fit");
             let fast = fit.processes()[0];
@@ -478,7 +478,7 @@ mod tests {
     /// Four standard errors of a standard deviation are 4.5 %.
     #[test]
     fn draws_have_the_errors_of_the_fit() {
-        let [times, temperatures] = drawn(&truth(), 7200, 3600.0, 7);
+        let [times, temperatures] = Air::drawn(&truth(), 7200, 3600.0, 7).samples();
         let fit = fit(&times, &temperatures, &PERIODS, 2).expect("a fit");
         let mut random = Stream::new(1, 1);
         let draws: Vec<Temperature> = (0..4000).map(|_| fit.drawn(&mut random)).collect();

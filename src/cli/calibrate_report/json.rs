@@ -35,6 +35,7 @@ pub fn json(calibration: &Calibration, warnings: &[(String, String)]) -> String 
             "gain": profile.map(|profile| profile.gain),
             "profile": profile.map_or(&[][..], |profile| &profile.profile[..]),
         },
+        "roughness": calibration.roughness,
         "starts": starts.collect::<Vec<_>>(),
         "residuals": {
             "rms": calibration.residuals.rms,
