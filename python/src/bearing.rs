@@ -193,12 +193,12 @@ pub fn forecast<'py>(
     let (ended, is_interrupted) = watched(py, None, |watch| {
         let workers = workers.0;
         let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
-        let weather =
-            fit(&calibration.record.times, &calibration.steel, &PERIODS, processes).map_err(Missing::Weather)?;
+        let [times, temperatures] = calibration.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, processes).map_err(Missing::Weather)?;
         let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
-        Ok((calibration, found.map_err(Missing::Years)?))
+        Ok((calibration, weather, found.map_err(Missing::Years)?))
     })?;
-    let (calibration, found) = ended.map_err(|missing: Missing| match missing {
+    let (calibration, weather, found) = ended.map_err(|missing: Missing| match missing {
         Missing::Bearing(error) => no_calibration(py, &error, None),
         Missing::Weather(error @ WeatherError::ShorterThanPeriod(_)) => {
             let remedy = "measure for at least half a year: a forecast needs to know the seasons";
@@ -213,6 +213,7 @@ pub fn forecast<'py>(
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
     let found = found.ok_or_else(stopped)?;
     remarks.extend(warnings(&calibration));
+    remarks.extend(weather.warnings());
     remarks.extend(found.warnings());
     if is_interrupted {
         remarks.push(format!("interrupted: {} draws of the parameters are in it, of {draws}", found.years.len()));
@@ -229,7 +230,6 @@ enum Missing {
 
 fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
     let remedy = match error {
-        WeatherError::OneIsEnough => "give processes=1",
         WeatherError::ShorterThanPeriod(_) => {
             "leave that period out, e.g. periods=[86400]; what a year does cannot be forecast then"
         }
@@ -248,7 +248,7 @@ pub struct Weather {
     /// The date of time 0, if the times were dates in a file or a text.
     #[pyo3(get)]
     start: Option<String>,
-    /// What was repaired in the data.
+    /// What was repaired in the data, and what is to be known of the fit.
     #[pyo3(get)]
     remarks: Vec<String>,
 }
@@ -340,7 +340,9 @@ pub fn fit_temperature<'py>(
     };
     // The fit cannot be interrupted, but it takes only seconds.
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
-    Ok(Weather { fit: found.map_err(|error| no_weather(py, &error))?, start, remarks })
+    let fit = found.map_err(|error| no_weather(py, &error))?;
+    let remarks = remarks.into_iter().chain(fit.warnings()).collect();
+    Ok(Weather { fit, start, remarks })
 }
 
 /// Makes synthetic measurements of a bearing with the parameters of the scenario. The temperature

@@ -237,8 +237,8 @@ def fit_temperature(
     Args:
         data: the path of a CSV file, a pandas DataFrame, or temperatures over time in degrees
             Celsius, as for `calibrate`.
-        processes: number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast and a
-            slow one.
+        processes: largest number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast
+            and a slow one.
         periods: the periods of the harmonics, in seconds or as timedelta; by default a year of
             365.25 days and a day. An empty sequence fits no harmonics.
         time: the name of the column of times in a file or a DataFrame.

@@ -79,7 +79,12 @@ pub fn weather(seed: u64, campaign: &Campaign, processes: [[f64; 2]; 2]) -> Air 
 /// Synthetic measurements of a bearing that starts at rest at a random place, and the true
 /// parameters.
 pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Values) {
-    let air = weather(seed, campaign, WEATHER);
+    twin_under(bearing, campaign, WEATHER, seed)
+}
+
+/// The same under weather of other processes.
+pub fn twin_under(bearing: &Bearing, campaign: &Campaign, processes: [[f64; 2]; 2], seed: u64) -> (Twin, Values) {
+    let air = weather(seed, campaign, processes);
     let mut response = bearing.response();
     let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
     response.motion.start = air.temperatures[0] + 0.9 * response.motion.reach * place;

@@ -6,11 +6,14 @@ use super::quantity::{Values, response_of, values};
 use super::question::{CalibrationError, CalibrationQuestion};
 use super::slips::Evidence;
 use super::uncertainty::{AroundLag, Replicates};
+use super::zero::Zero;
 
 /// What the slips of a record tell.
 pub struct BySlips<'a> {
     /// The response; `None` if the slips do not determine it.
     pub response: Option<Response>,
+    /// How the zero of the sensor moves.
+    pub zero: Zero,
     pub replicates: Replicates,
     /// The standard deviation of each quantity.
     pub deviations: Values,
@@ -23,11 +26,13 @@ impl<'a> BySlips<'a> {
         let shear = question.shear_stiffness.unwrap_or(1.0);
         let evidence = &around.here;
         let mut replicates = Replicates::new(around, question);
-        let response = evidence
-            .fit(&evidence.unweighted())
-            .map(|fit| response_of(&conditioned(values(&fit, Some(shear)), &mut replicates, &question.held, shear)));
+        let fitted = evidence.fit(&evidence.unweighted());
+        let response = fitted.as_ref().map(|(fit, _)| {
+            response_of(&conditioned(values(fit, Some(shear)), &mut replicates, &question.held, shear))
+        });
         let deviations = replicates.deviations();
-        BySlips { response, replicates, deviations, evidence }
+        let zero = fitted.map_or_else(Zero::default, |(_, zero)| zero);
+        BySlips { response, zero, replicates, deviations, evidence }
     }
 
     /// Check that the jumps are the slips of a bearing, and that they tell which: more than half of

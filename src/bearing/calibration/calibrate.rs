@@ -10,6 +10,7 @@ use super::samples::MeasuredRecord;
 use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
 use super::warnings::warnings;
+use super::zero::Zero;
 use std::sync::atomic::AtomicBool;
 
 /// Find the parameters of a bearing from a record.
@@ -61,7 +62,8 @@ fn fit(
     if evidence.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
-    let misfit = FitObjective::new(&steel.record, steel.overlooked);
+    let zero = by_slips.as_ref().map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
+    let misfit = FitObjective::new(&steel.record.without(&zero), steel.overlooked);
     let starts = match question.method {
         CalibrationMethod::Slips => Vec::new(),
         CalibrationMethod::Err | CalibrationMethod::Both => {

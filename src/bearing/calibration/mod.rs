@@ -44,6 +44,7 @@ mod twin;
 mod uncertainty;
 mod warning;
 mod warnings;
+mod zero;
 
 pub use air::Air;
 pub use bearing::{Bearing, Response, Sensor};
@@ -61,3 +62,4 @@ pub use starts::SearchStart;
 pub use thermometer::Thermometer;
 pub use twin::{Flaws, Twin, twin};
 pub use warning::CalibrationWarning;
+pub use zero::Zero;

@@ -1,5 +1,6 @@
 //! The record, in the forms that the methods need.
 
+use super::zero::Zero;
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
@@ -62,6 +63,12 @@ impl MeasuredRecord {
         [&self.times, &self.temperatures].map(|values| own.iter().map(|i| values[*i]).collect())
     }
 
+    /// The same record with readings that the sensor would show if its zero had not moved.
+    pub fn without(&self, zero: &Zero) -> MeasuredRecord {
+        let readings = self.times.iter().zip(&self.readings).map(|(time, reading)| reading - zero.at(*time)).collect();
+        MeasuredRecord { readings, ..self.clone() }
+    }
+
     /// The samples that have a reading.
     pub fn samples(&self) -> Samples {
         let seen: Vec<usize> = (0..self.times.len()).filter(|i| self.readings[*i].is_finite()).collect();
@@ -90,6 +97,18 @@ impl MeasuredRecord {
             }
         }
         MeasuredRecord { temperatures: steel, ..self.clone() }
+    }
+
+    /// The same record with the temperature of so many seconds earlier, interpolated between its
+    /// neighbours, as if the clock of the sensor were behind that of the thermometer.
+    pub fn shifted(&self, seconds: f64) -> MeasuredRecord {
+        let (t, x) = (&self.times, &self.temperatures);
+        let earlier = |time: &f64| {
+            let after = t.partition_point(|t| *t <= time - seconds).clamp(1, t.len() - 1);
+            let share = ((time - seconds - t[after - 1]) / (t[after] - t[after - 1])).clamp(0.0, 1.0);
+            x[after - 1] + share * (x[after] - x[after - 1])
+        };
+        MeasuredRecord { temperatures: t.iter().map(earlier).collect(), ..self.clone() }
     }
 
     /// The time that each sample stands for, in seconds: half of the distance to each of its

@@ -3,6 +3,7 @@
 use super::air::Air;
 use super::bearing::Response;
 use super::course::{Course, course};
+use super::zero::Zero;
 use crate::noise::{Stream, Transition};
 
 /// The imperfections of a measurement.
@@ -25,12 +26,26 @@ pub struct Flaws {
     pub spikes: f64,
     /// Number of gaps, of one to five days each.
     pub gaps: u32,
+    /// Drift of the sensor, in the unit of displacement per year.
+    pub drift: f64,
+    /// When the zero of the sensor is set, in seconds, and by how much it is moved.
+    pub zero_set: Option<(f64, f64)>,
 }
 
 impl Flaws {
     /// A perfect measurement.
-    pub const NONE: Flaws =
-        Flaws { white: 0.0, red: 0.0, memory: 86_400.0, scatter: 0.0, lag: 0.0, resolution: 0.0, spikes: 0.0, gaps: 0 };
+    pub const NONE: Flaws = Flaws {
+        white: 0.0,
+        red: 0.0,
+        memory: 86_400.0,
+        scatter: 0.0,
+        lag: 0.0,
+        resolution: 0.0,
+        spikes: 0.0,
+        gaps: 0,
+        drift: 0.0,
+        zero_set: None,
+    };
 }
 
 /// A synthetic record: times in seconds, temperatures in kelvin, and readings in the unit of
@@ -57,6 +72,7 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     let Course { steel, positions, slips } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
     let [mut times, temperatures] = air.samples();
     let mut positions = positions;
+    let zero = Zero::moving(times.first().copied().unwrap_or(0.0), flaws.drift, flaws.zero_set);
     let mut red = flaws.red * sensor.normal();
     let mut readings = Vec::with_capacity(times.len());
     for i in 0..times.len() {
@@ -65,6 +81,7 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
             red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1]).next(red, sensor.normal());
         }
         let mut reading = response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
+        reading += zero.at(times[i]);
         if spikes.uniform() < flaws.spikes {
             reading += 20.0 * flaws.white.hypot(flaws.red) * (2.0 * spikes.uniform() - 1.0);
         }

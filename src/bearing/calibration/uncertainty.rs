@@ -39,7 +39,7 @@ impl AroundLag {
     /// The most likely lag, relative to the one that was estimated, and all quantities, with these
     /// weights.
     fn replicate(&self, weights: &[f64], shear_stiffness: f64) -> Option<(f64, Values)> {
-        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?, Some(shear_stiffness)));
+        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?.0, Some(shear_stiffness)));
         let here = at(&self.here)?;
         let Some(([less, more], step)) = &self.beside else { return Some((0.0, here)) };
         let deviance = |evidence: &Evidence| LevelSums::weighted(&evidence.sums, weights).deviance();

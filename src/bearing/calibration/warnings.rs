@@ -6,6 +6,7 @@ use super::lag::CONVINCING;
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
 use super::report::{Calibration, ParameterEstimate};
+use super::samples::HOUR;
 use super::slips::Evidence;
 use super::spikes::Spikes;
 use super::warning::CalibrationWarning;
@@ -20,13 +21,16 @@ struct Case<'a> {
 type Says = fn(&Case) -> Option<String>;
 
 /// All warnings, in the order in which they are given.
-const ALL: [(&str, Says); 10] = [
+const ALL: [(&str, Says); 13] = [
     ("no_shear_stiffness", no_shear_stiffness),
     ("no_slips", no_slips),
     ("gap_not_identified", gap_not_identified),
     ("scatter", scatter),
     ("lag", lag),
     ("other_lag", other_lag),
+    ("clocks", clocks),
+    ("zero_set", zero_set),
+    ("zero_drift", zero_drift),
     ("methods_apart", methods_apart),
     ("starts_disagree", starts_disagree),
     ("spikes", spikes),
@@ -109,6 +113,39 @@ fn other_lag(case: &Case) -> Option<String> {
     let profile = case.calibration.lag_profile.as_ref().filter(|profile| profile.against(given) > CONVINCING)?;
     let [likeliest, given] = [profile.likeliest, given].map(|seconds| seconds / 60.0);
     Some(format!("the data say a lag of {likeliest:.1} minutes rather than {given:.1}; try --lag auto"))
+}
+
+/// The clocks of thermometer and sensor seem to differ by whole hours.
+fn clocks(case: &Case) -> Option<String> {
+    let seconds = case.calibration.lag_profile.as_ref()?.clock?;
+    let (hours, side) = (seconds.abs() / HOUR, if seconds > 0.0 { "earlier" } else { "later" });
+    Some(format!(
+        "the temperature of {hours:.0} h {side} explains the displacement far better than that of the same time, with or without \
+         a lag: see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before"
+    ))
+}
+
+/// The zero of the sensor was set.
+fn zero_set(case: &Case) -> Option<String> {
+    let of = |(when, size): &(f64, f64)| format!("{:+.2} mm after {:.2} d", 1e3 * size, when / (24.0 * HOUR));
+    let steps: Vec<String> = case.calibration.zero.steps.iter().map(of).collect();
+    (!steps.is_empty()).then(|| {
+        format!(
+            "the sensor jumps where no slip does, as if its zero had been set: {}; this is fitted and taken out",
+            steps.join(", ")
+        )
+    })
+}
+
+/// The zero of the sensor drifts.
+fn zero_drift(case: &Case) -> Option<String> {
+    let drift = case.calibration.zero.drift_per_year();
+    (drift != 0.0).then(|| {
+        format!(
+            "the sensor drifts by {:+.2} mm a year; this is fitted and taken out, from the first sample on",
+            1e3 * drift
+        )
+    })
 }
 
 /// The intervals by slips and by least squares do not overlap for some parameters.
