@@ -350,7 +350,7 @@ pub fn fit_temperature<'py>(
 /// and noise for `duration` seconds with a sample every `every` seconds. Returns the data set and
 /// remarks.
 #[pyfunction]
-#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, duration, every))]
+#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every, start, duration, every))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
 pub fn twin<'py>(
     py: Python<'py>,
@@ -363,13 +363,26 @@ pub fn twin<'py>(
     resolution: f64,
     spikes: f64,
     gaps: u32,
+    drift: f64,
+    zero_set: Option<(f64, f64)>,
+    thermometer_every: usize,
+    start: Option<String>,
     duration: f64,
     every: f64,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let text = scenario.1.clone();
     let Read { scene, name, overrides } = read(py, scenario)?;
     let mut remarks = Vec::new();
-    let mut start = None;
+    let given = start.as_deref().map(|date| {
+        let remedy = "write a date with a time and a zone, e.g. 2024-06-01T00:00Z";
+        Start::parse(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is no such date", remedy))
+    });
+    let is_measured = temperature.is_some() || scene.file.is_some();
+    if let Some(date) = start.as_deref().filter(|_| is_measured) {
+        let remedy = "leave it out, or take the measured temperature out";
+        return Err(errors::of_argument(py, "start", date, "the measured temperature has dates of its own", remedy));
+    }
+    let mut start = given.transpose()?;
     let air = match (&temperature, &scene.file) {
         (Some([times, values]), _) => Air::measured(times.as_array().to_vec(), values.as_array().to_vec()),
         (None, Some(file)) => {
@@ -394,7 +407,8 @@ pub fn twin<'py>(
     let first = air.temperatures.first().copied().unwrap_or(0.0);
     let response = Bearing::of(&scene, first).response();
     let (white, red, memory) = noise;
-    let flaws = Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps };
+    let flaws =
+        Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every };
     let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
     let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);

@@ -328,6 +328,10 @@ def twin(
     resolution: float = 0.0,
     spikes: float = 0.0,
     gaps: int = 0,
+    drift: float = 0.0,
+    zero_set: tuple[Time, float] | None = None,
+    thermometer_every: int = 1,
+    start: str | None = None,
     duration: Time = 300 * 86_400.0,
     every: Time = 600.0,
     set: Settings | None = None,
@@ -354,6 +358,13 @@ def twin(
         spikes: the share of displacements that are outliers, from 0 to below 0.5; they are off by
             up to 20 standard deviations of the noise of the sensor.
         gaps: number of gaps in the measurement, of one to five days each.
+        drift: drift of the displacement sensor, in metres a year.
+        zero_set: when the zero of the displacement sensor is set, in seconds or as a timedelta, and
+            by how many metres its readings move from then on; None where it is not set.
+        thermometer_every: the thermometer shows only every so-many-th sample; its other samples are
+            NaN.
+        start: the date of the first sample, with a time and a zone, at which t = 0 in the
+            harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
         duration: length of the measurement, in seconds or as a timedelta, if the temperature is
             simulated.
         every: time between samples, in seconds or as a timedelta, if the temperature is simulated.
@@ -397,6 +408,13 @@ def twin(
     memory = _seconds("sensor_noise", sensor_noise[2]) if len(sensor_noise) == 3 else 86_400.0
     if gaps < 0:
         raise wrong_argument("gaps", gaps, "it is no number of gaps", "give 0 or more")
+    if not abs(drift) < float("inf"):
+        raise wrong_argument("drift", drift, "it is no drift", "give metres a year")
+    if thermometer_every < 1:
+        raise wrong_argument(
+            "thermometer_every", thermometer_every, "it is no number of samples", "give 1 or more"
+        )
+    moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
     if not 2 <= seconds / step <= 1e7:
         raise wrong_argument(
@@ -424,6 +442,10 @@ def twin(
         resolution=resolution,
         spikes=spikes,
         gaps=gaps,
+        drift=float(drift),
+        zero_set=moved,
+        thermometer_every=thermometer_every,
+        start=start,
         duration=seconds,
         every=step,
     )

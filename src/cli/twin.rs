@@ -15,6 +15,7 @@ const EXAMPLES: &str = "\
 Examples:
   mc twin examples/bridge/bridge.toml --seed 1 -o twin.csv
   mc twin examples/bridge/bridge.toml --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 --resolution 0.5 -o hard.csv
+  mc twin year.toml --start 2024-06-01T00:00Z --every 5m --thermometer-every 2 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
   mc calibrate examples/bridge/bridge.toml twin.csv
 
 The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its
@@ -49,6 +50,20 @@ pub struct Twin {
     /// Number of gaps in the record, of one to five days each
     #[arg(long, value_name = "N", default_value_t = 0)]
     gaps: u32,
+    /// Drift of the displacement sensor in metres a year, e.g. 0.5e-3
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    drift: f64,
+    /// The zero of the displacement sensor is set after TIME, and its readings move by M metres from
+    /// then on, e.g. 150d:1e-3
+    #[arg(long, value_name = "TIME:M", value_parser = zero_set)]
+    zero_set: Option<(f64, f64)>,
+    /// The thermometer shows only every N-th sample, and the displacement sensor all of them
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    thermometer_every: u32,
+    /// The date of the first sample, e.g. 2024-06-01T00:00Z, at which t = 0 in the harmonics; only if
+    /// the scenario has no measured temperature
+    #[arg(long, value_name = "DATE", value_parser = start)]
+    start: Option<Start>,
     /// Length of the record, if the scenario has no measured temperature
     #[arg(long, value_name = "TIME", default_value = "300d", value_parser = parse_seconds)]
     duration: f64,
@@ -80,8 +95,12 @@ impl Twin {
         writable(&self.output, self.force, results::with_series(&self.scenario, scene.file.as_deref()))?;
         let (start, air) = match &scene.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
-            None => (None, self.drawn(&set)?),
+            None => (self.start, self.drawn(&set)?),
         };
+        if scene.file.is_some() && self.start.is_some() {
+            let problem = "--start gives a date, and the measured temperature of the scenario has dates of its own";
+            return Err(Failure::usage(problem, "leave --start out, or take [temperature.series] out of the scenario"));
+        }
         let response = Bearing::of(&scene, air.temperatures[0]).response();
         let flaws = Flaws {
             scatter: self.scatter,
@@ -89,6 +108,9 @@ impl Twin {
             resolution: self.resolution,
             spikes: self.spikes,
             gaps: self.gaps,
+            drift: self.drift,
+            zero_set: self.zero_set,
+            thermometer_every: self.thermometer_every as usize,
             ..self.sensor_noise
         };
         let made = twin(&response, &air, &flaws, self.seed);
@@ -136,7 +158,9 @@ fn csv(made: &Made, start: Option<Start>, scene: &BridgeScene) -> Result<String,
     let mut text = format!("{},{temperature},displacement_mm\n", scene.time);
     for i in 0..made.times.len() {
         let stamp = start.after(made.times[i]).ok_or_else(out_of_calendar)?;
-        let _ = writeln!(text, "{stamp},{:.3},{:.5}", made.temperatures[i], 1e3 * made.readings[i]);
+        let shown = made.temperatures[i];
+        let shown = if shown.is_nan() { String::new() } else { format!("{shown:.3}") };
+        let _ = writeln!(text, "{stamp},{shown},{:.5}", 1e3 * made.readings[i]);
     }
     Ok(text)
 }
@@ -164,4 +188,18 @@ fn share(text: &str) -> Result<f64, String> {
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
     parse_duration(text).map(|duration| duration.as_secs_f64())
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    number.ok_or_else(|| "write a number".to_string())
+}
+
+fn zero_set(text: &str) -> Result<(f64, f64), String> {
+    let parts = text.split_once(':').and_then(|(when, by)| Some((parse_seconds(when).ok()?, number(by).ok()?)));
+    parts.ok_or_else(|| "write when and by how many metres, e.g. 150d:1e-3".to_string())
+}
+
+fn start(text: &str) -> Result<Start, String> {
+    Start::parse(text).ok_or_else(|| "write a date with a time and a zone, e.g. 2024-06-01T00:00Z".to_string())
 }

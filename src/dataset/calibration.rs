@@ -111,10 +111,12 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     }
     if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
         walk.attribute("temperature_roughness", &mut calibration.roughness)?;
+        walk.attribute("sensor_drift", &mut calibration.zero.drift)?;
     }
     if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
         walk.attribute("lag_likeliest", &mut profile.likeliest)?;
         walk.attribute("lag_gain", &mut profile.gain)?;
+        walk.attribute("clock_shift", &mut profile.clock)?;
     }
     let mut counts = [spikes.readings as u64, spikes.temperatures as u64, calibration.is_mirrored.into()];
     for (name, count) in ["spikes_displacement", "spikes_temperature", "mirrored"].into_iter().zip(&mut counts) {
@@ -214,6 +216,7 @@ fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::
     walk.along(&START_VALUE, &mut values, errs.len() * all)?;
     let starts = errs.into_iter().zip(rows(&values));
     calibration.starts = starts.map(|(err, values)| SearchStart { err, response: response_of(&values) }).collect();
+    pairs(walk, [&ZERO_TIME, &ZERO_STEP], &mut calibration.zero.steps)?;
     if let Some(LagProfile { profile, .. }) = &mut calibration.lag_profile {
         pairs(walk, [&LAG, &LAG_DEVIANCE], profile)?;
     }
@@ -235,9 +238,9 @@ fn measured<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), 
     walk.variable(&TIME, &mut record.times)?;
     let n = record.times.len();
     walk.along(&TEMPERATURE, &mut record.temperatures, n)?;
+    calibration.zero.start = record.times.first().copied().unwrap_or(0.0);
     walk.along(&STEEL, steel, n)?;
-    let is_there = walk.present(&INTERPOLATED, &mut Some(())).is_some();
-    if is_there {
+    if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
         let mut flags = vec![0_i8; n];
         record.interpolated.iter().for_each(|i| flags[*i] = 1);
         walk.variable(&INTERPOLATED, &mut flags)?;
@@ -290,6 +293,8 @@ table! {
     LAG = variable("lag", &["lag"], Unit::Seconds, "lag of steel behind the thermometer");
     LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
         "twice the logarithm of the largest likelihood over that of this lag");
+    ZERO_TIME = variable("zero_time", &["zero_time"], Unit::Seconds, "time at which the zero of the sensor was set");
+    ZERO_STEP = variable("zero_step", &["zero_time"], LENGTH, "by how much readings moved when the zero was set");
     DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");

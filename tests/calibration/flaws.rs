@@ -124,8 +124,8 @@ pub const MOVING_ZEROS: [Flaws; 4] = [
 /// Null hypothesis: intervals of 90 % hold the truth. Sample size: 8 synthetic measurements of each
 /// kind (seeds 1100 to 1107), so 32 intervals of K and of beta each. False-alarm rate: fewer than
 /// 23 of 32 hold once in 300 times, if one in ten misses. If the zero were not fitted, a quarter of
-/// them would hold. A zero that was set is found within two days and to 0.15 mm, a drift to 0.3 mm a
-/// year.
+/// them would hold. A zero that was set is found to 0.15 mm and within two days, or fifteen where it
+/// is set by less than a slip, and a drift to 0.3 mm a year.
 #[test]
 fn a_zero_that_moves_is_found_and_does_no_harm() {
     let mut held = [0; 2];
@@ -137,7 +137,9 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
         for (fit, _) in &all {
             match (flaws.zero_set, &fit.zero.steps[..]) {
                 (Some((when, size)), [(seen, found)]) => {
-                    assert!((when - seen).abs() < 2.0 * 86_400.0 && (size - found).abs() < 0.15e-3, "{seen} {found}");
+                    let apart = (when - seen).abs() / 86_400.0;
+                    assert!(apart < if size > 0.5e-3 { 2.0 } else { 15.0 }, "{seen}");
+                    assert!((size - found).abs() < 0.15e-3, "{found}");
                     assert!(warns(fit, "zero_set"));
                 }
                 (None, []) => assert!(!warns(fit, "zero_set")),
@@ -177,7 +179,7 @@ fn a_clock_that_is_an_hour_off_is_asked_for() {
 #[test]
 #[ignore = "a minute; prints a table"]
 fn zeros() {
-    for flaws in MOVING_ZEROS {
+    for flaws in [RED].into_iter().chain(MOVING_ZEROS) {
         let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 2100..2124);
         let cells: Vec<String> = (Quantity::ALL[..Quantity::PARAMETERS].iter())
             .map(|quantity| format!("{}", covered(&all, *quantity)))

@@ -30,6 +30,8 @@ pub struct Flaws {
     pub drift: f64,
     /// When the zero of the sensor is set, in seconds, and by how much it is moved.
     pub zero_set: Option<(f64, f64)>,
+    /// The thermometer shows only every so-many-th sample.
+    pub thermometer_every: usize,
 }
 
 impl Flaws {
@@ -45,6 +47,7 @@ impl Flaws {
         gaps: 0,
         drift: 0.0,
         zero_set: None,
+        thermometer_every: 1,
     };
 }
 
@@ -54,7 +57,7 @@ impl Flaws {
 pub struct Twin {
     /// Times of the samples, in seconds.
     pub times: Vec<f64>,
-    /// Temperatures that the thermometer shows, in kelvin.
+    /// Temperatures that the thermometer shows, in kelvin; NaN where it shows none.
     pub temperatures: Vec<f64>,
     /// Readings of the sensor.
     pub readings: Vec<f64>,
@@ -88,7 +91,8 @@ pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
         readings.push(reading);
     }
     let shown = |t: &f64| if flaws.resolution > 0.0 { (t / flaws.resolution).round() * flaws.resolution } else { *t };
-    let mut temperatures: Vec<f64> = temperatures.iter().map(shown).collect();
+    let seen = |(i, t): (usize, &f64)| if i.is_multiple_of(flaws.thermometer_every) { shown(t) } else { f64::NAN };
+    let mut temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
     let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
     for _ in 0..flaws.gaps {
         let from = times[0] + length * gaps.uniform();
