@@ -10,8 +10,8 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::path::Path;
 use stick_slip::bearing::calibration::{
-    Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
-    NotHeld, Quantity, calibrate as calibrated, drawn, twin as made, values,
+    Air, Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
+    NotHeld, Quantity, calibrate as calibrated, twin as made, values,
 };
 use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
 use stick_slip::bearing::weather::{NotTold, PERIODS, WeatherError, WeatherFit, fit, usual};
@@ -266,12 +266,12 @@ pub fn forecast<'py>(
     let (ended, is_interrupted) = watched(py, None, |watch| {
         let workers = workers.0;
         let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
-        let weather =
-            fit(&calibration.record.times, &calibration.steel, &PERIODS, processes).map_err(Missing::Weather)?;
+        let [times, temperatures] = calibration.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, processes).map_err(Missing::Weather)?;
         let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
-        Ok((calibration, found.map_err(Missing::Years)?))
+        Ok((calibration, weather, found.map_err(Missing::Years)?))
     })?;
-    let (calibration, found) = ended.map_err(|missing: Missing| match missing {
+    let (calibration, weather, found) = ended.map_err(|missing: Missing| match missing {
         Missing::Bearing(error) => no_calibration(py, &error, None),
         Missing::Weather(error @ WeatherError::NotTold(NotTold::Short(_))) => {
             let remedy = "measure for at least half a year: a forecast needs to know the seasons";
@@ -286,6 +286,7 @@ pub fn forecast<'py>(
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
     let found = found.ok_or_else(stopped)?;
     remarks.extend(warnings(&calibration));
+    remarks.extend(weather.warnings());
     remarks.extend(found.warnings());
     if is_interrupted {
         remarks.push(format!("interrupted: {} draws of the parameters are in it, of {draws}", found.years.len()));
@@ -302,7 +303,6 @@ enum Missing {
 
 fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
     let remedy = match error {
-        WeatherError::OneIsEnough => "give processes=1",
         WeatherError::NotTold(NotTold::Short(_)) => {
             "leave that period out, e.g. periods=[86400]; what a year does cannot be forecast then"
         }
@@ -321,7 +321,7 @@ pub struct Weather {
     /// The date of time 0, if the times were dates in a file or a text.
     #[pyo3(get)]
     start: Option<String>,
-    /// What was repaired in the data.
+    /// What was repaired in the data, and what is to be known of the fit.
     #[pyo3(get)]
     remarks: Vec<String>,
 }
@@ -418,7 +418,9 @@ pub fn fit_temperature<'py>(
     });
     // The fit cannot be interrupted, but it takes only seconds.
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
-    Ok(Weather { fit: found.map_err(|error| no_weather(py, &error))?, start, remarks })
+    let fit = found.map_err(|error| no_weather(py, &error))?;
+    let remarks = remarks.into_iter().chain(fit.warnings()).collect();
+    Ok(Weather { fit, start, remarks })
 }
 
 /// Makes synthetic measurements of a bearing with the parameters of the scenario. The temperature
@@ -426,7 +428,7 @@ pub fn fit_temperature<'py>(
 /// and noise for `duration` seconds with a sample every `every` seconds. Returns the data set and
 /// remarks.
 #[pyfunction]
-#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, duration, every))]
+#[pyo3(signature = (scenario, temperature, *, seed, noise, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every, start, duration, every))]
 #[expect(clippy::too_many_arguments, reason = "they are keywords of one Python function")]
 pub fn twin<'py>(
     py: Python<'py>,
@@ -439,15 +441,28 @@ pub fn twin<'py>(
     resolution: f64,
     spikes: f64,
     gaps: u32,
+    drift: f64,
+    zero_set: Option<(f64, f64)>,
+    thermometer_every: usize,
+    start: Option<String>,
     duration: f64,
     every: f64,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let text = scenario.1.clone();
     let Read { scene, name, overrides } = read(py, scenario)?;
     let mut remarks = Vec::new();
-    let mut start = None;
-    let [times, temperatures] = match (&temperature, &scene.temperature_source.file) {
-        (Some(arrays), _) => arrays.each_ref().map(|array| array.as_array().to_vec()),
+    let given = start.as_deref().map(|date| {
+        let remedy = "write a date with a time and a zone, e.g. 2024-06-01T00:00Z";
+        Start::parse(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is no such date", remedy))
+    });
+    let is_measured = temperature.is_some() || scene.temperature_source.file.is_some();
+    if let Some(date) = start.as_deref().filter(|_| is_measured) {
+        let remedy = "leave it out, or take the measured temperature out";
+        return Err(errors::of_argument(py, "start", date, "the measured temperature has dates of its own", remedy));
+    }
+    let mut start = given.transpose()?;
+    let air = match (&temperature, &scene.temperature_source.file) {
+        (Some([times, values]), _) => Air::measured(times.as_array().to_vec(), values.as_array().to_vec()),
         (None, Some(file)) => {
             let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
             let source = &scene.temperature_source;
@@ -459,19 +474,20 @@ pub fn twin<'py>(
             remarks.extend(table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())));
             start = table.start;
             let column = table.columns.swap_remove(0);
-            [column.times, column.values]
+            Air::measured(column.times, column.values)
         }
         (None, None) => {
             let text = text.as_deref().unwrap_or(&scene.text);
             let scenario = Checked::parse(&name, text, &overrides).map_err(|error| errors::of_scenario(py, &error))?;
-            drawn(&scenario.model.temperature, (duration / every) as usize, every, seed)
+            Air::drawn(&scenario.model.temperature, (duration / every) as usize, every, seed)
         }
     };
-    let first = temperatures.first().copied().unwrap_or(0.0);
+    let first = air.temperatures.first().copied().unwrap_or(0.0);
     let response = Bearing::of(&scene, first).response();
     let (white, red, memory) = noise;
-    let flaws = Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps };
-    let (found, _) = watched(py, None, |_| made(&response, &times, &temperatures, &flaws, seed))?;
+    let flaws =
+        Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every };
+    let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
     let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);
     Ok((to_python(py, Dataset::of_twin(&start, &truth, &found))?, remarks))

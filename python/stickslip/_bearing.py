@@ -288,8 +288,8 @@ def fit_temperature(
     Args:
         data: the path of a CSV file, a pandas DataFrame, or temperatures over time in degrees
             Celsius, as for `calibrate`.
-        processes: number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast and a
-            slow one.
+        processes: largest number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast
+            and a slow one.
         periods: the periods of the harmonics, in seconds or as timedelta; by default a year of
             365.25 days and a day, as far as the samples tell them. An empty sequence fits no
             harmonics.
@@ -375,6 +375,10 @@ def twin(
     resolution: float = 0.0,
     spikes: float = 0.0,
     gaps: int = 0,
+    drift: float = 0.0,
+    zero_set: tuple[Time, float] | None = None,
+    thermometer_every: int = 1,
+    start: str | None = None,
     duration: Time = 300 * 86_400.0,
     every: Time = 600.0,
     set: Settings | None = None,
@@ -401,6 +405,13 @@ def twin(
         spikes: the share of displacements that are outliers, from 0 to below 0.5; they are off by
             up to 20 standard deviations of the noise of the sensor.
         gaps: number of gaps in the measurement, of one to five days each.
+        drift: drift of the displacement sensor, in metres a year.
+        zero_set: when the zero of the displacement sensor is set, in seconds or as a timedelta, and
+            by how many metres its readings move from then on; None where it is not set.
+        thermometer_every: the thermometer shows only every so-many-th sample; its other samples are
+            NaN.
+        start: the date of the first sample, with a time and a zone, at which t = 0 in the
+            harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
         duration: length of the measurement, in seconds or as a timedelta, if the temperature is
             simulated.
         every: time between samples, in seconds or as a timedelta, if the temperature is simulated.
@@ -444,6 +455,13 @@ def twin(
     memory = _seconds("sensor_noise", sensor_noise[2]) if len(sensor_noise) == 3 else 86_400.0
     if gaps < 0:
         raise wrong_argument("gaps", gaps, "it is no number of gaps", "give 0 or more")
+    if not abs(drift) < float("inf"):
+        raise wrong_argument("drift", drift, "it is no drift", "give metres a year")
+    if thermometer_every < 1:
+        raise wrong_argument(
+            "thermometer_every", thermometer_every, "it is no number of samples", "give 1 or more"
+        )
+    moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
     if not 2 <= seconds / step <= 1e7:
         raise wrong_argument(
@@ -467,6 +485,10 @@ def twin(
         resolution=resolution,
         spikes=spikes,
         gaps=gaps,
+        drift=float(drift),
+        zero_set=moved,
+        thermometer_every=thermometer_every,
+        start=start,
         duration=seconds,
         every=step,
     )

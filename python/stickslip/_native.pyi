@@ -185,6 +185,10 @@ def twin(
     resolution: float,
     spikes: float,
     gaps: int,
+    drift: float,
+    zero_set: tuple[float, float] | None,
+    thermometer_every: int,
+    start: str | None,
     duration: float,
     every: float,
 ) -> tuple[Variables, list[str]]: ...

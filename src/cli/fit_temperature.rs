@@ -3,7 +3,7 @@
 use super::document::document;
 use super::measurements::LayoutFlags;
 use super::numbers::{Digits, grouped, significant, time};
-use super::{Failure, Row, aligned, measurements, note, print, writable};
+use super::{Failure, Row, aligned, measurements, note, print, warn, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -28,7 +28,7 @@ pub struct FitTemperature {
     /// The measurement, a CSV file with times and temperatures
     #[arg(value_name = "DATA.csv")]
     data: PathBuf,
-    /// Number of Ornstein-Uhlenbeck processes in the noise: one, or a fast and a slow one
+    /// Largest number of Ornstein-Uhlenbeck processes in the noise: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and a
@@ -83,6 +83,7 @@ impl FitTemperature {
         let too_short = "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then";
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
             .map_err(|error| without_weather(&self.data, &error, too_short))?;
+        found.warnings().iter().for_each(warn);
         print(&if self.json { json(&found) } else { report(&found) })?;
         if let Some(output) = &self.output {
             let start = table.start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
@@ -99,7 +100,6 @@ impl FitTemperature {
 pub(super) fn without_weather(path: &Path, error: &WeatherError, too_short: &str) -> Failure {
     let remedy = match error {
         WeatherError::NotTold(NotTold::Short(_)) => too_short,
-        WeatherError::OneIsEnough => "take --processes 1",
         error => error.remedy(),
     };
     Failure::run_of(path, error, remedy)
@@ -141,7 +141,7 @@ fn report(found: &WeatherFit) -> String {
     let mut text = aligned(&rows, "  ");
     let _ = writeln!(text, "\ndata      {} samples in {}", grouped(found.samples as u64), time(found.duration));
     let white = match found.white {
-        0.0 => "none: adding it does not raise the likelihood enough".to_string(),
+        0.0 => "none: adding it does not raise the likelihood".to_string(),
         white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
     };
     let _ = writeln!(text, "sensor    {white}\nlog L     {:.1}", found.log_likelihood);
@@ -173,6 +173,7 @@ fn json(found: &WeatherFit) -> String {
         "harmonics": cycles.collect::<Vec<_>>(),
         "processes": processes.collect::<Vec<_>>(),
         "sensor_sd": found.white,
+        "warnings": found.warnings(),
         "log_likelihood": found.log_likelihood,
     });
     document("weather", fit)

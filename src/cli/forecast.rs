@@ -51,7 +51,7 @@ pub struct Forecast {
     /// Time counts as loaded where |F| is above this share of f_s
     #[arg(long, value_name = "Q", default_value_t = 0.9, value_parser = share)]
     share: f64,
-    /// Number of Ornstein-Uhlenbeck processes in the weather: one, or a fast and a slow one
+    /// Largest number of Ornstein-Uhlenbeck processes in the weather: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
     /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
@@ -82,8 +82,10 @@ impl Forecast {
         let calibration = self.calibration(&scene, threads, &stop)?;
         calibration.warnings.iter().for_each(warn);
         let too_short = "measure for at least half a year: a forecast needs to know the seasons";
-        let weather = fit(&calibration.record.times, &calibration.steel, &PERIODS, usize::from(self.processes))
+        let [times, temperatures] = calibration.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, usize::from(self.processes))
             .map_err(|error| without_weather(self.source.shown(), &error, too_short))?;
+        weather.warnings().iter().for_each(warn);
         let question = ForecastQuestion {
             draws: u64::from(self.draws),
             years: u64::from(self.years),
@@ -119,7 +121,9 @@ impl Forecast {
     fn without_years(&self, error: &ForecastError) -> Failure {
         match error {
             ForecastError::Misfit(misfit) => misfit.clone().into(),
-            ForecastError::GivenUp(..) => Failure::run_of(self.source.shown(), error, ForecastError::REMEDY),
+            ForecastError::Unknown | ForecastError::GivenUp(..) => {
+                Failure::run_of(self.source.shown(), error, ForecastError::REMEDY)
+            }
         }
     }
 }
@@ -205,6 +209,7 @@ fn json(found: &Found) -> String {
     let all = json!({
         "draws": found.years.len(),
         "draws_left_out": found.draws_left_out,
+        "draws_redrawn": found.redrawn,
         "years": found.years.iter().map(Vec::len).sum::<usize>(),
         "interval": found.question.level,
         "share": found.question.share,

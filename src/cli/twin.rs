@@ -5,7 +5,7 @@ use super::overrides::settings;
 use super::{Failure, Row, aligned, measurements, note, print, results, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::calibration::{Bearing, Flaws, Quantity, Twin as Made, drawn, twin, values};
+use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin as Made, twin, values};
 use stick_slip::config::Override;
 use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
@@ -15,10 +15,12 @@ const EXAMPLES: &str = "\
 Examples:
   mc twin examples/bridge/bridge.toml --seed 1 -o twin.csv
   mc twin examples/bridge/bridge.toml --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 --resolution 0.5 -o hard.csv
+  mc twin year.toml --start 2024-06-01T00:00Z --every 5m --thermometer-every 2 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
   mc calibrate examples/bridge/bridge.toml twin.csv
 
 The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its
-harmonics and noise. Each flaw has random numbers of its own, so that one more of them leaves the others as they are.";
+harmonics and noise. Between samples it moves as weather does, as rough as from one sample to the next. Each flaw has random numbers of
+its own, so that one more of them leaves the others as they are.";
 
 /// Arguments of `mc twin`.
 #[derive(Debug, clap::Args)]
@@ -48,6 +50,20 @@ pub struct Twin {
     /// Number of gaps in the record, of one to five days each
     #[arg(long, value_name = "N", default_value_t = 0)]
     gaps: u32,
+    /// Drift of the displacement sensor in metres a year, e.g. 0.5e-3
+    #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
+    drift: f64,
+    /// The zero of the displacement sensor is set after TIME, and its readings move by M metres from
+    /// then on, e.g. 150d:1e-3
+    #[arg(long, value_name = "TIME:M", value_parser = zero_set)]
+    zero_set: Option<(f64, f64)>,
+    /// The thermometer shows only every N-th sample, and the displacement sensor all of them
+    #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
+    thermometer_every: u32,
+    /// The date of the first sample, e.g. 2024-06-01T00:00Z, at which t = 0 in the harmonics; only if
+    /// the scenario has no measured temperature
+    #[arg(long, value_name = "DATE", value_parser = start)]
+    start: Option<Start>,
     /// Length of the record, if the scenario has no measured temperature
     #[arg(long, value_name = "TIME", default_value = "300d", value_parser = parse_seconds)]
     duration: f64,
@@ -66,10 +82,6 @@ pub struct Twin {
     force: bool,
 }
 
-/// The temperature of the air: the time of the first sample if it is known, and the times and
-/// temperatures of all samples.
-type Air = (Option<Start>, Vec<f64>, Vec<f64>);
-
 /// The time of the first sample, if no measurement provides one.
 const EPOCH: &str = "2015-01-01T00:00:00Z";
 
@@ -85,20 +97,27 @@ impl Twin {
             self.force,
             results::with_series(&self.scenario, scene.temperature_source.file.as_deref()),
         )?;
-        let (start, times, temperatures) = match &scene.temperature_source.file {
+        let (start, air) = match &scene.temperature_source.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
-            None => self.drawn(&set)?,
+            None => (self.start, self.drawn(&set)?),
         };
-        let response = Bearing::of(&scene, temperatures[0]).response();
+        if scene.temperature_source.file.is_some() && self.start.is_some() {
+            let problem = "--start gives a date, and the measured temperature of the scenario has dates of its own";
+            return Err(Failure::usage(problem, "leave --start out, or take [temperature.series] out of the scenario"));
+        }
+        let response = Bearing::of(&scene, air.temperatures[0]).response();
         let flaws = Flaws {
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),
             resolution: self.resolution,
             spikes: self.spikes,
             gaps: self.gaps,
+            drift: self.drift,
+            zero_set: self.zero_set,
+            thermometer_every: self.thermometer_every as usize,
             ..self.sensor_noise
         };
-        let made = twin(&response, &times, &temperatures, &flaws, self.seed);
+        let made = twin(&response, &air, &flaws, self.seed);
         store::write_whole(&self.output, csv(&made, start, &scene)?.as_bytes(), self.force)?;
         let truth = values(&response, scene.shear_stiffness);
         let row = |quantity: &Quantity| {
@@ -120,20 +139,19 @@ impl Twin {
             let problem = format!("{count:.0} samples are not between 2 and 1e7");
             return Err(Failure::usage(problem, "choose other --duration and --every"));
         }
-        let [times, temperatures] = drawn(&scenario.model.temperature, count as usize, self.every, self.seed);
-        Ok((None, times, temperatures))
+        Ok(Air::drawn(&scenario.model.temperature, count as usize, self.every, self.seed))
     }
 }
 
-/// The measured temperature that a scenario names.
-fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<Air, Failure> {
+/// The measured temperature that a scenario names, and the time of its first sample if it is known.
+fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<Start>, Air), Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
     let source = &scene.temperature_source;
     let wanted = [source.wanted(ColumnQuantity::Temperature)];
     let mut table = Origin::File(&path).read_in_seconds(&source.layout, &wanted)?;
     measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
-    Ok((table.start, column.times, column.values))
+    Ok((table.start, Air::measured(column.times, column.values)))
 }
 
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in
@@ -147,7 +165,9 @@ fn csv(made: &Made, start: Option<Start>, scene: &BridgeScene) -> Result<String,
     let mut text = format!("{time},{},displacement_mm\n", column.unwrap_or("temperature_degC"));
     for i in 0..made.times.len() {
         let stamp = start.after(made.times[i]).ok_or_else(out_of_calendar)?;
-        let _ = writeln!(text, "{stamp},{:.3},{:.5}", made.temperatures[i], 1e3 * made.readings[i]);
+        let shown = made.temperatures[i];
+        let shown = if shown.is_nan() { String::new() } else { format!("{shown:.3}") };
+        let _ = writeln!(text, "{stamp},{shown},{:.5}", 1e3 * made.readings[i]);
     }
     Ok(text)
 }
@@ -175,4 +195,18 @@ fn share(text: &str) -> Result<f64, String> {
 
 fn parse_seconds(text: &str) -> Result<f64, String> {
     parse_duration(text).map(|duration| duration.as_secs_f64())
+}
+
+fn number(text: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
+    number.ok_or_else(|| "write a number".to_string())
+}
+
+fn zero_set(text: &str) -> Result<(f64, f64), String> {
+    let parts = text.split_once(':').and_then(|(when, by)| Some((parse_seconds(when).ok()?, number(by).ok()?)));
+    parts.ok_or_else(|| "write when and by how many metres, e.g. 150d:1e-3".to_string())
+}
+
+fn start(text: &str) -> Result<Start, String> {
+    Start::parse(text).ok_or_else(|| "write a date with a time and a zone, e.g. 2024-06-01T00:00Z".to_string())
 }

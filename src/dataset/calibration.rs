@@ -16,7 +16,7 @@ use crate::stats::{Dimension, Units};
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
 /// Major and minor version of the format.
-pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 1);
+pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 2);
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -109,9 +109,14 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
         true => walk.attribute("temperature_resolution", &mut calibration.resolution)?,
         false => calibration.resolution = f64::NAN,
     }
+    if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
+        walk.attribute("temperature_roughness", &mut calibration.roughness)?;
+        walk.attribute("sensor_drift", &mut calibration.zero.drift)?;
+    }
     if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
         walk.attribute("lag_likeliest", &mut profile.likeliest)?;
         walk.attribute("lag_gain", &mut profile.gain)?;
+        walk.attribute("clock_shift", &mut profile.clock)?;
     }
     let mut counts = [spikes.readings as u64, spikes.temperatures as u64, calibration.is_mirrored.into()];
     for (name, count) in ["spikes_displacement", "spikes_temperature", "mirrored"].into_iter().zip(&mut counts) {
@@ -211,6 +216,7 @@ fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::
     walk.along(&START_VALUE, &mut values, errs.len() * all)?;
     let starts = errs.into_iter().zip(rows(&values));
     calibration.starts = starts.map(|(err, values)| SearchStart { err, response: response_of(&values) }).collect();
+    pairs(walk, [&ZERO_TIME, &ZERO_STEP], &mut calibration.zero.steps)?;
     if let Some(LagProfile { profile, .. }) = &mut calibration.lag_profile {
         pairs(walk, [&LAG, &LAG_DEVIANCE], profile)?;
     }
@@ -232,7 +238,14 @@ fn measured<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), 
     walk.variable(&TIME, &mut record.times)?;
     let n = record.times.len();
     walk.along(&TEMPERATURE, &mut record.temperatures, n)?;
+    calibration.zero.start = record.times.first().copied().unwrap_or(0.0);
     walk.along(&STEEL, steel, n)?;
+    if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
+        let mut flags = vec![0_i8; n];
+        record.interpolated.iter().for_each(|i| flags[*i] = 1);
+        walk.variable(&INTERPOLATED, &mut flags)?;
+        record.interpolated = (0..flags.len()).filter(|i| flags[*i] == 1).collect();
+    }
     walk.along(&READING, &mut record.readings, n)?;
     walk.along(&MODELLED, modelled, n)
 }
@@ -280,12 +293,17 @@ table! {
     LAG = variable("lag", &["lag"], Unit::Seconds, "lag of steel behind the thermometer");
     LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
         "twice the logarithm of the largest likelihood over that of this lag");
+    ZERO_TIME = variable("zero_time", &["zero_time"], Unit::Seconds, "time at which the zero of the sensor was set");
+    ZERO_STEP = variable("zero_step", &["zero_time"], LENGTH, "by how much readings moved when the zero was set");
     DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");
     TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample").with(&[("axis", "T")]);
     TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured, without spikes");
     STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
+    INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,
+        "whether the temperature is interpolated between those of the thermometer")
+        .flags(&[0, 1], &[("flag_meanings", "measured interpolated")]);
     READING = variable("displacement", &["time"], LENGTH, "displacement as measured, without spikes");
     MODELLED = variable("displacement_modelled", &["time"], LENGTH, "displacement of the model");
 }

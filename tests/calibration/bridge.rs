@@ -3,8 +3,8 @@
 
 use std::f64::consts::TAU;
 use stick_slip::bearing::calibration::{
-    Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity, Twin,
-    Values, calibrate, twin, values,
+    Air, Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity,
+    Twin, Values, calibrate, twin, values,
 };
 use stick_slip::noise::{Stream, Transition};
 
@@ -34,18 +34,33 @@ pub struct Campaign {
     pub interval: f64,
     /// The errors of the measurement.
     pub flaws: Flaws,
+    /// How the temperature moves between samples.
+    pub between: Between,
 }
 
-/// 300 days with a sample every ten minutes, with red noise.
-pub const RED_CAMPAIGN: Campaign = Campaign { days: 300.0, interval: 600.0, flaws: RED };
+/// How a temperature moves between samples.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Between {
+    /// As the weather does: as rough as from one sample to the next.
+    Weather,
+    /// In straight lines.
+    Lines,
+}
+
+/// 300 days with a sample every ten minutes, with red noise, under a temperature that moves between
+/// samples as the weather does.
+pub const RED_CAMPAIGN: Campaign = Campaign { days: 300.0, interval: 600.0, flaws: RED, between: Between::Weather };
+
+/// The standard deviation and the memory in days of the two processes of the weather.
+pub const WEATHER: [[f64; 2]; 2] = [[1.8, 1.0 / 3.0], [2.5, 3.0]];
 
 /// The temperature: a yearly and a daily cycle, and two processes of weather. Times are in seconds,
 /// temperatures in degrees.
-fn weather(seed: u64, campaign: &Campaign) -> [Vec<f64>; 2] {
+pub fn weather(seed: u64, campaign: &Campaign, processes: [[f64; 2]; 2]) -> Air {
     let mut random = Stream::new(seed, 9);
     let process = |sd: f64, memory: f64| Transition::new(1.0 / memory, sd * (2.0 / memory).sqrt(), campaign.interval);
-    let (fast, slow) = (process(1.8, DAY / 3.0), process(2.5, 3.0 * DAY));
-    let (mut a, mut b) = (1.8 * random.normal(), 2.5 * random.normal());
+    let [fast, slow] = processes.map(|[sd, days]| process(sd, days * DAY));
+    let [mut a, mut b] = processes.map(|[sd, _]| sd * random.normal());
     let count = (campaign.days * DAY / campaign.interval) as usize;
     let times: Vec<f64> = (0..count).map(|i| i as f64 * campaign.interval).collect();
     let temperature = |t: &f64| {
@@ -54,17 +69,26 @@ fn weather(seed: u64, campaign: &Campaign) -> [Vec<f64>; 2] {
         12.4 + 9.0 * (TAU * day / 365.25).cos() + 4.1 * (TAU * day + 2.36).cos() + a + b
     };
     let temperatures = times.iter().map(temperature).collect();
-    [times, temperatures]
+    let roughness = match campaign.between {
+        Between::Weather => processes.map(|[sd, days]| 2.0 * sd * sd / (days * DAY)).iter().sum(),
+        Between::Lines => 0.0,
+    };
+    Air { roughness, ..Air::straight(times, temperatures) }
 }
 
 /// Synthetic measurements of a bearing that starts at rest at a random place, and the true
 /// parameters.
 pub fn twin_of(bearing: &Bearing, campaign: &Campaign, seed: u64) -> (Twin, Values) {
-    let [times, temperatures] = weather(seed, campaign);
+    twin_under(bearing, campaign, WEATHER, seed)
+}
+
+/// The same under weather of other processes.
+pub fn twin_under(bearing: &Bearing, campaign: &Campaign, processes: [[f64; 2]; 2], seed: u64) -> (Twin, Values) {
+    let air = weather(seed, campaign, processes);
     let mut response = bearing.response();
     let place = 2.0 * Stream::new(seed, 77).uniform() - 1.0;
-    response.motion.start = temperatures[0] + 0.9 * response.motion.reach * place;
-    let twin = twin(&response, &times, &temperatures, &campaign.flaws, seed);
+    response.motion.start = air.temperatures[0] + 0.9 * response.motion.reach * place;
+    let twin = twin(&response, &air, &campaign.flaws, seed);
     (twin, values(&response, Some(bearing.shear_stiffness)))
 }
 
@@ -74,6 +98,7 @@ pub fn record(twin: &Twin) -> MeasuredRecord {
         times: twin.times.clone(),
         temperatures: twin.temperatures.clone(),
         readings: twin.readings.clone(),
+        interpolated: Vec::new(),
     }
 }
 
@@ -117,6 +142,12 @@ pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibr
 pub fn rmse(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {
     let error = |(fit, truth): &(Calibration, Values)| fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
     (all.iter().map(|one| error(one).powi(2)).sum::<f64>() / all.len() as f64).sqrt()
+}
+
+/// The mean relative error of a quantity.
+pub fn bias(all: &[(Calibration, Values)], quantity: Quantity) -> f64 {
+    let error = |(fit, truth): &(Calibration, Values)| fit.estimate(quantity).estimate / truth[quantity as usize] - 1.0;
+    all.iter().map(error).sum::<f64>() / all.len() as f64
 }
 
 /// The number of calibrations whose interval holds the truth.

@@ -110,6 +110,85 @@ fn friction_that_scatters_is_noticed() {
     }
 }
 
+/// A sensor whose zero was set in the middle of the record, by 1 mm and by 0.4 mm, a little less than
+/// a slip, and one that drifts by 0.5 and by 2 mm a year.
+pub const MOVING_ZEROS: [Flaws; 4] = [
+    Flaws { zero_set: Some((150.0 * 86_400.0, 1e-3)), ..RED },
+    Flaws { zero_set: Some((150.0 * 86_400.0, 0.4e-3)), ..RED },
+    Flaws { drift: 0.5e-3, ..RED },
+    Flaws { drift: 2e-3, ..RED },
+];
+
+/// A zero that moves is fitted and named, and one that does not is not.
+///
+/// Null hypothesis: intervals of 90 % hold the truth. Sample size: 8 synthetic measurements of each
+/// kind (seeds 1100 to 1107), so 32 intervals of K and of beta each. False-alarm rate: fewer than
+/// 23 of 32 hold once in 300 times, if one in ten misses. If the zero were not fitted, a quarter of
+/// them would hold. A zero that was set is found to 0.15 mm and within two days, or fifteen where it
+/// is set by less than a slip, and a drift to 0.3 mm a year.
+#[test]
+fn a_zero_that_moves_is_found_and_does_no_harm() {
+    let mut held = [0; 2];
+    for flaws in MOVING_ZEROS {
+        let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 1100..1108);
+        for (sum, quantity) in held.iter_mut().zip([Quantity::Stiffness, Quantity::Dilatation]) {
+            *sum += covered(&all, quantity);
+        }
+        for (fit, _) in &all {
+            match (flaws.zero_set, &fit.zero.steps[..]) {
+                (Some((when, size)), [(seen, found)]) => {
+                    let apart = (when - seen).abs() / 86_400.0;
+                    assert!(apart < if size > 0.5e-3 { 2.0 } else { 15.0 }, "{seen}");
+                    assert!((size - found).abs() < 0.15e-3, "{found}");
+                    assert!(warns(fit, "zero_set"));
+                }
+                (None, []) => assert!(!warns(fit, "zero_set")),
+                (_, found) => panic!("{flaws:?}: {found:?}"),
+            }
+            if flaws.drift > 1e-3 {
+                assert!((fit.zero.drift_per_year() - flaws.drift).abs() < 0.3e-3, "{:?}", fit.zero);
+                assert!(warns(fit, "zero_drift"));
+            }
+        }
+    }
+    println!("{held:?} of 32 intervals of K and beta hold");
+    assert!(held.iter().all(|held| *held >= 23), "{held:?} of 32");
+}
+
+/// A sensor whose clock is an hour behind that of the thermometer, or an hour ahead, as in summer
+/// time: the fit asks for the clocks, and by which hour. It does not ask in records without such an
+/// error, nor where the steel is 15 minutes behind.
+#[test]
+fn a_clock_that_is_an_hour_off_is_asked_for() {
+    for seed in 1200..1203 {
+        let upright = record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0);
+        assert!(!warns(&ask(&upright, &question(CalibrationMethod::Slips)), "clocks"));
+        for hours in [1.0, -1.0] {
+            let fit = ask(&upright.shifted(-3600.0 * hours), &question(CalibrationMethod::Slips));
+            assert!(warns(&fit, "clocks"), "{hours}");
+            assert_eq!(fit.lag_profile.and_then(|profile| profile.clock), Some(3600.0 * hours));
+        }
+        let lagging = Campaign { flaws: Flaws { lag: 900.0, ..RED }, ..RED_CAMPAIGN };
+        let fit = ask(&record(&twin_of(&BRIDGE, &lagging, seed).0), &question(CalibrationMethod::Slips));
+        assert!(!warns(&fit, "clocks"));
+    }
+}
+
+/// The table of docs/calibration.md about sensors whose zero moves: 24 synthetic measurements of
+/// each kind (seeds 2100 to 2123).
+#[test]
+#[ignore = "a minute; prints a table"]
+fn zeros() {
+    for flaws in [RED].into_iter().chain(MOVING_ZEROS) {
+        let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 2100..2124);
+        let cells: Vec<String> = (Quantity::ALL[..Quantity::PARAMETERS].iter())
+            .map(|quantity| format!("{}", covered(&all, *quantity)))
+            .collect();
+        let found = all.iter().filter(|(fit, _)| fit.zero.drift != 0.0 || !fit.zero.steps.is_empty()).count();
+        println!("| {:?}, {} | {found} | {} |", flaws.zero_set, flaws.drift, cells.join(" | "));
+    }
+}
+
 /// The table of docs/calibration.md: root mean square errors of 24 synthetic measurements of each
 /// kind (seeds 2000 to 2023).
 #[test]

@@ -110,3 +110,29 @@ fn what_cannot_be_used_is_refused_in_words() {
         refused(path, &arguments, code, &[word]);
     }
 }
+
+/// Jumps that are not slips of a bearing are refused in one sentence, by a calibration and by a
+/// forecast: a joint opens every morning, where a bearing would slip upwards.
+#[test]
+fn jumps_that_are_no_slips_are_refused_in_words() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let mut text = "time_h,temperature_degC,displacement_mm\n".to_string();
+    let mut width = 0.0;
+    for hour in 0..480 {
+        let at = f64::from(hour);
+        let temperature = 20.0 + (5.0 + 2.0 * (at / 70.0).sin()) * (std::f64::consts::PI * at / 12.0).sin();
+        match hour % 24 {
+            4 => width -= 0.2 + 0.001 * (at % 7.0),
+            16 => width += 0.2 + 0.001 * (at % 7.0),
+            _ => (),
+        }
+        text += &format!("{hour},{temperature:.2},{:.4}\n", 0.01 * temperature + width + 1e-3 * (7.0 * at).sin());
+    }
+    std::fs::write(path.join("joint.csv"), text).expect("written");
+    let column = ["--set", "temperature.series.time=\"time_h\""];
+    for verb in ["calibrate", "forecast"] {
+        let arguments = [&[verb, SCENARIO, "joint.csv"], &column[..]].concat();
+        refused(path, &arguments, 1, &["jumps that were found are not the slips of a bearing", "a crack that opens"]);
+    }
+}

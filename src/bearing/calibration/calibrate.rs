@@ -10,14 +10,16 @@ use super::samples::MeasuredRecord;
 use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
 use super::warnings::warnings;
+use super::zero::Zero;
 use std::sync::atomic::AtomicBool;
 
 /// Find the parameters of a bearing from a record.
 ///
 /// # Errors
 ///
-/// If the record is too short, if a number in it is absurdly large, if a column is constant, or if
-/// only the method by slips is asked for and no slips are visible.
+/// If the record is too short, if a number in it is absurdly large, if a column is constant, if
+/// only the method by slips is asked for and no slips are visible, or if no bearing can have what
+/// was found.
 pub fn calibrate(
     record: &MeasuredRecord,
     question: &CalibrationQuestion,
@@ -53,11 +55,15 @@ fn fit(
 ) -> Result<Calibration, CalibrationError> {
     let steel = Steel::of(&prepared.record, prepared.resolution, question.lag);
     let by_slips = steel.around.as_ref().map(|around| BySlips::of(around, question));
+    if let Some(by_slips) = &by_slips {
+        by_slips.check(question.shear_stiffness)?;
+    }
     let evidence = by_slips.as_ref().and_then(BySlips::evidence);
     if evidence.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
-    let misfit = FitObjective::new(&steel.record);
+    let zero = by_slips.as_ref().map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
+    let misfit = FitObjective::new(&steel.record.without(&zero), steel.overlooked);
     let starts = match question.method {
         CalibrationMethod::Slips => Vec::new(),
         CalibrationMethod::Err | CalibrationMethod::Both => {
@@ -65,6 +71,9 @@ fn fit(
         }
     };
     let mut calibration = Calibration::new(question, prepared, &steel, by_slips.as_ref(), &misfit, starts);
+    if let Some((quantity, value)) = calibration.response.impossible(question.shear_stiffness) {
+        return Err(CalibrationError::NoBearing { quantity, value });
+    }
     calibration.warnings = warnings(&calibration, evidence);
     Ok(calibration)
 }

@@ -5,10 +5,10 @@ use super::level::LevelSums;
 use super::motion::Motion;
 use super::samples::{median, spread};
 use super::slips::{Evidence, Slip};
-use crate::bearing::linear::Normal;
+use super::zero::{Line, Zero};
 
 impl Evidence {
-    /// A, G, xi(0), z0 and the two slopes, with these weights of the blocks of time. `None` if too
+    /// A, G, xi(0), z0, the two slopes and the movement of the zero, with these weights of the blocks of time. `None` if too
     /// few slips were seen.
     ///
     /// Each number is computed from a different part of the data, and none of them depends on how
@@ -18,28 +18,18 @@ impl Evidence {
     /// - Between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
     ///   beta).
     /// - The middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)), a line whose slope is
-    ///   `moving`.
+    ///   `moving`, plus what the zero of the sensor has moved (`zero.rs`).
     /// - The height of a jump is moving G.
     /// - The temperature of the first slip differs from xi(0) by A. If that slip fell into a gap,
     ///   xi(0) follows from the level before it.
     ///
     /// f_s may vary from slip to slip; the results are then right for its mean.
-    pub fn fit(&self, weights: &[f64]) -> Option<Response> {
+    pub fn fit(&self, weights: &[f64]) -> Option<(Response, Zero)> {
         let still = LevelSums::weighted(&self.sums, weights).slope();
-        let mean = |values: &mut dyn Iterator<Item = (f64, usize)>| {
-            let [sum, weight] = values
-                .fold([0.0; 2], |[sum, all], (value, block)| [sum + weights[block] * value, all + weights[block]]);
-            sum / weight
-        };
-        let kinetic = 0.5 * mean(&mut self.reversals.iter().copied());
-        let usual = || self.slips.iter().filter(|slip| slip.is_usual);
-        let mut line = Normal::<2>::default();
-        for slip in usual() {
-            let centre = slip.temperature - slip.sign * kinetic;
-            line.add([1.0, centre], slip.middle(still), weights[self.block(slip.time)]);
-        }
-        let [offset, moving] = line.solve()?;
-        let jump = mean(&mut usual().map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
+        let kinetic = self.kinetic_reach(weights);
+        let Line { offset, slope: moving, zero, .. } = self.zero.line(&self.middles(weights))?;
+        let usual = self.slips.iter().filter(|slip| slip.is_usual);
+        let jump = self.mean(weights, usual.map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
         let reach = kinetic + 0.5 * jump;
         let first = self.slips.first()?;
         let start = match &self.beginning {
@@ -47,7 +37,7 @@ impl Evidence {
             Some(level) => (level.minus_slope(still) - offset) / moving,
         };
         let fit = Response { motion: Motion { reach, jump, start }, sensor: Sensor { offset, moving, still } };
-        (reach.is_finite() && jump.is_finite()).then_some(fit)
+        (reach.is_finite() && jump.is_finite()).then_some((fit, zero))
     }
 }
 
@@ -58,10 +48,11 @@ impl Evidence {
     /// the middles of jumps from their line.
     pub fn scatter(&self) -> f64 {
         if self.beginning.is_some() {
-            let Some(Response { motion, sensor }) = self.fit(&self.unweighted()) else { return 0.0 };
+            let Some((Response { motion, sensor }, zero)) = self.fit(&self.unweighted()) else { return 0.0 };
             let kinetic = motion.kinetic_reach();
             let off = |slip: &Slip| {
-                let line = sensor.offset + sensor.moving * (slip.temperature - slip.sign * kinetic);
+                let line =
+                    sensor.offset + zero.at(slip.time) + sensor.moving * (slip.temperature - slip.sign * kinetic);
                 (slip.middle(sensor.still) - line) / sensor.moving
             };
             return spread(&self.slips.iter().filter(|slip| slip.is_usual).map(off).collect::<Vec<_>>());

@@ -18,6 +18,9 @@ pub const CONVINCING: f64 = 15.0;
 /// The lags of the reported profile, in minutes.
 const MINUTES: [f64; 12] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0];
 
+/// By how many hours two clocks may differ: summer time, and a time zone that was forgotten.
+const CLOCKS: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+
 /// The likelihood of the lag of steel behind the thermometer, from z during sticks.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LagProfile {
@@ -25,6 +28,9 @@ pub struct LagProfile {
     pub likeliest: f64,
     /// Twice the logarithm of the likelihood at that lag, minus the same without a lag.
     pub gain: f64,
+    /// By how many seconds the clock of the sensor is behind that of the thermometer, in whole
+    /// hours, if that explains the displacement far better than any lag does.
+    pub clock: Option<f64>,
     /// Lags in seconds, and for each the deviance (minus twice the log-likelihood) above its
     /// minimum.
     pub profile: Vec<(f64, f64)>,
@@ -45,7 +51,14 @@ pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
     let likeliest = if at_best < without { likeliest } else { 0.0 };
     let lowest = at_best.min(without);
     let profile = MINUTES.iter().map(|minutes| (60.0 * minutes, deviance(60.0 * minutes) - lowest)).collect();
-    LagProfile { likeliest, gain: without - lowest, profile }
+    let shifted = |seconds: f64| {
+        let steel = binned(&record.shifted(seconds).samples());
+        LevelSums::weighted(&level::sums(&steel, walk, 1, |_| 0), &[1.0]).deviance()
+    };
+    let shifts = CLOCKS.map(|hours| (HOUR * hours, shifted(HOUR * hours)));
+    let best = shifts.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
+    let clock = best.filter(|(_, deviance)| lowest - deviance > CONVINCING).map(|(seconds, _)| seconds);
+    LagProfile { likeliest, gain: without - lowest, clock, profile }
 }
 
 impl LagProfile {

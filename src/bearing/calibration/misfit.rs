@@ -5,6 +5,9 @@
 //! columns. xi is constant between slips, so sums over a stick are differences of cumulative sums,
 //! and the next slip is found from the extremes of whole blocks of temperatures. The cost of an
 //! evaluation is therefore proportional to the number of slips and not to the number of samples.
+//!
+//! A body under a temperature that is rough between samples slips before a sample is beyond A. So A
+//! is compared with the samples less `overlooked` kelvin ([`super::Thermometer::overlooked`]).
 
 use super::bearing::Sensor;
 use super::motion::Motion;
@@ -27,6 +30,7 @@ struct CumulativeSums {
 #[derive(Clone, Debug)]
 pub struct FitObjective {
     temperatures: Vec<f64>,
+    overlooked: f64,
     before: Vec<CumulativeSums>,
     /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on.
     extremes: Vec<Vec<[f64; 2]>>,
@@ -39,8 +43,8 @@ pub struct FitObjective {
 
 impl FitObjective {
     /// Prepare the evaluation for a record. Samples without a reading move the body, but are not
-    /// compared.
-    pub fn new(record: &MeasuredRecord) -> FitObjective {
+    /// compared. `overlooked` is by how many kelvin A seems smaller at the samples.
+    pub fn new(record: &MeasuredRecord, overlooked: f64) -> FitObjective {
         let temperatures = &record.temperatures;
         let shares = record.shares();
         let readings: Vec<f64> = record.readings.iter().map(|z| if z.is_finite() { *z } else { 0.0 }).collect();
@@ -68,7 +72,7 @@ impl FitObjective {
             level = level.chunks(RADIX).map(widest).collect();
             extremes.push(level.clone());
         }
-        FitObjective { temperatures: temperatures.clone(), before, extremes, centre, products }
+        FitObjective { temperatures: temperatures.clone(), overlooked, before, extremes, centre, products }
     }
 
     /// The index of the first sample, from `from` on, whose temperature is not between `low` and
@@ -166,6 +170,7 @@ impl FitObjective {
     #[inline(always)]
     fn sums(&self, motion: &Motion) -> [f64; 4] {
         let n = self.temperatures.len();
+        let motion = motion.at_samples(self.overlooked);
         let mut sums = [0.0; 4];
         // xi is taken relative to the mean temperature, like the other sums.
         let origin = self.centre[0];
@@ -230,8 +235,9 @@ mod tests {
         let mut random = Stream::new(6, 0);
         let readings =
             positions.iter().zip(&temperatures).map(|(x, t)| 2.0 + 0.9 * x + 0.1 * t + 0.2 * random.normal()).collect();
-        let record = MeasuredRecord { times: (0..3000).map(f64::from).collect(), temperatures, readings };
-        let misfit = FitObjective::new(&record);
+        let times = (0..3000).map(f64::from).collect();
+        let record = MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() };
+        let misfit = FitObjective::new(&record, 0.0);
         let (least, best) = misfit.of(&motion);
         let at = |sensor: Sensor| values(&crate::bearing::calibration::Response { motion, sensor }, Some(1e3));
         for quantity in [Quantity::Dilatation, Quantity::Offset, Quantity::Stiffness, Quantity::Static, Quantity::Gap] {
@@ -267,12 +273,12 @@ mod tests {
         };
         let readings = hidden.iter().zip(&temperatures).enumerate().map(noisy).collect();
         let times = (0..5000).map(|i| 60.0 * (i + i / 900) as f64).collect();
-        let record = MeasuredRecord { times, temperatures, readings };
-        let misfit = FitObjective::new(&record);
+        let record = MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() };
+        let misfit = FitObjective::new(&record, 0.05);
         let shares = record.shares();
         for (reach, jump) in [(3.0, 0.8), (2.0, 4.0), (0.4, 0.01), (0.01, 0.003), (1.0, 0.0), (1e3, 1.0)] {
             let motion = Motion { reach, jump, start: 9.3 };
-            let (err, sensor) = misfit.of(&motion);
+            let (err, sensor) = misfit.of(&Motion { reach: reach + 0.05, ..motion });
             let positions = motion.follow(&record.temperatures);
             let slow = |sensor: &Sensor| -> f64 {
                 let seen = (0..5000).filter(|i| record.readings[*i].is_finite());

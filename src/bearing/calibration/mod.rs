@@ -12,9 +12,12 @@
 //!
 //! The model is that of [`Motion`] and [`Sensor`]: quasi-static, and exact from sample to sample.
 
+mod air;
 mod bearing;
 mod by_slips;
 mod calibrate;
+mod course;
+mod crossing;
 mod detect;
 mod evolve;
 mod fit;
@@ -24,6 +27,7 @@ mod level;
 mod lowest;
 mod misfit;
 mod motion;
+mod possible;
 mod prepared;
 mod quantity;
 mod question;
@@ -35,12 +39,14 @@ mod starts;
 mod steel;
 mod stick_analysis;
 mod sticks;
+mod thermometer;
 mod twin;
 mod uncertainty;
 mod warning;
 mod warnings;
-mod weather;
+mod zero;
 
+pub use air::Air;
 pub use bearing::{Bearing, Response, Sensor};
 pub use calibrate::{calibrate, calibrate_again};
 pub use hold::Held;
@@ -53,6 +59,7 @@ pub use report::{Calibration, ParameterEstimate, Residuals, SeenSlip};
 pub use samples::MeasuredRecord;
 pub use spikes::Spikes;
 pub use starts::SearchStart;
+pub use thermometer::Thermometer;
 pub use twin::{Flaws, Twin, twin};
 pub use warning::CalibrationWarning;
-pub use weather::drawn;
+pub use zero::Zero;

@@ -30,6 +30,12 @@ impl Motion {
         self.reach - 0.5 * self.jump
     }
 
+    /// The same motion as it is followed from sample to sample, if a level has to be closer by so
+    /// many kelvin for samples to go beyond it as often as the temperature between them.
+    pub fn at_samples(&self, overlooked: f64) -> Motion {
+        Motion { reach: (self.reach - overlooked).max(0.0), ..*self }
+    }
+
     /// xi after the temperature has gone to this value without turning.
     #[inline(always)]
     pub fn next(&self, xi: f64, temperature: f64) -> f64 {

@@ -3,6 +3,7 @@
 use super::bearing::Bearing;
 use super::hold::Held;
 use super::motion::Motion;
+use super::possible::CONDITION;
 use super::quantity::Quantity;
 use super::samples::MeasuredRecord;
 use crate::scenario::BridgeScene;
@@ -144,6 +145,43 @@ pub enum CalibrationError {
     /// No slips are visible, and no other method was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
+    /// The jumps that were found are not slips of this model.
+    #[error("the {jumps} jumps that were found are not the slips of a bearing: they give {}, and a bearing has {CONDITION}",
+            stated(.quantity, .value))]
+    NotSlips {
+        /// Number of jumps.
+        jumps: usize,
+        /// A quantity that they give a value that no bearing can have.
+        quantity: Quantity,
+        /// That value.
+        value: f64,
+    },
+    /// The jumps that were found are too few, or too different, to determine a bearing.
+    #[error(
+        "the {jumps} jumps that were found tell no bearing: {impossible} of {all} times, other weights of the same days \
+             give numbers that no bearing can have, which has {CONDITION}"
+    )]
+    Undetermined {
+        /// Number of jumps.
+        jumps: usize,
+        /// Number of random weights with which no bearing was found.
+        impossible: usize,
+        /// Number of random weights that were tried.
+        all: usize,
+    },
+    /// The least squares find no bearing.
+    #[error("the least squares give {}, and a bearing has {CONDITION}", stated(.quantity, .value))]
+    NoBearing {
+        /// A quantity that they give a value that no bearing can have.
+        quantity: Quantity,
+        /// That value.
+        value: f64,
+    },
+}
+
+/// A quantity with its value and its unit.
+fn stated(quantity: &Quantity, value: &f64) -> String {
+    format!("{} = {value:.3e} {}", quantity.symbol(), quantity.unit()).trim_end_matches(" 1").to_string()
 }
 
 impl CalibrationError {
@@ -153,7 +191,13 @@ impl CalibrationError {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
             CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
             CalibrationError::Absurd { .. } => "mend the sample, or remove it",
-            CalibrationError::NoSlips => "measure for longer, until tens of slips are in the record",
+            CalibrationError::NoSlips | CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
+                "measure for longer, until tens of slips are in the record"
+            }
+            CalibrationError::NotSlips { .. } => {
+                "see that columns, units and K_BP are right; then the jumps have another cause, such as a crack that \
+                 opens or a sensor that was moved"
+            }
         }
     }
 }

@@ -14,6 +14,7 @@ use super::starts::SearchStart;
 use super::steel::Steel;
 use super::uncertainty::Replicates;
 use super::warning::CalibrationWarning;
+use super::zero::Zero;
 use crate::bearing::moments::mean;
 use statrs::distribution::{ContinuousCDF as _, Normal};
 
@@ -82,6 +83,11 @@ pub struct Calibration {
     pub record: MeasuredRecord,
     /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
+    /// The variance that the temperature of the steel gains between samples, in K^2/s; 0 for
+    /// straight lines.
+    pub roughness: f64,
+    /// How the zero of the sensor moves.
+    pub zero: Zero,
     /// The resolution of the thermometer, in kelvin.
     pub resolution: f64,
     /// Number of spikes that were taken out.
@@ -156,13 +162,17 @@ impl Calibration {
             is_usual: slip.is_usual,
         };
         let temperatures = &steel.record.temperatures;
-        let positions = response.motion.follow(temperatures);
-        let reading = |(xi, t): (&f64, &f64)| response.sensor.reading(*xi, *t);
-        let modelled: Vec<f64> = positions.iter().zip(temperatures).map(reading).collect();
+        let positions = response.motion.at_samples(steel.overlooked).follow(temperatures);
+        let zero = by_slips.map_or_else(Zero::default, |by_slips| by_slips.zero.clone());
+        let reading =
+            |i: usize| response.sensor.reading(positions[i], temperatures[i]) + zero.at(steel.record.times[i]);
+        let modelled: Vec<f64> = (0..positions.len()).map(reading).collect();
         let Prepared { record, resolution, spikes, is_mirrored } = prepared;
         Calibration {
             question: question.clone(),
             steel: temperatures.clone(),
+            roughness: steel.roughness,
+            zero,
             resolution,
             spikes,
             is_mirrored,
@@ -179,6 +189,12 @@ impl Calibration {
             record,
             warnings: Vec::new(),
         }
+    }
+
+    /// Times and temperatures of the steel at the thermometer's own samples. Temperatures that are
+    /// interpolated between them would make the weather smoother than it is.
+    pub fn thermometer(&self) -> [Vec<f64>; 2] {
+        MeasuredRecord { temperatures: self.steel.clone(), ..self.record.clone() }.thermometer()
     }
 
     /// The estimate of a quantity.

@@ -3,6 +3,7 @@
 pub use crate::data::{median, spread};
 
 use crate::data::resolution;
+use super::zero::Zero;
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
@@ -14,6 +15,9 @@ pub struct MeasuredRecord {
     pub temperatures: Vec<f64>,
     /// Readings of the sensor; NaN where there is none.
     pub readings: Vec<f64>,
+    /// The indices of temperatures that are not the thermometer's own but interpolated between
+    /// them, in ascending order.
+    pub interpolated: Vec<usize>,
 }
 
 /// Seconds of an hour.
@@ -28,30 +32,44 @@ impl MeasuredRecord {
     /// temperature interpolated between its neighbours, unless they are separated by a gap.
     pub fn of([times, temperatures]: [&[f64]; 2], [when, readings]: [&[f64]; 2]) -> MeasuredRecord {
         let gap = GAP * interval(times);
-        let mut record = MeasuredRecord { times: Vec::new(), temperatures: Vec::new(), readings: Vec::new() };
-        let mut push = |time: f64, temperature: f64, reading: f64| {
-            record.times.push(time);
-            record.temperatures.push(temperature);
-            record.readings.push(reading);
-        };
+        let mut record = MeasuredRecord::default();
+        let mut interpolated = Vec::new();
         let mut next = 0;
         for i in 0..times.len() {
             while next < when.len() && when[next] < times[i] {
                 if i > 0 && times[i] - times[i - 1] <= gap {
                     let share = (when[next] - times[i - 1]) / (times[i] - times[i - 1]);
-                    push(
-                        when[next],
-                        temperatures[i - 1] + share * (temperatures[i] - temperatures[i - 1]),
-                        readings[next],
-                    );
+                    let between = temperatures[i - 1] + share * (temperatures[i] - temperatures[i - 1]);
+                    interpolated.push(record.times.len());
+                    record.push(when[next], between, readings[next]);
                 }
                 next += 1;
             }
             let is_both = next < when.len() && when[next] == times[i];
-            push(times[i], temperatures[i], if is_both { readings[next] } else { f64::NAN });
+            record.push(times[i], temperatures[i], if is_both { readings[next] } else { f64::NAN });
             next += usize::from(is_both);
         }
+        record.interpolated = interpolated;
         record
+    }
+
+    fn push(&mut self, time: f64, temperature: f64, reading: f64) {
+        self.times.push(time);
+        self.temperatures.push(temperature);
+        self.readings.push(reading);
+    }
+
+    /// The thermometer's own samples: times and temperatures.
+    pub fn thermometer(&self) -> [Vec<f64>; 2] {
+        let is_own = |i: &usize| self.interpolated.binary_search(i).is_err();
+        let own: Vec<usize> = (0..self.times.len()).filter(is_own).collect();
+        [&self.times, &self.temperatures].map(|values| own.iter().map(|i| values[*i]).collect())
+    }
+
+    /// The same record with readings that the sensor would show if its zero had not moved.
+    pub fn without(&self, zero: &Zero) -> MeasuredRecord {
+        let readings = self.times.iter().zip(&self.readings).map(|(time, reading)| reading - zero.at(*time)).collect();
+        MeasuredRecord { readings, ..self.clone() }
     }
 
     /// The samples that have a reading.
@@ -82,6 +100,18 @@ impl MeasuredRecord {
             }
         }
         MeasuredRecord { temperatures: steel, ..self.clone() }
+    }
+
+    /// The same record with the temperature of so many seconds earlier, interpolated between its
+    /// neighbours, as if the clock of the sensor were behind that of the thermometer.
+    pub fn shifted(&self, seconds: f64) -> MeasuredRecord {
+        let (t, x) = (&self.times, &self.temperatures);
+        let earlier = |time: &f64| {
+            let after = t.partition_point(|t| *t <= time - seconds).clamp(1, t.len() - 1);
+            let share = ((time - seconds - t[after - 1]) / (t[after] - t[after - 1])).clamp(0.0, 1.0);
+            x[after - 1] + share * (x[after] - x[after - 1])
+        };
+        MeasuredRecord { temperatures: t.iter().map(earlier).collect(), ..self.clone() }
     }
 
     /// The time that each sample stands for, in seconds: half of the distance to each of its
@@ -142,16 +172,19 @@ impl Samples {
     }
 }
 
-fn interval(times: &[f64]) -> f64 {
+/// The median time between samples, in seconds.
+pub fn interval(times: &[f64]) -> f64 {
     median(&mut times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<_>>())
 }
 
-fn starts(times: &[f64]) -> Vec<usize> {
+/// The index at which each stretch without a gap begins.
+pub fn starts(times: &[f64]) -> Vec<usize> {
     let interval = interval(times);
     (0..times.len()).filter(|i| *i == 0 || times[*i] - times[*i - 1] > GAP * interval).collect()
 }
 
-fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usize>> {
+/// The stretches that begin at these indices, of samples up to this end.
+pub fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usize>> {
     let ends = starts.iter().skip(1).copied().chain([end]);
     starts.iter().zip(ends).map(|(start, end)| *start..end)
 }
@@ -173,7 +206,8 @@ mod tests {
     use super::*;
 
     fn record(times: &[f64], readings: &[f64]) -> MeasuredRecord {
-        MeasuredRecord { times: times.to_vec(), temperatures: times.to_vec(), readings: readings.to_vec() }
+        let (times, temperatures) = (times.to_vec(), times.to_vec());
+        MeasuredRecord { times, temperatures, readings: readings.to_vec(), interpolated: Vec::new() }
     }
 
     #[test]
@@ -192,6 +226,8 @@ mod tests {
         );
         assert_eq!(both.times, [0.0, 10.0, 15.0, 20.0, 100.0]);
         assert_eq!(both.temperatures, [1.0, 2.0, 2.5, 3.0, 4.0]);
+        assert_eq!(both.interpolated, [2]);
+        assert_eq!(both.thermometer(), [vec![0.0, 10.0, 20.0, 100.0], vec![1.0, 2.0, 3.0, 4.0]]);
         assert!(both.readings[1].is_nan() && both.readings[3].is_nan());
         assert_eq!([both.readings[0], both.readings[2], both.readings[4]], [5.0, 6.0, 8.0]);
     }
@@ -200,8 +236,9 @@ mod tests {
     #[test]
     fn steel_follows_air_exactly() {
         let times = [0.0, 600.0, 1300.0, 1800.0];
+        let temperatures = vec![3.0, 5.0, 1.0, 1.0];
         let record =
-            MeasuredRecord { times: times.to_vec(), temperatures: vec![3.0, 5.0, 1.0, 1.0], readings: vec![0.0; 4] };
+            MeasuredRecord { times: times.to_vec(), temperatures, readings: vec![0.0; 4], interpolated: vec![] };
         let (lag, h) = (900.0, 0.01);
         let (mut steel, mut expected) = (3.0, vec![3.0]);
         for i in 1..4 {

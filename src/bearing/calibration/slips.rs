@@ -1,11 +1,13 @@
 //! The slips that are visible in a record: their times, temperatures and sizes.
 
+use super::crossing::{Window, as_slips_say};
 use super::detect::{self, Jumps, trimmed_slope};
 use super::level::{Level, LevelSums};
-use super::samples::{Samples, median, spread};
+use super::samples::{MeasuredRecord, Samples, median, spread};
 use super::stick_analysis::{StickAnalysis, block};
 use super::sticks::bin_length;
-use std::ops::Range;
+use super::thermometer::Thermometer;
+use super::zero::{Middle, ZeroColumns};
 
 /// One slip, or several between two samples.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -16,8 +18,7 @@ pub struct Slip {
     pub time: f64,
     /// Its direction: 1 or -1.
     pub sign: f64,
-    /// Its temperature: the middle between that of the sample after it and the farthest temperature
-    /// that was reached before without a slip.
+    /// The temperature at which it began (`crossing.rs`).
     pub temperature: f64,
     /// The level of z before it, from all samples of its stick.
     pub before: Level,
@@ -53,6 +54,12 @@ pub struct Evidence {
     pub contrast: f64,
     /// Length of the bins of that regression, in seconds.
     pub bin: f64,
+    /// The thermometer, and how it moves between samples.
+    pub thermometer: Thermometer,
+    /// The movements of the zero of the sensor that the slips ask for.
+    pub zero: ZeroColumns,
+    /// Jumps that are no slips, but a zero that was set: the index of the first sample after each.
+    pub set: Vec<usize>,
     /// The level at the start of the record, if a gap lies between it and the first slip that was
     /// seen.
     pub beginning: Option<Level>,
@@ -71,7 +78,8 @@ impl Evidence {
     /// The first search compares windows and needs no knowledge of the bearing. The later ones use
     /// the sticks in between: how the level drifts, and where a level that is known from all
     /// samples of a stick jumps.
-    pub fn find(samples: &Samples, resolution: f64) -> Option<Evidence> {
+    pub fn find(record: &MeasuredRecord, resolution: f64) -> Option<Evidence> {
+        let samples = &record.samples();
         let seconds = bin_length(samples, resolution);
         let mut found = detect::jumps(samples, trimmed_slope(samples));
         for _ in 0..ROUNDS {
@@ -82,31 +90,61 @@ impl Evidence {
                 break;
             }
         }
-        Evidence::of(samples, &found, &StickAnalysis::new(samples, &found, seconds)?)
+        let thermometer = Thermometer::of(record);
+        let moves = |windows: &[(Window, f64)]| as_slips_say(thermometer.clone(), windows);
+        let sticks = StickAnalysis::new(samples, &found, seconds)?;
+        let mut evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
+        let candidates: Vec<f64> = (found.indices().chain(samples.starts.iter().copied().filter(|start| *start > 0)))
+            .map(|i| 0.5 * (samples.times[i - 1] + samples.times[i]))
+            .collect();
+        for _ in 0..ROUNDS {
+            let zero = ZeroColumns::asked_by(&evidence.middles(&evidence.unweighted()), &candidates, evidence.start);
+            evidence.zero = zero;
+            let set = evidence.jumps_of_zero();
+            if set.is_empty() {
+                break;
+            }
+            let set = [evidence.set, set].concat();
+            evidence = Evidence::of(samples, moves, &found, &sticks, set)?;
+        }
+        Some(evidence)
     }
 
-    /// The evidence from these jumps.
-    fn of(samples: &Samples, found: &Jumps, sticks: &StickAnalysis) -> Option<Evidence> {
+    /// The evidence from these jumps, of which those in `set` are no slips. `moves` says how the
+    /// thermometer moves between samples, from when slips were seen and their directions.
+    fn of(
+        samples: &Samples,
+        moves: impl Fn(&[(Window, f64)]) -> Thermometer,
+        found: &Jumps,
+        sticks: &StickAnalysis,
+        set: Vec<usize>,
+    ) -> Option<Evidence> {
         let still = sticks.still();
         let start = samples.times[0];
         let mut slips = Vec::with_capacity(found.jumps.len());
+        let mut windows = Vec::with_capacity(found.jumps.len());
         let mut since = 0;
-        for jump in &found.jumps {
+        for jump in found.jumps.iter().filter(|jump| !set.contains(&jump.index)) {
             let (i, sign) = (jump.index, jump.size.signum());
             let stretch = samples.starts.iter().rev().find(|start| **start <= i).copied().unwrap_or(0);
             let slip = Slip {
                 index: i,
                 time: 0.5 * (samples.times[i - 1] + samples.times[i]),
                 sign,
-                temperature: crossing(&samples.temperatures, since.max(stretch)..i, sign),
+                temperature: f64::NAN,
                 before: sticks.before[i - 1],
                 after: sticks.after[i],
                 is_usual: false,
             };
-            since = i;
+            let since = samples.times[std::mem::replace(&mut since, i).max(stretch)];
             if slip.size(still) > 0.0 {
                 slips.push(slip);
+                windows.push((Window { since, before: samples.times[i - 1], after: samples.times[i] }, sign));
             }
+        }
+        let thermometer = moves(&windows);
+        for (slip, (window, sign)) in slips.iter_mut().zip(&windows) {
+            slip.temperature = thermometer.crossing(window, *sign)?.temperature;
         }
         mark_usual(&mut slips, still);
         let is_whole = |from: usize, to: usize| !samples.starts.iter().any(|start| (from + 1..=to).contains(start));
@@ -123,9 +161,51 @@ impl Evidence {
             sums: sticks.sums.clone(),
             contrast: found.contrast,
             bin: sticks.bin,
+            thermometer,
+            zero: ZeroColumns { start, ..ZeroColumns::default() },
+            set,
             beginning,
             start,
         })
+    }
+
+    /// f_d/(K beta), from the reversals, with these weights of the blocks.
+    pub fn kinetic_reach(&self, weights: &[f64]) -> f64 {
+        0.5 * self.mean(weights, self.reversals.iter().copied())
+    }
+
+    /// The mean of values, each with the index of its block, with these weights of the blocks.
+    pub fn mean(&self, weights: &[f64], values: impl Iterator<Item = (f64, usize)>) -> f64 {
+        let [sum, weight] =
+            values.fold([0.0; 2], |[sum, all], (value, block)| [sum + weights[block] * value, all + weights[block]]);
+        sum / weight
+    }
+
+    /// The middles of the usual jumps, with these weights of the blocks.
+    pub fn middles(&self, weights: &[f64]) -> Vec<Middle> {
+        let still = LevelSums::weighted(&self.sums, weights).slope();
+        let kinetic = self.kinetic_reach(weights);
+        let of = |slip: &Slip| Middle {
+            time: slip.time,
+            centre: slip.temperature - slip.sign * kinetic,
+            place: slip.middle(still),
+            weight: weights[self.block(slip.time)],
+        };
+        self.slips.iter().filter(|slip| slip.is_usual).map(of).collect()
+    }
+
+    /// The slips that are none: the zero of the sensor moved there, by what z jumped to half of a
+    /// usual slip.
+    fn jumps_of_zero(&self) -> Vec<usize> {
+        let still = LevelSums::weighted(&self.sums, &self.unweighted()).slope();
+        let Some(line) = self.zero.line(&self.middles(&self.unweighted())) else { return Vec::new() };
+        let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
+        let usual = median(&mut sizes.clone());
+        let is_set = |(slip, size): &(&Slip, f64)| {
+            let step = line.zero.steps.iter().find(|(when, _)| *when == slip.time);
+            step.is_some_and(|(_, step)| (slip.sign * size - step).abs() < 0.5 * usual)
+        };
+        self.slips.iter().zip(sizes).filter(is_set).map(|(slip, _)| slip.index).collect()
     }
 
     /// The index of the block of a time.
@@ -139,22 +219,22 @@ impl Evidence {
     }
 
     /// The evidence from the same slips with other temperatures of the samples.
-    pub fn with_temperatures(&self, samples: &Samples) -> Option<Evidence> {
-        let jumps = self.slips.iter().map(|slip| detect::Jump { index: slip.index, size: slip.sign }).collect();
+    pub fn with_temperatures(&self, record: &MeasuredRecord) -> Option<Evidence> {
+        let samples = &record.samples();
+        let slips = self.slips.iter().map(|slip| detect::Jump { index: slip.index, size: slip.sign });
+        let set = self.set.iter().map(|index| detect::Jump { index: *index, size: 1.0 });
+        let mut jumps: Vec<detect::Jump> = slips.chain(set).collect();
+        jumps.sort_by_key(|jump| jump.index);
         let found = Jumps { jumps, window: 1, contrast: self.contrast };
-        Evidence::of(samples, &found, &StickAnalysis::new(samples, &found, self.bin)?)
+        let is_rough = self.thermometer.roughness > 0.0;
+        let moves = |_: &[(Window, f64)]| {
+            let rough = Thermometer::of(record);
+            if is_rough { rough } else { rough.moving(0.0) }
+        };
+        let sticks = StickAnalysis::new(samples, &found, self.bin)?;
+        let zero = self.zero.clone();
+        Some(Evidence { zero, ..Evidence::of(samples, moves, &found, &sticks, self.set.clone())? })
     }
-}
-
-/// The temperature of a slip between the samples `before` and the next one.
-///
-/// When the temperature rises, the slip comes once T is higher than ever since the last slip. It
-/// therefore lies between the highest temperature so far and that of the next sample. The middle of
-/// the two is right on average.
-fn crossing(temperatures: &[f64], before: Range<usize>, sign: f64) -> f64 {
-    let next = sign * temperatures[before.end];
-    let farthest = temperatures[before].iter().fold(f64::NEG_INFINITY, |far, t| far.max(sign * t));
-    sign * if next > farthest { 0.5 * (next + farthest) } else { farthest }
 }
 
 /// Mark the slips that have the usual size.

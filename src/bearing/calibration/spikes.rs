@@ -36,9 +36,12 @@ pub fn without_spikes(record: &MeasuredRecord) -> (MeasuredRecord, Spikes) {
         for k in good.map_or(0, |good| good + 1)..i {
             let share = good.map_or(1.0, |good| (t[k] - t[good]) / (t[i] - t[good]));
             clean.temperatures[k] = x[good.unwrap_or(i)] * (1.0 - share) + x[i] * share;
+            clean.interpolated.push(k);
         }
         good = Some(i);
     }
+    clean.interpolated.sort_unstable();
+    clean.interpolated.dedup();
     (clean, counts)
 }
 
@@ -54,10 +57,12 @@ mod tests {
         let mut temperatures = readings.clone();
         (readings[10], readings[45], readings[46]) = (9.0, -3.0, -3.1);
         temperatures[20] = 40.0;
-        let (clean, counts) = without_spikes(&MeasuredRecord { times, temperatures, readings });
+        let (clean, counts) =
+            without_spikes(&MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() });
         assert_eq!(counts, Spikes { readings: 3, temperatures: 1 });
         let missing: Vec<usize> = (0..60).filter(|i| clean.readings[*i].is_nan()).collect();
         assert_eq!(missing, [10, 45, 46]);
+        assert_eq!(clean.interpolated, [20]);
         assert!((clean.temperatures[20] - 0.5 * (wave(19) + wave(21))).abs() < 1e-12);
     }
 }

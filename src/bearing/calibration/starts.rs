@@ -16,16 +16,14 @@ use std::sync::atomic::AtomicBool;
 pub type Search = [[f64; 2]; 3];
 
 /// The box around a motion that was computed from slips, with the standard deviations of A and G.
-/// It is so wide that the minimum lies in it almost certainly.
+/// It is so wide that the minimum lies in it almost certainly. A and G are positive, and so are the
+/// ends of their intervals, of which the lower one is below the upper one.
 pub fn around(motion: &Motion, [reach, jump]: [f64; 2]) -> Search {
     let Motion { reach: a, jump: g, start } = *motion;
-    let a_away = (0.08 * a).max(4.0 * reach);
-    let g_away = (0.2 * g).max(4.0 * jump);
-    [
-        [(a - a_away).max(0.1 * a), a + a_away],
-        [(g - g_away).max(0.05 * g), g + g_away],
-        [start - 1.2 * g - a_away, start + 1.2 * g + a_away],
-    ]
+    let [reach, jump] = [reach, jump].map(|sd| if sd.is_nan() { 0.0 } else { sd });
+    let a_away = (4.0 * reach).clamp(0.08 * a, 0.9 * a);
+    let g_away = (4.0 * jump).clamp(0.2 * g, 0.95 * g);
+    [[a - a_away, a + a_away], [g - g_away, g + g_away], [start - 1.2 * g - a_away, start + 1.2 * g + a_away]]
 }
 
 /// The box around a motion that was only guessed.

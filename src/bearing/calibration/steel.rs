@@ -4,6 +4,7 @@ use super::lag::{CONVINCING, LagProfile, lag_profile};
 use super::question::Lag;
 use super::samples::MeasuredRecord;
 use super::slips::Evidence;
+use super::thermometer::Thermometer;
 use super::uncertainty::AroundLag;
 
 /// The fewest usual slips that determine anything.
@@ -16,6 +17,11 @@ pub struct Steel {
     pub lag: f64,
     /// The likelihood as a function of the lag; `None` if there are no slips.
     pub profile: Option<LagProfile>,
+    /// The variance that its temperature gains between samples, in K^2/s.
+    pub roughness: f64,
+    /// By how many kelvin the friction seems to hold less, because temperatures between samples are
+    /// overlooked.
+    pub overlooked: f64,
     /// The slips; `None` if too few are seen.
     pub around: Option<AroundLag>,
 }
@@ -28,7 +34,7 @@ impl Steel {
             Lag::Known(lag) => lag,
             Lag::Auto => 0.0,
         };
-        let evidence_at = |lag: f64| Evidence::find(&air.lagged(lag).samples(), resolution).filter(is_visible);
+        let evidence_at = |lag: f64| Evidence::find(&air.lagged(lag), resolution).filter(is_visible);
         let mut evidence = evidence_at(given);
         let mut profile = evidence.as_ref().map(|evidence| lag_profile(air, evidence));
         let mut used = given;
@@ -45,7 +51,11 @@ impl Steel {
             Lag::Auto if used > 0.0 => AroundLag::lag(evidence, air, used),
             _ => AroundLag { here: evidence, beside: None },
         });
-        Steel { record: air.lagged(used), lag: used, profile, around }
+        let record = air.lagged(used);
+        let thermometer =
+            around.as_ref().map_or_else(|| Thermometer::of(&record), |around| around.here.thermometer.clone());
+        let (roughness, overlooked) = (thermometer.roughness, thermometer.overlooked());
+        Steel { record, lag: used, profile, roughness, overlooked, around }
     }
 }
 

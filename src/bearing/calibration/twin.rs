@@ -1,7 +1,9 @@
 //! Synthetic records: the model, seen by an imperfect sensor and thermometer.
 
+use super::air::Air;
 use super::bearing::Response;
-use super::samples::MeasuredRecord;
+use super::course::{Course, course};
+use super::zero::Zero;
 use crate::noise::{Stream, Transition};
 
 /// The imperfections of a measurement.
@@ -24,12 +26,29 @@ pub struct Flaws {
     pub spikes: f64,
     /// Number of gaps, of one to five days each.
     pub gaps: u32,
+    /// Drift of the sensor, in the unit of displacement per year.
+    pub drift: f64,
+    /// When the zero of the sensor is set, in seconds, and by how much it is moved.
+    pub zero_set: Option<(f64, f64)>,
+    /// The thermometer shows only every so-many-th sample.
+    pub thermometer_every: usize,
 }
 
 impl Flaws {
     /// A perfect measurement.
-    pub const NONE: Flaws =
-        Flaws { white: 0.0, red: 0.0, memory: 86_400.0, scatter: 0.0, lag: 0.0, resolution: 0.0, spikes: 0.0, gaps: 0 };
+    pub const NONE: Flaws = Flaws {
+        white: 0.0,
+        red: 0.0,
+        memory: 86_400.0,
+        scatter: 0.0,
+        lag: 0.0,
+        resolution: 0.0,
+        spikes: 0.0,
+        gaps: 0,
+        drift: 0.0,
+        zero_set: None,
+        thermometer_every: 1,
+    };
 }
 
 /// A synthetic record: times in seconds, temperatures in kelvin, and readings in the unit of
@@ -38,7 +57,7 @@ impl Flaws {
 pub struct Twin {
     /// Times of the samples, in seconds.
     pub times: Vec<f64>,
-    /// Temperatures that the thermometer shows, in kelvin.
+    /// Temperatures that the thermometer shows, in kelvin; NaN where it shows none.
     pub temperatures: Vec<f64>,
     /// Readings of the sensor.
     pub readings: Vec<f64>,
@@ -48,33 +67,15 @@ pub struct Twin {
     pub slips: u64,
 }
 
-/// A record of a bearing under these temperatures, measured with these imperfections.
-pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Flaws, seed: u64) -> Twin {
+/// A record of a bearing under this temperature, measured with these imperfections.
+pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
     // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
     // others as they are.
-    let [mut sensor, mut friction, mut spikes, mut gaps] = std::array::from_fn(|i| Stream::new(seed, i as u64));
-    let air = MeasuredRecord { times: times.to_vec(), temperatures: temperatures.to_vec(), readings: Vec::new() };
-    let steel = air.lagged(flaws.lag).temperatures;
-    let (mut positions, mut slips) = (Vec::with_capacity(times.len()), 0);
-    let (mut xi, mut reach) = (response.motion.start, response.motion.reach);
-    let kinetic = response.motion.kinetic_reach();
-    for &temperature in &steel {
-        if flaws.scatter == 0.0 {
-            let next = response.motion.next(xi, temperature);
-            if response.motion.jump > 0.0 {
-                slips += ((next - xi) / response.motion.jump).abs().round() as u64;
-            }
-            xi = next;
-        } else {
-            while (temperature - xi).abs() > reach {
-                xi += (2.0 * (reach - kinetic)).copysign(temperature - xi);
-                slips += 1;
-                let drawn = response.motion.reach * (1.0 + flaws.scatter * friction.normal());
-                reach = drawn.max(kinetic);
-            }
-        }
-        positions.push(xi);
-    }
+    let [mut sensor, friction, mut spikes, mut gaps, between] = std::array::from_fn(|i| Stream::new(seed, i as u64));
+    let Course { steel, positions, slips } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
+    let [mut times, temperatures] = air.samples();
+    let mut positions = positions;
+    let zero = Zero::moving(times.first().copied().unwrap_or(0.0), flaws.drift, flaws.zero_set);
     let mut red = flaws.red * sensor.normal();
     let mut readings = Vec::with_capacity(times.len());
     for i in 0..times.len() {
@@ -83,14 +84,15 @@ pub fn twin(response: &Response, times: &[f64], temperatures: &[f64], flaws: &Fl
             red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1]).next(red, sensor.normal());
         }
         let mut reading = response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
+        reading += zero.at(times[i]);
         if spikes.uniform() < flaws.spikes {
             reading += 20.0 * flaws.white.hypot(flaws.red) * (2.0 * spikes.uniform() - 1.0);
         }
         readings.push(reading);
     }
     let shown = |t: &f64| if flaws.resolution > 0.0 { (t / flaws.resolution).round() * flaws.resolution } else { *t };
-    let mut temperatures: Vec<f64> = temperatures.iter().map(shown).collect();
-    let mut times = times.to_vec();
+    let seen = |(i, t): (usize, &f64)| if i.is_multiple_of(flaws.thermometer_every) { shown(t) } else { f64::NAN };
+    let mut temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
     let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
     for _ in 0..flaws.gaps {
         let from = times[0] + length * gaps.uniform();

@@ -5,7 +5,8 @@
 //! so the history of the temperature, on which a body with friction depends, stays complete.
 
 use super::level::LevelSums;
-use super::quantity::{Quantity, Values, values};
+use super::quantity::{Quantity, Values, response_of, values};
+use super::question::CalibrationQuestion;
 use super::samples::{MeasuredRecord, correlation};
 use super::slips::Evidence;
 use crate::bearing::moments::variance;
@@ -30,7 +31,7 @@ impl AroundLag {
     /// Compute the evidence around a lag that was estimated.
     pub fn lag(here: Evidence, record: &MeasuredRecord, lag: f64) -> AroundLag {
         let step = (0.2 * lag).max(60.0).min(lag);
-        let at = |lag: f64| here.with_temperatures(&record.lagged(lag).samples());
+        let at = |lag: f64| here.with_temperatures(&record.lagged(lag));
         let beside = at(lag - step).zip(at(lag + step)).map(|(less, more)| ([less, more], step));
         AroundLag { here, beside }
     }
@@ -38,7 +39,7 @@ impl AroundLag {
     /// The most likely lag, relative to the one that was estimated, and all quantities, with these
     /// weights.
     fn replicate(&self, weights: &[f64], shear_stiffness: f64) -> Option<(f64, Values)> {
-        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?, Some(shear_stiffness)));
+        let at = |evidence: &Evidence| Some(values(&evidence.fit(weights)?.0, Some(shear_stiffness)));
         let here = at(&self.here)?;
         let Some(([less, more], step)) = &self.beside else { return Some((0.0, here)) };
         let deviance = |evidence: &Evidence| LevelSums::weighted(&evidence.sums, weights).deviance();
@@ -53,7 +54,7 @@ impl AroundLag {
     }
 }
 
-/// The quantities and the lag for each set of random weights.
+/// The quantities and the lag for each set of random weights that gives those of a possible bearing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replicates {
     values: Vec<Values>,
@@ -62,13 +63,17 @@ pub struct Replicates {
 
 impl Replicates {
     /// Estimate everything again with random weights of the blocks.
-    pub fn new(around: &AroundLag, shear_stiffness: f64) -> Replicates {
+    pub fn new(around: &AroundLag, question: &CalibrationQuestion) -> Replicates {
         let evidence = &around.here;
         let scatter = evidence.scatter();
+        let shear_stiffness = question.shear_stiffness.unwrap_or(1.0);
         let replicate = |number: u64| {
             let mut random = Stream::new(SEED, number);
             let weights: Vec<f64> = evidence.sums.iter().map(|_| -libm::log(random.uniform())).collect();
             let (lag, mut values) = around.replicate(&weights, shear_stiffness)?;
+            if response_of(&values).impossible(question.shear_stiffness).is_some() {
+                return None;
+            }
             // The temperature of the first slip is a single number that weights do not change, so
             // its error is added here.
             let beta = values[Quantity::Dilatation as usize];
@@ -77,6 +82,12 @@ impl Replicates {
         };
         let (lags, values) = (0..REPLICATES).filter_map(replicate).unzip();
         Replicates { values, lags }
+    }
+
+    /// Number of random weights that gave no possible bearing, and the number that was tried.
+    pub fn impossible(&self) -> [usize; 2] {
+        let all = REPLICATES as usize;
+        [all - self.values.len(), all]
     }
 
     /// The standard deviation of each quantity.

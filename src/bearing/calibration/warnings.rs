@@ -6,6 +6,7 @@ use super::lag::CONVINCING;
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
 use super::report::{Calibration, ParameterEstimate};
+use super::samples::HOUR;
 use super::slips::Evidence;
 use super::spikes::Spikes;
 use super::warning::CalibrationWarning;
@@ -20,19 +21,20 @@ struct Case<'a> {
 type Says = fn(&Case) -> Option<String>;
 
 /// All warnings, in the order in which they are given.
-const ALL: [(&str, Says); 12] = [
+const ALL: [(&str, Says); 13] = [
     ("no_shear_stiffness", no_shear_stiffness),
     ("no_slips", no_slips),
     ("gap_not_identified", gap_not_identified),
     ("scatter", scatter),
     ("lag", lag),
     ("other_lag", other_lag),
+    ("clocks", clocks),
+    ("zero_set", zero_set),
+    ("zero_drift", zero_drift),
     ("methods_apart", methods_apart),
     ("starts_disagree", starts_disagree),
     ("spikes", spikes),
     ("mirrored", mirrored),
-    ("unphysical", unphysical_shear),
-    ("unphysical", unphysical_friction),
 ];
 
 /// The warnings of a calibration. `evidence` is given if slips were seen.
@@ -113,6 +115,39 @@ fn other_lag(case: &Case) -> Option<String> {
     Some(format!("the data say a lag of {likeliest:.1} minutes rather than {given:.1}; try --lag auto"))
 }
 
+/// The clocks of thermometer and sensor seem to differ by whole hours.
+fn clocks(case: &Case) -> Option<String> {
+    let seconds = case.calibration.lag_profile.as_ref()?.clock?;
+    let (hours, side) = (seconds.abs() / HOUR, if seconds > 0.0 { "earlier" } else { "later" });
+    Some(format!(
+        "the temperature of {hours:.0} h {side} explains the displacement far better than that of the same time, with or without \
+         a lag: see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before"
+    ))
+}
+
+/// The zero of the sensor was set.
+fn zero_set(case: &Case) -> Option<String> {
+    let of = |(when, size): &(f64, f64)| format!("{:+.2} mm after {:.2} d", 1e3 * size, when / (24.0 * HOUR));
+    let steps: Vec<String> = case.calibration.zero.steps.iter().map(of).collect();
+    (!steps.is_empty()).then(|| {
+        format!(
+            "the sensor jumps where no slip does, as if its zero had been set: {}; this is fitted and taken out",
+            steps.join(", ")
+        )
+    })
+}
+
+/// The zero of the sensor drifts.
+fn zero_drift(case: &Case) -> Option<String> {
+    let drift = case.calibration.zero.drift_per_year();
+    (drift != 0.0).then(|| {
+        format!(
+            "the sensor drifts by {:+.2} mm a year; this is fitted and taken out, from the first sample on",
+            1e3 * drift
+        )
+    })
+}
+
 /// The intervals by slips and by least squares do not overlap for some parameters.
 fn methods_apart(case: &Case) -> Option<String> {
     let others = case.calibration.least_squares.as_ref()?;
@@ -165,26 +200,11 @@ fn mirrored(case: &Case) -> Option<String> {
     case.calibration.is_mirrored.then(|| text.into())
 }
 
-/// The bearing carries a negative share of the dilatation, or all of it.
-fn unphysical_shear(case: &Case) -> Option<String> {
-    unphysical(Quantity::Shear, !(-0.02..1.0).contains(&case.estimate(Quantity::Shear).estimate))
-}
-
-/// f_d is negative.
-fn unphysical_friction(case: &Case) -> Option<String> {
-    unphysical(Quantity::DynamicWay, case.estimate(Quantity::DynamicWay).estimate < 0.0)
-}
-
-/// A quantity has a value that no bearing can have.
-fn unphysical(quantity: Quantity, is_due: bool) -> Option<String> {
-    is_due.then(|| format!("{} = {} has an estimate that no bearing can have", quantity.key(), quantity.symbol()))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::bearing::calibration::{
-        CalibrationQuestion, Flaws, MeasuredRecord, Motion, ParameterEstimate, Response, Sensor, calibrate, twin,
+        Air, CalibrationQuestion, Flaws, MeasuredRecord, Motion, ParameterEstimate, Response, Sensor, calibrate, twin,
     };
 
     /// f_s - f_d with a standard error of 20 % of it is identified, and with one of 30 % it is not,
@@ -195,8 +215,14 @@ mod tests {
         let response = Response { motion, sensor: Sensor { offset: 0.0, moving: 9e-4, still: 1e-4 } };
         let times: Vec<f64> = (0..3000).map(|i| 600.0 * f64::from(i)).collect();
         let temperatures: Vec<f64> = times.iter().map(|t| 15.0 + 12.0 * libm::sin(4e-5 * t)).collect();
-        let twin = twin(&response, &times, &temperatures, &Flaws { white: 1e-5, ..Flaws::NONE }, 1);
-        let record = MeasuredRecord { times, temperatures, readings: twin.readings };
+        let flaws = Flaws { white: 1e-5, ..Flaws::NONE };
+        let twin = twin(&response, &Air::straight(times, temperatures), &flaws, 1);
+        let record = MeasuredRecord {
+            times: twin.times,
+            temperatures: twin.temperatures,
+            readings: twin.readings,
+            interpolated: Vec::new(),
+        };
         let question = CalibrationQuestion {
             method: CalibrationMethod::Slips,
             shear_stiffness: Some(2e9),

@@ -1,6 +1,6 @@
 //! Random bearings, distributed as a calibration allows.
 
-use crate::bearing::calibration::{Calibration, Quantity, Sensor};
+use crate::bearing::calibration::{Calibration, Motion, Quantity, Response, Sensor};
 use crate::bearing::linear::{Matrix, cholesky, times};
 use crate::model::{Drive, Friction, Model, Oscillator, Temperature};
 use crate::noise::Stream;
@@ -9,9 +9,12 @@ use crate::noise::Stream;
 /// forgotten in the burn-in.
 const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
 
-/// G is at least this share of its estimate, because a very small G gives an enormous number of
-/// slips.
-const LEAST_JUMP: f64 = 0.1;
+/// A and G are at least this share of their estimates, because a very small A or G gives an enormous
+/// number of slips.
+const LEAST: f64 = 0.1;
+
+/// A draw is repeated as often as this until it is that of a possible bearing.
+const REPEATS: u64 = 100;
 
 /// Duration of a slip in seconds, which is negligible against the time scales of the weather.
 const SLIP: f64 = 0.1;
@@ -89,16 +92,26 @@ impl BearingDraws {
         self.at(&[0.0; DRAWN.len()])
     }
 
-    /// A random bearing.
-    pub fn draw(&self, random: &mut Stream) -> DrawnBearing {
-        self.at(&DRAWN.map(|_| random.normal()))
+    /// A random bearing among those that are possible, and the number of impossible ones that were
+    /// drawn before it. `None` if many draws in a row gave no possible bearing.
+    pub fn draw(&self, random: &mut Stream) -> Option<(DrawnBearing, u64)> {
+        (0..REPEATS).find_map(|before| {
+            let bearing = self.at(&DRAWN.map(|_| random.normal()));
+            self.is_possible(&bearing).then_some((bearing, before))
+        })
+    }
+
+    fn is_possible(&self, bearing: &DrawnBearing) -> bool {
+        let DrawnBearing { reach, jump, sensor, .. } = *bearing;
+        let response = Response { motion: Motion { reach, jump, start: 0.0 }, sensor };
+        let is_usual = reach >= LEAST * self.estimates[3] && jump >= LEAST * self.estimates[4];
+        is_usual && response.impossible(self.shear_stiffness).is_none()
     }
 
     /// The bearing whose independent standardised errors are these.
     fn at(&self, normals: &[f64]) -> DrawnBearing {
         let errors = times(&self.errors, normals);
         let [beta, kappa, offset, reach, jump] = std::array::from_fn(|i| self.estimates[i] + errors[i]);
-        let jump = jump.clamp(LEAST_JUMP * self.estimates[4], 2.0 * reach);
         DrawnBearing {
             reach,
             jump,

@@ -55,7 +55,8 @@ const PIECE: u64 = 10;
 ///
 /// # Errors
 ///
-/// It fails if the scheme cannot simulate some of the drawn parameters. It also fails if years are
+/// It fails if most of the parameters that the calibration leaves open are those of no bearing, or
+/// if the scheme cannot simulate some of the drawn parameters. It also fails if years are
 /// given up with so many of them that fewer than two draws are left, or if all years with the most
 /// likely parameters are given up.
 pub fn forecast(
@@ -70,14 +71,20 @@ pub fn forecast(
     let scheme = Scheme::from(QuasiStatic { tolerance: DEFAULT_TOLERANCE });
     // Draw 0 has the most likely parameters. Every other draw has a stream of random numbers of its
     // own, separate from those of the paths.
-    let model = |draw: u64| {
-        if draw == 0 {
-            let bearing = bearings.likeliest();
-            return (bearing, bearing.model(weather.temperature()));
-        }
+    let mut models = vec![(bearings.likeliest(), weather.temperature())];
+    let mut redrawn = 0;
+    for draw in 1..=question.draws {
         let mut random = Stream::new(question.seed ^ DRAW_SEED, draw);
-        let bearing = bearings.draw(&mut random);
-        (bearing, bearing.model(weather.drawn(&mut random)))
+        let (bearing, impossible) = bearings.draw(&mut random).ok_or(ForecastError::Unknown)?;
+        redrawn += impossible;
+        models.push((bearing, weather.drawn(&mut random)));
+    }
+    if redrawn > question.draws {
+        return Err(ForecastError::Unknown);
+    }
+    let model = |draw: u64| {
+        let (bearing, temperature) = &models[draw as usize];
+        (*bearing, bearing.model(temperature.clone()))
     };
     for draw in 0..=question.draws {
         scheme.check(&model(draw).1, timeline.end)?;
@@ -100,7 +107,8 @@ pub fn forecast(
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
     let Ok(_) = in_order((LIKELIEST + question.draws) * pieces, threads, stop, make, deliver);
-    Forecast::of(draws, question, calibration.question.shear_stiffness.is_some())
+    let knows_forces = calibration.question.shear_stiffness.is_some();
+    Ok(Forecast::of(draws, question, knows_forces)?.map(|forecast| Forecast { redrawn, ..forecast }))
 }
 
 /// Turns the seed of the forecast into that of the draws of parameters.

@@ -26,13 +26,18 @@ pub enum ForecastError {
     /// The scheme cannot simulate some of the drawn parameters.
     #[error(transparent)]
     Misfit(#[from] Misfit),
+    /// Most of the parameters that the calibration leaves open are those of no bearing.
+    #[error(
+        "the record tells too little of the bearing: most of the parameters that it leaves open are those of no bearing"
+    )]
+    Unknown,
     /// So many years were given up that no intervals can be computed.
     #[error("years were given up with {0} of {1} draws of the parameters, {GIVEN_UP}, so there are no intervals")]
     GivenUp(u64, u64),
 }
 
 impl ForecastError {
-    /// What to do if years were given up.
+    /// What to do if too little is known.
     pub const REMEDY: &str = "measure for longer, so that the parameters are known better";
 }
 

@@ -47,6 +47,8 @@ pub struct Forecast {
     pub draws_left_out: u64,
     /// Number of years with the most likely parameters that were given up.
     pub likeliest_given_up: u64,
+    /// Number of draws that were those of no bearing, and were drawn again.
+    pub redrawn: u64,
 }
 
 /// The years of one draw of the parameters.
@@ -98,7 +100,16 @@ impl Forecast {
             .collect();
         let return_levels = RETURN_PERIODS.map(|period| return_level(&years, period, question)).to_vec();
         let question = *question;
-        Ok(Some(Forecast { question, likeliest, years, levels, return_levels, draws_left_out, likeliest_given_up }))
+        Ok(Some(Forecast {
+            question,
+            likeliest,
+            years,
+            levels,
+            return_levels,
+            draws_left_out,
+            likeliest_given_up,
+            redrawn: 0,
+        }))
     }
 
     /// Reasons to be careful with the result.
@@ -118,7 +129,14 @@ impl Forecast {
                 LIKELIEST * self.question.years
             )
         });
-        draws.into_iter().chain(likeliest).collect()
+        let redrawn = (self.redrawn > 0).then(|| {
+            format!(
+                "{} draws of the parameters were those of no bearing, with a negative A or G for example, and were drawn again, because \
+                 the record tells little of the bearing; the intervals are those of possible bearings",
+                self.redrawn
+            )
+        });
+        draws.into_iter().chain(likeliest).chain(redrawn).collect()
     }
 
     /// The forecast of a quantity, if it can be known.
@@ -138,13 +156,25 @@ fn level(
     let mut all: Vec<f64> = draws.iter().flatten().copied().collect();
     all.sort_by(f64::total_cmp);
     let means: Vec<f64> = draws.iter().map(|years| mean(years)).collect();
-    let within = draws.iter().map(|years| variance(years) / years.len() as f64).sum::<f64>() / draws.len() as f64;
+    let within = draws.iter().map(|years| variance(years) / years.len() as f64);
     let expected = mean(&likeliest.iter().map(of).collect::<Vec<_>>());
-    let half = half_width(&means, within, question.level);
+    let expected_interval = if expected > 0.0 && means.iter().all(|mean| *mean > 0.0) && quantity.is_unbounded() {
+        // A count or a length is a product of what is not known, so its logarithm is more nearly
+        // normal, and no end of the interval is below zero.
+        let relative =
+            within.zip(&means).map(|(variance, mean)| variance / (mean * mean)).sum::<f64>() / draws.len() as f64;
+        let logarithms: Vec<f64> = means.iter().map(|mean| libm::log(*mean)).collect();
+        let factor = libm::exp(half_width(&logarithms, relative, question.level));
+        [expected / factor, expected * factor]
+    } else {
+        let half = half_width(&means, within.sum::<f64>() / draws.len() as f64, question.level);
+        let most = if quantity.is_unbounded() { f64::INFINITY } else { 1.0 };
+        [(expected - half).max(0.0), (expected + half).min(most)]
+    };
     ForecastLevel {
         quantity,
         expected,
-        expected_interval: [expected - half, expected + half],
+        expected_interval,
         year_interval: [quantile(&all, 0.5 - 0.5 * question.level), quantile(&all, 0.5 + 0.5 * question.level)],
     }
 }
@@ -180,7 +210,7 @@ fn return_level(years: &[Vec<Year>], period: f64, question: &ForecastQuestion) -
         within += share * variance / values.len() as f64 / years.len() as f64;
     }
     let half = half_width(&levels, within, question.level);
-    ReturnLevel { years: period, expected, interval: [expected - half, expected + half] }
+    ReturnLevel { years: period, expected, interval: [(expected - half).max(0.0), expected + half] }
 }
 
 /// A quantile of ascending values, interpolated between the two nearest.

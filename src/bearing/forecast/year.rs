@@ -38,6 +38,11 @@ impl ForecastQuantity {
         NAMES_AND_UNITS[self as usize].0
     }
 
+    /// Whether it may be any number from 0 on; otherwise it is a share of the time.
+    pub fn is_unbounded(self) -> bool {
+        self != ForecastQuantity::Loaded
+    }
+
     /// Its unit.
     pub fn unit(self) -> &'static str {
         NAMES_AND_UNITS[self as usize].1

@@ -10,9 +10,8 @@
 //! variances are those of the largest restricted likelihood, which is exact for samples at any
 //! times. A Kalman filter gives the innovations (`kalman.rs`), a regression gives the amplitudes
 //! and the best scale of all variances, and one to four numbers are left to be searched
-//! (`simplex.rs`). The white noise e comes from the thermometer, for example because it shows whole
-//! tenths. It is not part of the weather that is simulated, and it is part of the model only if the
-//! data clearly show it.
+//! (`search.rs`, `simplex.rs`). The white noise e comes from the thermometer, for example because it
+//! shows whole tenths. It is not part of the weather that is simulated.
 //!
 //! With one process, the temperature varies either more than real weather from one sample to the
 //! next, or less from day to day. One process therefore gives too many slips or too few, and two
@@ -21,6 +20,7 @@
 mod fit;
 mod kalman;
 mod periods;
+mod search;
 mod simplex;
 
 /// A year and a day, in seconds: the periods of an outdoor temperature.

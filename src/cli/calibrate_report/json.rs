@@ -33,8 +33,11 @@ pub fn json(calibration: &Calibration, warnings: &[(String, String)]) -> String 
             "estimated": calibration.question.lag == Lag::Auto,
             "likeliest": profile.map(|profile| profile.likeliest),
             "gain": profile.map(|profile| profile.gain),
+            "clock": profile.and_then(|profile| profile.clock),
             "profile": profile.map_or(&[][..], |profile| &profile.profile[..]),
         },
+        "roughness": calibration.roughness,
+        "zero": { "drift_per_year": calibration.zero.drift_per_year(), "steps": calibration.zero.steps },
         "starts": starts.collect::<Vec<_>>(),
         "residuals": {
             "rms": calibration.residuals.rms,

@@ -50,6 +50,13 @@ fn sources(calibration: &Calibration) -> String {
         ),
         (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
     };
+    let between = match calibration.roughness {
+        0.0 => "in straight lines".to_string(),
+        roughness => {
+            let gained = significant((3600.0 * roughness).sqrt(), 3);
+            format!("as weather, with a standard deviation of {gained} K in an hour; slips begin between samples")
+        }
+    };
     let correlation = |hours: f64| {
         let found = calibration.residuals.autocorrelation.iter().find(|(delay, _)| *delay == hours);
         found.map_or_else(|| "none".to_string(), |(_, correlation)| significant(*correlation, 2))
@@ -61,6 +68,7 @@ fn sources(calibration: &Calibration) -> String {
          slips   {slips} seen, {usual} of them alone and of the usual size\n\
          method  {method}; intervals: blocks of three days weighted at random\n\
          lag     {lag}\n\
+         moves   the temperature moves between samples {between}\n\
          rest    {rest} m (root mean square of measurement less model); correlation {hour} after an hour, {day} after a day\n"
     )
 }
