@@ -149,7 +149,6 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
     if is_constant(temperatures) {
         return Err(WeatherError::Constant);
     }
-    let duration = times[n - 1] - times[0];
     told(times, periods)?;
     let one = Search::new(times, temperatures, periods, 1);
     let best_of_one = one.best();
