@@ -131,7 +131,8 @@ impl Grid {
         for (pair, _) in pairs.clone() {
             for (ends, number) in ends.iter_mut().zip(pair) {
                 // Faster than `min` and `max`, which look for NaN.
-                *ends = [if number < ends[0] { number } else { ends[0] }, if number > ends[1] { number } else { ends[1] }];
+                *ends =
+                    [if number < ends[0] { number } else { ends[0] }, if number > ends[1] { number } else { ends[1] }];
             }
         }
         if ends[0][0] > ends[0][1] {
