@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draw the pictures of docs/pictures.md and docs/beyond-one-spring.md again: some seconds. tests/command/pictures.rs runs the same lines
+# Draw the pictures of docs/pictures.md, docs/beyond-one-spring.md and docs/studies.md again: some seconds. tests/command/pictures.rs runs the same lines
 # and compares what comes out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -30,6 +30,9 @@ mc plot asked.h5 --only density -o density.png
 mc plot asked.h5 --only spectrum -o spectrum.png
 mc sweep scenarios/shaw.toml --scheme event-driven --until 4000 --set statistics.after=3000 --set oscillator.damping=0.02 --vary w=temperature.harmonics.0.angular_frequency=0.15:0.45:241 --quiet -o shaw-w.h5
 mc plot shaw-w.h5 --only section -o section.png
+mc sweep scenarios/belt.toml --vary V=temperature.trend=0.05:1.25:25 --vary rho=temperature.noise.intensity=0,0.05,0.2 --set record.laws=true --until 400 --set statistics.after=100 --paths 400 --quiet -o belt-v.h5
+mc plot belt-v.h5 --statistic sticking_fraction -o belt-sticking.png
+mc plot belt-v.h5 --statistic recurrence_time_cv -o belt-recurrence.png
 mc plot run.h5 --theme dark -o page-dark.png
 mc sweep scenarios/rho025.toml --scheme event-driven --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet -o event-driven.h5
 mc sweep scenarios/rho025.toml --vary rho=temperature.noise.intensity=0:1:21 --paths 4000 --quiet --no-bias -o discrete-vi.h5

@@ -197,7 +197,8 @@ impl<'a> Sitting<'a> {
             file: file.display().to_string(),
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
-            cycle: LimitCycle::of(scenario),
+            // It takes one path more, for which a run that is interrupted does not wait.
+            cycle: if outcome.status == Status::Interrupted { None } else { LimitCycle::of(scenario) },
         }
     }
 }

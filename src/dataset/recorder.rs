@@ -73,16 +73,7 @@ mod tests {
         for (name, paths) in [("rho025", 300), ("shaw", 1)] {
             let mut scenario = Scenario::shipped(name).expect("shipped");
             scenario.ensemble.paths = paths;
-            scenario.record = crate::stats::Record {
-                paths: true,
-                events: true,
-                trajectories: 2,
-                laws: true,
-                density: true,
-                spectrum: true,
-                energy: true,
-                levels: crate::stats::PassageLevels::of(&[1.0]),
-            };
+            scenario.record = crate::stats::Record { trajectories: 2, ..crate::stats::Record::everything() };
             let mut recorder = Recorder::default();
             let outcome = Run::of(&scenario).into_sink(&mut recorder).simulate().expect("sound");
             let dataset = recorder.into_dataset();

@@ -19,7 +19,7 @@ const ONE: [usize; 2] = [256, 1];
 const TWO: [usize; 2] = [64, 64];
 
 /// States are counted when so many of them wait.
-const WAITING: usize = 1 << 16;
+const WAITING: usize = 1 << 12;
 
 /// Counts of states.
 #[derive(Clone, Debug, PartialEq)]
@@ -104,8 +104,8 @@ impl DensityFold {
         DensityFold {
             first_row: timeline.first_row(),
             batches: paths.iter().map(|path| batch_of(*path)).collect(),
-            displacement: Vec::new(),
-            moving: Vec::new(),
+            displacement: Vec::with_capacity(WAITING + paths.len()),
+            moving: Vec::with_capacity(WAITING + paths.len()),
             counts: DensityCounts::default(),
         }
     }

@@ -445,15 +445,7 @@ mod tests {
     #[test]
     fn diverged_paths_keep_their_place_and_stay_out_of_the_statistics() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
-        let record = Record {
-            paths: true,
-            events: true,
-            trajectories: 103,
-            laws: true,
-            density: true,
-            spectrum: true,
-            ..Record::NOTHING
-        };
+        let record = Record { trajectories: 103, ..Record::everything() };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
         let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
         observer.event(1, slip(0.5, 6.0));
@@ -513,15 +505,7 @@ mod tests {
     #[test]
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
-        let record = Record {
-            paths: true,
-            events: true,
-            trajectories: 2,
-            laws: true,
-            density: true,
-            spectrum: true,
-            ..Record::NOTHING
-        };
+        let record = Record { trajectories: 2, ..Record::everything() };
         let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));

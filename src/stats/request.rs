@@ -67,9 +67,18 @@ impl Record {
         levels: PassageLevels::NONE,
     };
 
+    /// Whether this is asked for.
+    fn asks_for(&self, extra: Extra) -> bool {
+        match extra {
+            Extra::Laws => self.laws,
+            Extra::Energy => self.energy,
+            Extra::Levels => !self.levels.is_empty(),
+        }
+    }
+
     /// Whether the motion of paths between their events is followed.
     pub(super) fn has_motion(&self) -> bool {
-        self.energy || !self.levels.is_empty()
+        self.asks_for(Extra::Energy) || self.asks_for(Extra::Levels)
     }
 
     /// The same statistics, without anything of single paths or of the output grid.
@@ -78,15 +87,20 @@ impl Record {
     }
 }
 
+#[cfg(test)]
+impl Record {
+    /// Everything is kept of one path, and everything is measured.
+    pub(crate) fn everything() -> Record {
+        let levels = PassageLevels::of(&[1.0]);
+        let (laws, density, spectrum, energy) = (true, true, true, true);
+        Record { paths: true, events: true, trajectories: 1, laws, density, spectrum, energy, levels }
+    }
+}
+
 impl Statistic {
     /// Whether a run that records this reports the statistic.
     pub fn is_asked_by(self, record: &Record) -> bool {
-        match self.row().asked_by {
-            None => true,
-            Some(Extra::Laws) => record.laws,
-            Some(Extra::Energy) => record.energy,
-            Some(Extra::Levels) => !record.levels.is_empty(),
-        }
+        self.row().asked_by.is_none_or(|extra| record.asks_for(extra))
     }
 
     /// The statistics that a run reports that records this, in the order of tables and files.

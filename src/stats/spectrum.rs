@@ -266,7 +266,7 @@ impl SpectrumFold {
             segments,
             fourier: Fourier::new(segments.padded()),
             batches: paths.iter().map(|path| batch_of(*path)).collect(),
-            rows: Default::default(),
+            rows: std::array::from_fn(|_| Vec::with_capacity(segments.length * paths.len())),
             sums: SpectrumSums { powers, weights: [0.0; BATCHES], forcing_period },
         }
     }

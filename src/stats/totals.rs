@@ -371,13 +371,12 @@ impl Totals {
     /// The statistics that were asked for.
     fn asked(&self) -> Vec<Statistic> {
         let PhaseSums { laws, energy, extremes, .. } = &self.sums.phases;
-        let is_asked = |statistic: &Statistic| match statistic.row().asked_by {
-            None => true,
-            Some(Extra::Laws) => laws.is_some(),
-            Some(Extra::Energy) => energy.is_some(),
-            Some(Extra::Levels) => extremes.is_some(),
+        let has = |extra| match extra {
+            Extra::Laws => laws.is_some(),
+            Extra::Energy => energy.is_some(),
+            Extra::Levels => extremes.is_some(),
         };
-        Statistic::ALL.into_iter().filter(is_asked).collect()
+        Statistic::ALL.into_iter().filter(|statistic| statistic.row().asked_by.is_none_or(has)).collect()
     }
 
     fn distribution(&self, law: PhaseLaw, of: &LawCounts, ordered: &OrderedLaw) -> Distribution {

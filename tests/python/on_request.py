@@ -60,8 +60,7 @@ def phases(data, after):
 
 
 def kaplan_meier(values, censored, edges):
-    """P(D > edge). A value that is cut off within a fine bin counts as having reached its end, which
-    changes nothing at the edges of the file as long as no two values share a fine bin."""
+    """P(D > edge)."""
     surviving, curve = 1.0, []
     ordered = sorted([(v, 0) for v in values] + [(c, 1) for c in censored])
     at_risk, i = len(ordered), 0
@@ -87,8 +86,10 @@ def check_laws(data, statistic, after):
         count = [np.sum((lo <= values) & (values < hi)) for lo, hi in zip(lower, upper)]
         same(f"{law}_count", data[f"{law}_count"][:], count)
         same(f"{law}_batch_count", data[f"{law}_batch_count"][:].sum(axis=0), count)
-        # Ties within a fine bin, of 1/256 of an octave, change the product a little.
-        same(f"{law}_survival", data[f"{law}_survival"][:], kaplan_meier(values, censored, upper), 2e-3)
+        # The file counts values that share a fine bin, of 1/256 of an octave, as ties.
+        off = np.abs(data[f"{law}_survival"][:] - kaplan_meier(values, censored, upper))
+        if off.max() > 3e-4:
+            sys.exit(f"{law}_survival: off by {off.max()}")
         if law in ("slip_duration", "jump_abs", "recurrence_time"):
             sd = np.std(values)
             for name, number in (("sd", sd), ("cv", sd / values.mean())):

@@ -92,7 +92,11 @@ def main(sweep_path, run_path):
     for name, variable in sweep.variables.items():
         assert variable.attrs.get("long_name"), f"{name} has a long_name"
     assert sweep.estimate.sel(statistic="stick_duration_mean").dims == tuple(dimensions)
+    # The file has a place for every statistic; those that the scenario does not ask for are NaN.
     last = sweep.isel({name: -1 for name in dimensions})
+    unasked = ~sweep.statistic.isin(run.statistic)
+    assert last.estimate[unasked].isnull().all() and unasked.any()
+    last = last.sel(statistic=run.statistic)
     assert (
         last.estimate.values == run.estimate.values
     ).sum() + last.estimate.isnull().sum() == run.sizes["statistic"]
