@@ -48,8 +48,7 @@ struct TemperatureLayoutFlags {
     /// The order of dates in the file of temperatures [default: as --dates]
     #[arg(long, value_name = "ymd|dmy|mdy", value_parser = dates, requires = "temperature_file")]
     temperature_dates: Option<DateOrder>,
-    /// Number of lines before the names of the columns in the file of temperatures [default: as
-    /// --skip]
+    /// Number of lines before the names of the columns in that file [default: as --skip]
     #[arg(long, value_name = "N", requires = "temperature_file")]
     temperature_skip: Option<u64>,
     /// Marks of missing values in the file of temperatures [default: as --missing]

@@ -283,6 +283,7 @@ fn every_value_and_attribute_of_a_calibration_is_compared() {
         "attribute temperature_resolution",
         "a value of time",
         "a value of temperature",
+        "a value of temperature_interpolated",
         "a value of displacement",
     ];
     assert!(

@@ -31,7 +31,7 @@ pub struct Window {
 
 /// What the samples say of the temperature of a slip.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Crossing {
+pub(super) struct Crossing {
     /// Its mean, in kelvin.
     pub temperature: f64,
     /// The integral of the probability over all temperatures, in kelvin. The larger it is, the
@@ -51,7 +51,7 @@ const NEGLIGIBLE: f64 = 18.0;
 impl Thermometer {
     /// The crossing of a slip in this window, with its sign; `None` if the thermometer shows nothing
     /// around it.
-    pub fn crossing(&self, window: &Window, sign: f64) -> Option<Crossing> {
+    pub(super) fn crossing(&self, window: &Window, sign: f64) -> Option<Crossing> {
         let last = self.times.partition_point(|t| *t <= window.before).checked_sub(1)?;
         let first = self.times.partition_point(|t| *t < window.since).min(last);
         let end = self.times.partition_point(|t| *t < window.after).min(self.times.len() - 1);

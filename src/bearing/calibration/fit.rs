@@ -5,7 +5,7 @@ use super::level::LevelSums;
 use super::motion::Motion;
 use super::samples::{median, spread};
 use super::slips::{Evidence, Slip};
-use super::zero::{Line, Zero};
+use super::zero::{MiddleLine, Zero};
 
 impl Evidence {
     /// A, G, xi(0), z0, the two slopes and the movement of the zero, with these weights of the blocks of time. `None` if too
@@ -27,7 +27,7 @@ impl Evidence {
     pub fn fit(&self, weights: &[f64]) -> Option<(Response, Zero)> {
         let still = LevelSums::weighted(&self.sums, weights).slope();
         let kinetic = self.kinetic_reach(weights);
-        let Line { offset, slope: moving, zero, .. } = self.zero.line(&self.middles(weights))?;
+        let MiddleLine { offset, slope: moving, zero, .. } = self.zero.line(&self.middles(weights))?;
         let usual = self.slips.iter().filter(|slip| slip.is_usual);
         let jump = self.mean(weights, usual.map(|slip| (slip.size(still), self.block(slip.time)))) / moving;
         let reach = kinetic + 0.5 * jump;

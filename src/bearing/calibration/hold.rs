@@ -1,11 +1,8 @@
 //! Quantities that are held at given values instead of being fitted.
 
 use super::motion::Motion;
-use super::quantity::{Quantity, Values, with_derived};
+use super::quantity::{Held, Quantity, Values, with_derived};
 use super::uncertainty::Replicates;
-
-/// A quantity, and the value at which it is held.
-pub type Held = (Quantity, f64);
 
 /// The estimates, after these quantities are held at their values; the replicates are changed in
 /// the same way.

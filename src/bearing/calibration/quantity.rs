@@ -101,6 +101,9 @@ const ROWS: [Row; Quantity::ALL.len()] = [
 /// One value for each of [`Quantity::ALL`].
 pub type Values = [f64; Quantity::ALL.len()];
 
+/// A quantity, and the value at which it is held.
+pub type Held = (Quantity, f64);
+
 /// The quantities of a response. `shear_stiffness` is K_BP, if it is known; without it, the
 /// quantities that need it are NaN.
 pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {

@@ -1,10 +1,9 @@
 //! What is asked of a record, and why there may be no answer.
 
 use super::bearing::Bearing;
-use super::hold::Held;
 use super::motion::Motion;
 use super::possible::CONDITION;
-use super::quantity::Quantity;
+use super::quantity::{Held, Quantity};
 use super::samples::MeasuredRecord;
 use crate::scenario::BridgeScene;
 

@@ -2,8 +2,8 @@
 
 pub use crate::data::{median, spread};
 
-use crate::data::resolution;
 use super::zero::Zero;
+use crate::data::resolution;
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.

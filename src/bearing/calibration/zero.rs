@@ -5,7 +5,6 @@
 //! proportion to the time. Steps and a drift are columns of the same regression, where they are
 //! needed.
 
-use super::samples::HOUR;
 use crate::bearing::linear::{Matrix, cholesky, solve};
 
 /// Which movements of the zero are fitted.
@@ -31,7 +30,7 @@ pub struct Zero {
 }
 
 /// Seconds of a year.
-const YEAR: f64 = 365.25 * 24.0 * HOUR;
+const YEAR: f64 = 365.25 * 86_400.0;
 
 impl Zero {
     /// A zero that drifts by so much in a year from `start` on, and may be set once.
@@ -66,7 +65,7 @@ pub struct Middle {
 
 /// A line through middles: place = offset + slope centre + zero(time).
 #[derive(Clone, Debug, PartialEq)]
-pub struct Line {
+pub struct MiddleLine {
     pub offset: f64,
     pub slope: f64,
     pub zero: Zero,
@@ -144,7 +143,7 @@ impl ZeroColumns {
     }
 
     /// The line of least squares; `None` if the middles do not determine it.
-    pub fn line(&self, middles: &[Middle]) -> Option<Line> {
+    pub fn line(&self, middles: &[Middle]) -> Option<MiddleLine> {
         let n = 2 + usize::from(self.drifts) + self.steps.len();
         let mut matrix: Matrix = vec![vec![0.0; n]; n];
         let mut right = vec![0.0; n];
@@ -180,7 +179,7 @@ impl ZeroColumns {
         let drift = if self.drifts { found[2] / YEAR } else { 0.0 };
         let steps = self.steps.iter().copied().zip(found[n - self.steps.len()..].iter().copied()).collect();
         let zero = Zero { start: self.start, drift, steps };
-        Some(Line { offset: found[0], slope: found[1], zero, squares: (squares - explained).max(0.0) })
+        Some(MiddleLine { offset: found[0], slope: found[1], zero, squares: (squares - explained).max(0.0) })
     }
 }
 

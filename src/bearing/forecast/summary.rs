@@ -228,7 +228,7 @@ mod tests {
 
     const QUESTION: ForecastQuestion = ForecastQuestion { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
 
-    /// The means of draws scatter with sd 1 around 5, and years with sd 3 around each mean. The
+    /// The means of draws scatter with sd 1 around 50, and years with sd 3 around each mean. The
     /// interval of the expected value is +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 +
     /// 9/40) times that; a single year is within +-1.645 sqrt(10). The largest value of a year is
     /// 10 - log(-log U), with a Gumbel distribution: 12.25 is exceeded once in ten years, and 13.90
@@ -244,11 +244,11 @@ mod tests {
                 let shift = random.normal();
                 let year = |random: &mut Stream| {
                     let gumbel = 10.0 - libm::log(-libm::log(random.uniform())) + 0.5 * shift;
-                    [5.0 + shift + 3.0 * random.normal(), 0.0, 0.0, gumbel, 0.0, 0.0]
+                    [50.0 + shift + 3.0 * random.normal(), 0.0, 0.0, gumbel, 0.0, 0.0]
                 };
                 (0..QUESTION.years).map(|_| year(&mut random)).collect()
             });
-            let years = std::iter::once(vec![[5.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years);
+            let years = std::iter::once(vec![[50.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years);
             let draws = years.map(|years| SimulatedDraw { years, given_up: 0 }).collect();
             let forecast = Forecast::of(draws, &QUESTION, false).expect("no year is given up").expect("enough");
             assert_eq!(forecast.level(ForecastQuantity::Force), None);

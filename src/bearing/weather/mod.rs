@@ -20,11 +20,13 @@
 mod fit;
 mod kalman;
 mod periods;
+mod result;
 mod search;
 mod simplex;
 
 /// A year and a day, in seconds: the periods of an outdoor temperature.
 pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
-pub use fit::{Cycle, Process, WeatherError, WeatherFit, fit};
+pub use fit::{WeatherError, fit};
 pub use periods::{NotTold, usual};
+pub use result::{Cycle, Process, WeatherFit};

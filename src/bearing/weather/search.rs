@@ -4,16 +4,11 @@
 //! second over that of the first, and the logarithm of the variance of the white noise over the
 //! same. Some of these numbers are searched, and the others are held.
 
-use super::fit::{Estimates, WeatherFit};
 use super::kalman::{Likelihood, Shape, likelihood};
+use super::result::{Estimates, WeatherFit};
 use super::simplex;
 use crate::bearing::linear::{Matrix, cholesky, inverse};
 use std::f64::consts::{LN_2, TAU};
-
-/// White noise is kept if twice the logarithm of the likelihood gains more than this. Its error then
-/// is part of the errors of all other numbers. By chance it gains as much in one of six records
-/// (half of chi^2 with one degree of freedom), and its estimate is small then.
-const WORTHWHILE: f64 = 1.0;
 
 /// The search ends when the deviances of the simplex agree to this. The parameters are then known
 /// to a thousandth of their errors.
@@ -30,7 +25,7 @@ const KNOWN: f64 = LN_2;
 const HELD_ERROR: f64 = LN_2;
 
 /// The samples, with the columns of the regression.
-pub struct Search<'a> {
+pub struct ProcessSearch<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
     periods: &'a [f64],
@@ -41,7 +36,7 @@ pub struct Search<'a> {
 
 /// A point of largest likelihood.
 #[derive(Clone, Debug)]
-pub struct Found {
+pub struct Peak {
     point: Vec<f64>,
     /// Minus twice the logarithm of the likelihood there.
     pub deviance: f64,
@@ -49,7 +44,7 @@ pub struct Found {
     is_held: bool,
 }
 
-impl<'a> Search<'a> {
+impl<'a> ProcessSearch<'a> {
     /// A search for harmonics of these periods and so many processes.
     pub fn new(times: &'a [f64], temperatures: &[f64], periods: &'a [f64], processes: usize) -> Self {
         let mut columns = vec![vec![1.0; times.len()]];
@@ -60,13 +55,13 @@ impl<'a> Search<'a> {
         }
         columns.push(temperatures.to_vec());
         let duration = times[times.len() - 1] - times[0];
-        Search { times, columns, periods, processes, duration }
+        ProcessSearch { times, columns, periods, processes, duration }
     }
 
     /// The most likely point; `None` if nothing explains the samples. If the slowest process has a
     /// memory that is not short against the record, or a standard deviation that is not known to a
     /// factor of 2, its memory is held at the longest that the record can show.
-    pub fn best(&self) -> Option<Found> {
+    pub fn best(&self) -> Option<Peak> {
         let free = self.searched(None)?;
         let held = -libm::log(LONGEST * self.duration);
         let is_slow = free.point[self.slowest()] < held;
@@ -83,7 +78,7 @@ impl<'a> Search<'a> {
     }
 
     /// The most likely point, with the rate of the slowest process held if one is given.
-    fn searched(&self, held: Option<f64>) -> Option<Found> {
+    fn searched(&self, held: Option<f64>) -> Option<Peak> {
         let interval = self.duration / (self.times.len() as f64 - 1.0);
         // The search starts from a correlation time of half a day, or from three hours and four
         // days.
@@ -101,16 +96,17 @@ impl<'a> Search<'a> {
         // process gains per step.
         let white = libm::log(0.02 * libm::exp(exact.point[0]) * interval);
         let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some());
-        let is_worthwhile =
-            |noisy: &Found| exact.deviance - noisy.deviance > WORTHWHILE && self.errors(noisy).is_some();
-        let found = noisy.filter(is_worthwhile).unwrap_or(exact);
+        // White noise is kept wherever it raises the likelihood, however little, because its error
+        // then is part of the errors of all other numbers.
+        let is_told = |noisy: &Peak| noisy.deviance < exact.deviance && self.errors(noisy).is_some();
+        let found = noisy.filter(is_told).unwrap_or(exact);
         let found = self.fastest_first(found);
         // The process that is held has to be the slowest.
         (self.processes == 1 || found.point[0] > found.point[1]).then_some(found)
     }
 
     /// The lowest deviance, searched from this point.
-    fn lowest(&self, start: &[f64], is_held: bool) -> Option<Found> {
+    fn lowest(&self, start: &[f64], is_held: bool) -> Option<Peak> {
         let free = self.free(start.len(), is_held);
         let at = |x: &[f64]| {
             let mut point = start.to_vec();
@@ -122,7 +118,7 @@ impl<'a> Search<'a> {
             true => (from, self.deviance(start)),
             false => simplex::lowest(&from, 0.7, ENOUGH, |x| self.deviance(&at(x))),
         };
-        deviance.is_finite().then(|| Found { point: at(&x), deviance, is_held })
+        deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held })
     }
 
     /// The numbers of a point that are searched.
@@ -131,14 +127,14 @@ impl<'a> Search<'a> {
     }
 
     /// The same with the faster process first. A process that is held stays where it is.
-    fn fastest_first(&self, found: Found) -> Found {
+    fn fastest_first(&self, found: Peak) -> Peak {
         let p = &found.point;
         if self.processes == 1 || found.is_held || p[0] >= p[1] {
             return found;
         }
         let mut point = vec![p[1], p[0], -p[2]];
         point.extend(p[3..].iter().map(|white| white - p[2]));
-        Found { point, ..found }
+        Peak { point, ..found }
     }
 
     fn shape(&self, point: &[f64]) -> Shape {
@@ -159,7 +155,7 @@ impl<'a> Search<'a> {
     }
 
     /// The result at a point; `None` if the samples do not determine it.
-    pub fn weather(&self, found: &Found) -> Option<WeatherFit> {
+    pub fn weather(&self, found: &Peak) -> Option<WeatherFit> {
         let best = self.likelihood(&found.point)?;
         let shape = self.shape(&found.point);
         let errors = self.errors(found)?;
@@ -206,7 +202,7 @@ impl<'a> Search<'a> {
     ///
     /// A rate that is held is known to a factor of 2, and what is known of its process beside that
     /// is how much it gains in a short time, 2 theta sd^2.
-    fn errors(&self, found: &Found) -> Option<Matrix> {
+    fn errors(&self, found: &Peak) -> Option<Matrix> {
         let (point, lowest) = (&found.point, found.deviance);
         let n = (self.times.len() + 1 - self.columns.len()) as f64;
         let free = self.free(point.len(), found.is_held);
