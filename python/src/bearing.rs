@@ -138,11 +138,8 @@ impl Measured<'_> {
         };
         let temperatures = self.temperature_file.as_deref().map(|file| Origin::File(Path::new(file)));
         let pair = BearingData::read(self.origin(), temperatures, &temperature, &displacement);
-        let pair = pair.map_err(|error| self.wrong(py, &error))?;
-        let BearingData { temperature, displacement, repairs } = pair;
-        let record =
-            MeasuredRecord::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]);
-        Ok((record, repairs))
+        let measured = pair.map_err(|error| self.wrong(py, &error))?;
+        Ok((MeasuredRecord::from(&measured), measured.repairs))
     }
 }
 

@@ -1,8 +1,9 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
 use super::cost::STUDY_BYTES;
-use super::document::document;
+use super::document::{JsonWarning, document};
 use super::fit_temperature::without_weather;
+use super::html::{self, study::Part};
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
 use super::overrides::settings;
@@ -10,18 +11,18 @@ use super::{Failure, Row, Threads, aligned, calibrate, note, print, stop_on_sign
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::bearing::calibration::{self, Calibration, CalibrationMethod};
 use stick_slip::bearing::forecast::{Forecast as Found, ForecastError, ForecastQuantity, ForecastQuestion, forecast};
-use stick_slip::bearing::weather::{PERIODS, fit};
+use stick_slip::bearing::weather::{PERIODS, WeatherFit, fit};
 use stick_slip::scenario::BridgeScene;
-use stick_slip::store;
+use stick_slip::store::{self, StoredCalibration};
 
 const EXAMPLES: &str = "\
 Examples:
   mc forecast examples/bridge/bridge.toml examples/bridge/twin.csv
-  mc forecast bridge.toml data.csv --draws 100 --years 100 -o years.csv
+  mc forecast bridge.toml data.csv --draws 100 --years 100 -o years.csv -o bridge.html
   mc forecast bridge.toml data.csv --json | jq .levels.sliding_path
 
 The bearing is calibrated by its slips, the temperature is fitted by harmonics and processes, and years are simulated with parameters
@@ -60,9 +61,9 @@ pub struct Forecast {
     set: Vec<String>,
     #[command(flatten)]
     threads: Threads,
-    /// Write every year to FILE
-    #[arg(short, long, value_name = "FILE.csv")]
-    output: Option<PathBuf>,
+    /// Write every year to FILE.csv, or a page for a browser to FILE.html; repeatable
+    #[arg(short, long, value_name = "FILE.csv|FILE.html")]
+    output: Vec<PathBuf>,
     /// Overwrite an earlier file
     #[arg(long, requires = "output")]
     force: bool,
@@ -74,7 +75,11 @@ pub struct Forecast {
 impl Forecast {
     pub fn call(&self) -> Result<(), Failure> {
         let scene = BridgeScene::read(&self.scenario, &settings(&self.set)?)?;
-        if let Some(output) = &self.output {
+        for output in &self.output {
+            if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
+                let problem = format!("-o {}: the ending does not tell what to write", output.display());
+                return Err(Failure::usage(problem, "write a name that ends in .csv or .html"));
+            }
             writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
         }
         let threads = self.threads.ready("this forecast", STUDY_BYTES)?;
@@ -98,9 +103,13 @@ impl Forecast {
             .ok_or(Failure::Interrupted)?;
         found.warnings().into_iter().for_each(warn);
         print(&if self.json { json(&found) } else { report(&scene.title, &found) })?;
-        if let Some(output) = &self.output {
-            store::write_whole(output, csv(&found).as_bytes(), self.force)?;
-            note(&format!("{} has all years", output.display()));
+        for output in &self.output {
+            let (text, has) = match is_page(output) {
+                true => (page(&scene, &calibration, &weather, &found), "is the page"),
+                false => (csv(&found), "has all years"),
+            };
+            store::write_whole(output, text.as_bytes(), self.force)?;
+            note(&format!("{} {has}", output.display()));
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
@@ -142,6 +151,14 @@ fn words(quantity: ForecastQuantity, share: f64) -> String {
 
 /// The table for people.
 fn report(title: &str, found: &Found) -> String {
+    let mut text = format!("{title}\n\n{}", aligned(&rows(found), "  "));
+    let years: usize = found.years.iter().map(Vec::len).sum();
+    let draws = found.years.len();
+    let _ = writeln!(text, "\nyears   {} with {draws} draws of the parameters", grouped(years as u64));
+    text + &wrapped(&meaning(found), "")
+}
+
+fn rows(found: &Found) -> Vec<Row> {
     let mut rows = vec![Row::labelled("in a year", ["expected", "from", "to", "year from", "year to"])];
     let cells = |value: f64, ranges: &[[f64; 2]]| -> Vec<String> {
         let digits = Digits::of(value, (ranges[0][1] - ranges[0][0]) / 4.0);
@@ -157,16 +174,35 @@ fn report(title: &str, found: &Found) -> String {
         let label = format!("|z| exceeded in one of {} years", level.years);
         rows.push(Row::labelled(label, cells(level.expected, &[level.interval])).noted("m"));
     }
-    let mut text = format!("{title}\n\n{}", aligned(&rows, "  "));
-    let years: usize = found.years.iter().map(Vec::len).sum();
-    let draws = found.years.len();
-    let _ = writeln!(text, "\nyears   {} with {draws} draws of the parameters", grouped(years as u64));
+    rows
+}
+
+/// What the intervals are.
+fn meaning(found: &Found) -> String {
     let level = percent(found.question.level);
-    let meaning = format!(
+    format!(
         "The expected value of a year lies between `from` and `to` with {level}, for what is not known of bearing and weather; a single \
          year lies between `year from` and `year to` with {level}."
-    );
-    text + &wrapped(&meaning, "")
+    )
+}
+
+fn is_page(output: &Path) -> bool {
+    output.extension().is_some_and(|ending| ending == "html")
+}
+
+/// The page for a browser: what a year brings, and the calibration.
+fn page(scene: &BridgeScene, calibration: &Calibration, weather: &WeatherFit, found: &Found) -> String {
+    let mut table = rows(found);
+    let length = table.iter().map(|row| row.cells.len()).max().unwrap_or(0);
+    table.iter_mut().for_each(|row| row.cells.resize(length, String::new()));
+    let warnings = weather.warnings().into_iter().chain(found.warnings());
+    let warnings = warnings.map(|text| JsonWarning { name: "forecast".into(), text }).collect();
+    let stored = StoredCalibration::of(&scene.title, &scene.text, calibration.clone());
+    html::bearing::page(
+        &stored,
+        vec![Part::Table("What a year brings", table, meaning(found).replace('`', ""))],
+        warnings,
+    )
 }
 
 /// All simulated years as CSV, one row for each.

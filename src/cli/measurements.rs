@@ -158,10 +158,9 @@ impl Source {
             None => files_of(scenario, &displacement, &temperature)?,
         };
         let origin = temperatures.as_deref().map(Origin::File);
-        let BearingData { temperature, displacement, repairs } =
-            BearingData::read(Origin::File(&data), origin, &temperature, &displacement)?;
-        repairs.iter().for_each(|sentence| note(sentence));
-        Ok(MeasuredRecord::of([&temperature.times, &temperature.values], [&displacement.times, &displacement.values]))
+        let measured = BearingData::read(Origin::File(&data), origin, &temperature, &displacement)?;
+        measured.repairs.iter().for_each(|sentence| note(sentence));
+        Ok(MeasuredRecord::from(&measured))
     }
 }
 

@@ -4,7 +4,7 @@ use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
 use super::stamp::{self, Stamp};
 use super::unit::{self, Unit};
-use jiff::civil::DateTime;
+use jiff::civil::{Date, DateTime, Time};
 use jiff::fmt::temporal::DateTimeParser;
 use jiff::tz::{AmbiguousOffset, TimeZone};
 use jiff::{SignedDuration, Timestamp};
@@ -35,6 +35,12 @@ impl Start {
     /// Seconds from `earlier` to this instant.
     pub fn since(&self, earlier: &Start) -> f64 {
         self.0.duration_since(earlier.0).as_secs_f64()
+    }
+
+    /// The date in UTC, and the time of day there as a share of the day.
+    pub(crate) fn date(&self) -> (Date, f64) {
+        let there = self.0.to_zoned(TimeZone::UTC);
+        (there.date(), there.time().duration_since(Time::midnight()).as_secs_f64() / 86_400.0)
     }
 
     /// The instant `seconds` later; `None` beyond the range of the calendar.

@@ -1,5 +1,6 @@
 //! Temperatures and displacements on one time axis, from one file or from two.
 
+use super::clock::Start;
 use super::column::DataColumn;
 use super::error::DataError;
 use super::query::{Layout, Wanted};
@@ -77,6 +78,8 @@ pub struct BearingData {
     pub temperature: DataColumn,
     /// Displacements, in metres.
     pub displacement: DataColumn,
+    /// The instant from which the times count, if they are dates.
+    pub start: Option<Start>,
     /// What was repaired, in sentences that begin with the name of the file.
     pub repairs: Vec<String>,
 }
@@ -100,7 +103,7 @@ impl BearingData {
             let mut table = data.read_in_seconds(&displacement.layout, &[air, sensor])?;
             let displacement = table.columns.swap_remove(1);
             let temperature = table.columns.swap_remove(0);
-            return Ok(BearingData { temperature, displacement, repairs: said(&data, &table) });
+            return Ok(BearingData { temperature, displacement, start: table.start, repairs: said(&data, &table) });
         };
         let air = other.read_in_seconds(&temperature.layout, &[air]);
         let sensor = data.read_in_seconds(&displacement.layout, &[sensor]);
@@ -119,6 +122,6 @@ impl BearingData {
         let repairs = [said(&other, &air), said(&data, &sensor)].concat();
         let mut displacement = sensor.columns.swap_remove(0);
         displacement.times.iter_mut().for_each(|time| *time += later);
-        Ok(BearingData { temperature: air.columns.swap_remove(0), displacement, repairs })
+        Ok(BearingData { temperature: air.columns.swap_remove(0), displacement, start: air.start, repairs })
     }
 }

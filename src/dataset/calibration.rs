@@ -9,6 +9,7 @@ use crate::bearing::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion, ParameterEstimate, Quantity,
     SearchStart, SeenSlip, Spikes, Values, response_of,
 };
+use crate::data::Start;
 use crate::engine::{GIT_HASH, PROGRAM_VERSION};
 use crate::stats::{Dimension, Units};
 
@@ -92,6 +93,9 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     walk.attribute("scenario", scenario_text)?;
     let mut method = question.method.name().to_owned();
     let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();
+    let mut start = calibration.record.start.map(|start| start.to_string());
+    walk.attribute("record_start", &mut start)?;
+    calibration.record.start = start.as_deref().and_then(Start::parse);
     walk.attribute("method", &mut method)?;
     match CalibrationMethod::from_name(&method) {
         Some(method) => question.method = method,

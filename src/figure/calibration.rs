@@ -2,7 +2,9 @@
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
 use super::theme::THIN;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet};
+use super::{
+    Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, calendar, range_of, sheet,
+};
 use crate::bearing::calibration::Calibration;
 use std::ops::Range;
 
@@ -46,7 +48,7 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     let curve = |values: &[f64], scale: f64| -> Vec<[f64; 2]> {
         thinned(shown.clone()).map(|i| [record.times[i] / DAY, scale * values[i]]).collect()
     };
-    let time = || Axis::linear(days, Label::new("time *t*"), "d");
+    let time = || calendar::time(days, record.start);
     let (measured, modelled) = (curve(&record.readings, 1e3), curve(&calibration.modelled, 1e3));
     let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
     let room = 0.12 * (high - low);

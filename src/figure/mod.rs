@@ -14,6 +14,7 @@
 //! A new figure is a file with a `FIGURE` in it, and its name in [`FIGURES`].
 
 mod axis;
+mod calendar;
 mod calibration;
 mod density;
 mod drift;

@@ -3,7 +3,7 @@
 
 use super::calibration::{DAY, thinned};
 use super::theme::THIN;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, calendar, sheet};
 use crate::bearing::calibration::Quantity;
 
 /// The figure.
@@ -17,7 +17,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let days = record.times.last().copied().unwrap_or(0.0) / DAY;
     let residual = |i: usize| [record.times[i] / DAY, 1e3 * (record.readings[i] - calibration.modelled[i])];
     let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
-    let time = Axis::linear([0.0, days], Label::new("time *t*"), "d");
+    let time = calendar::time([0.0, days], record.start);
     let millimetres = Axis::around(left.iter().map(|point| point[1]), Label::new("measured − model"), "mm");
     let mut against_time = Panel::new(time, millimetres, 70.0).lettered('a');
     against_time.line(left, Stroke::solid(palette.first, 0.4));

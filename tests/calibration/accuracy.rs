@@ -158,7 +158,7 @@ fn the_twin_of_another_program_is_fitted() {
         times: (0..lines.len()).map(|i| 600.0 * i as f64).collect(),
         temperatures: lines.iter().map(|line| cell(line, 1).expect("a number")).collect(),
         readings: lines.iter().map(|line| 1e-3 * cell(line, 2).expect("a number")).collect(),
-        interpolated: Vec::new(),
+        ..MeasuredRecord::default()
     };
     let fit = ask(&record, &question(CalibrationMethod::Both));
     let truth = [1.89e8, 3.06e-4, 4.69e5, 4.22e5, 4.70e4, -9.67e-3, 3.821_051_6e-3];

@@ -98,7 +98,7 @@ pub fn record(twin: &Twin) -> MeasuredRecord {
         times: twin.times.clone(),
         temperatures: twin.temperatures.clone(),
         readings: twin.readings.clone(),
-        interpolated: Vec::new(),
+        ..MeasuredRecord::default()
     }
 }
 

@@ -50,7 +50,7 @@ fn no_record_is_refused() {
         times: (0..n).map(|i| 600.0 * i as f64).collect(),
         temperatures: (0..n).map(t).collect(),
         readings: (0..n).map(z).collect(),
-        interpolated: Vec::new(),
+        ..MeasuredRecord::default()
     };
     let ask = |record: MeasuredRecord| {
         calibrate(&record, &question(CalibrationMethod::Both), 1, &Default::default()).map(|_| ())

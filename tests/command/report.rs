@@ -1,6 +1,6 @@
 //! `mc report`: a page is either refused or complete. tests/browser.sh tests it in a browser.
 
-use crate::command::mc;
+use crate::command::{done, mc};
 
 const RHO025: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
 
@@ -48,6 +48,40 @@ fn a_page_is_whole_and_asks_for_nothing() {
         let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * b.abs();
         assert!(shown.iter().zip(stored).all(is_near), "{name}");
     }
+}
+
+/// A sweep, a trade, a calibration and a forecast have pages without scripts, with their tables and
+/// pictures; those of a bearing speak of a year, in dates and in words.
+#[test]
+fn every_file_has_a_page() {
+    let folder = tempfile::tempdir().expect("a folder");
+    let path = folder.path();
+    let bridge = |name: &str| format!("{}/examples/bridge/{name}", env!("CARGO_MANIFEST_DIR"));
+    let (scenario, data) = (bridge("bridge.toml"), bridge("twin.csv"));
+    done(path, &["sweep", RHO025, "--vary", "friction.static=1.0:1.2:3", "--paths", "200", "-o", "sweep.h5"]);
+    done(path, &["trade", RHO025, "--budget", "2s", "-o", "trade.h5"]);
+    done(path, &["calibrate", &scenario, &data, "--method", "slips", "-o", "fit.h5"]);
+    for file in ["sweep", "trade", "fit"] {
+        done(path, &["report", &format!("{file}.h5")]);
+    }
+    let few = ["--draws", "4", "--years", "3", "-o", "year.html", "-o", "years.csv"];
+    done(path, &[&["forecast", &scenario, &data], &few[..]].concat());
+    let of_bearing =
+        ["slips were seen", "2015-08-13 to 2016-06-07", "friction force at which the bearing slips", "Traffic"];
+    for (page, says) in [
+        ("sweep.html", &["stick_duration_mean"][..]),
+        ("trade.html", &["Cheapest runs"]),
+        ("fit.html", &of_bearing),
+        ("year.html", &[&of_bearing[..], &["sliding path", "What a year brings"]].concat()),
+    ] {
+        let text = std::fs::read_to_string(path.join(page)).expect("UTF-8");
+        assert!(text.ends_with("</html>\n") && !text.contains("<script"), "{page}");
+        assert!(text.contains("src=\"data:image/svg+xml;base64,") && !text.contains("{{"), "{page}");
+        says.iter().for_each(|words| assert!(text.contains(words), "{page}: {words}"));
+    }
+    let other = mc(path, &["forecast", &scenario, &data, "-o", "years.txt"]);
+    assert_eq!(other.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&other.stderr).contains("ends in .csv or .html"));
 }
 
 #[test]

@@ -60,7 +60,7 @@ impl Air {
     /// A measured temperature, which moves between samples as it moves from one to the next.
     pub fn measured(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
         let readings = vec![f64::NAN; times.len()];
-        let record = MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() };
+        let record = MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() };
         let roughness = Thermometer::of(&record).roughness;
         Air { times: record.times, temperatures: record.temperatures, stride: 1, roughness }
     }

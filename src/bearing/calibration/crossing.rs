@@ -151,7 +151,7 @@ mod tests {
                 slips.push((Window { since: start, before: after - interval, after }, 1.0, c));
             }
             let record =
-                MeasuredRecord { readings: vec![0.0; times.len()], temperatures, times, interpolated: Vec::new() };
+                MeasuredRecord { readings: vec![0.0; times.len()], temperatures, times, ..MeasuredRecord::default() };
             let rough = Thermometer::of(&record).moving(sd * sd / interval);
             let straight = rough.clone().moving(0.0);
             let off = |course: &Thermometer| {

@@ -236,7 +236,7 @@ mod tests {
         let readings =
             positions.iter().zip(&temperatures).map(|(x, t)| 2.0 + 0.9 * x + 0.1 * t + 0.2 * random.normal()).collect();
         let times = (0..3000).map(f64::from).collect();
-        let record = MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() };
+        let record = MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() };
         let misfit = FitObjective::new(&record, 0.0);
         let (least, best) = misfit.of(&motion);
         let at = |sensor: Sensor| values(&crate::bearing::calibration::Response { motion, sensor }, Some(1e3));
@@ -273,7 +273,7 @@ mod tests {
         };
         let readings = hidden.iter().zip(&temperatures).enumerate().map(noisy).collect();
         let times = (0..5000).map(|i| 60.0 * (i + i / 900) as f64).collect();
-        let record = MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() };
+        let record = MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() };
         let misfit = FitObjective::new(&record, 0.05);
         let shares = record.shares();
         for (reach, jump) in [(3.0, 0.8), (2.0, 4.0), (0.4, 0.01), (0.01, 0.003), (1.0, 0.0), (1e3, 1.0)] {

@@ -65,6 +65,11 @@ impl Quantity {
         ROWS[self as usize].unit
     }
 
+    /// What it is, for a reader who does not know the model.
+    pub fn words(self) -> &'static str {
+        ROWS[self as usize].words
+    }
+
     /// Whether the quantity can be known only if K_BP is.
     pub fn needs_shear_stiffness(self) -> bool {
         matches!(self, Stiffness | Static | Dynamic | Gap)
@@ -76,26 +81,27 @@ struct Row {
     key: &'static str,
     symbol: &'static str,
     unit: &'static str,
+    words: &'static str,
 }
 
-const fn row(key: &'static str, symbol: &'static str, unit: &'static str) -> Row {
-    Row { key, symbol, unit }
+const fn row(key: &'static str, symbol: &'static str, unit: &'static str, words: &'static str) -> Row {
+    Row { key, symbol, unit, words }
 }
 
 /// One row for each of [`Quantity::ALL`].
 const ROWS: [Row; Quantity::ALL.len()] = [
-    row("oscillator.stiffness", "K", "N/m"),
-    row("oscillator.dilatation", "beta", "m/K"),
-    row("friction.static", "f_s", "N"),
-    row("friction.dynamic", "f_d", "N"),
-    row("friction.gap", "f_s - f_d", "N"),
-    row("bearing.offset", "z0", "m"),
-    row("initial.displacement", "x(0)", "m"),
-    row("bearing.shear", "K/K_BP", "1"),
-    row("reach", "A", "K"),
-    row("jump", "G", "K"),
-    row("static_way", "f_s/K", "m"),
-    row("dynamic_way", "f_d/K", "m"),
+    row("oscillator.stiffness", "K", "N/m", "stiffness of the structure against the bearing"),
+    row("oscillator.dilatation", "beta", "m/K", "movement of the joint per kelvin"),
+    row("friction.static", "f_s", "N", "friction force at which the bearing slips"),
+    row("friction.dynamic", "f_d", "N", "friction force while it slides"),
+    row("friction.gap", "f_s - f_d", "N", "difference of the two friction forces"),
+    row("bearing.offset", "z0", "m", "offset of the sensor"),
+    row("initial.displacement", "x(0)", "m", "displacement at the start"),
+    row("bearing.shear", "K/K_BP", "1", "share of the movement that shears the bearing"),
+    row("reach", "A", "K", "change of temperature from rest to slip"),
+    row("jump", "G", "K", "change of temperature that a slip makes up for"),
+    row("static_way", "f_s/K", "m", "movement held back before a slip"),
+    row("dynamic_way", "f_d/K", "m", "movement held back while it slides"),
 ];
 
 /// One value for each of [`Quantity::ALL`].

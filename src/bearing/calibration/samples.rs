@@ -3,7 +3,7 @@
 pub use crate::data::{median, spread};
 
 use super::zero::Zero;
-use crate::data::resolution;
+use crate::data::{BearingData, Start, resolution};
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
@@ -18,6 +18,8 @@ pub struct MeasuredRecord {
     /// The indices of temperatures that are not the thermometer's own but interpolated between
     /// them, in ascending order.
     pub interpolated: Vec<usize>,
+    /// The instant from which the times count, if it is known.
+    pub start: Option<Start>,
 }
 
 /// Seconds of an hour.
@@ -25,6 +27,13 @@ pub const HOUR: f64 = 3600.0;
 
 /// A pause longer than this many sampling intervals is a gap.
 const GAP: f64 = 3.5;
+
+impl From<&BearingData> for MeasuredRecord {
+    fn from(BearingData { temperature, displacement, start, .. }: &BearingData) -> Self {
+        let columns = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
+        MeasuredRecord { start: *start, ..MeasuredRecord::of(columns[0], columns[1]) }
+    }
+}
 
 impl MeasuredRecord {
     /// A record from temperatures and displacements, each as times and values in order of time. It
@@ -207,7 +216,7 @@ mod tests {
 
     fn record(times: &[f64], readings: &[f64]) -> MeasuredRecord {
         let (times, temperatures) = (times.to_vec(), times.to_vec());
-        MeasuredRecord { times, temperatures, readings: readings.to_vec(), interpolated: Vec::new() }
+        MeasuredRecord { times, temperatures, readings: readings.to_vec(), ..MeasuredRecord::default() }
     }
 
     #[test]
@@ -238,7 +247,7 @@ mod tests {
         let times = [0.0, 600.0, 1300.0, 1800.0];
         let temperatures = vec![3.0, 5.0, 1.0, 1.0];
         let record =
-            MeasuredRecord { times: times.to_vec(), temperatures, readings: vec![0.0; 4], interpolated: vec![] };
+            MeasuredRecord { times: times.to_vec(), temperatures, readings: vec![0.0; 4], ..MeasuredRecord::default() };
         let (lag, h) = (900.0, 0.01);
         let (mut steel, mut expected) = (3.0, vec![3.0]);
         for i in 1..4 {

@@ -58,7 +58,7 @@ mod tests {
         (readings[10], readings[45], readings[46]) = (9.0, -3.0, -3.1);
         temperatures[20] = 40.0;
         let (clean, counts) =
-            without_spikes(&MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() });
+            without_spikes(&MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() });
         assert_eq!(counts, Spikes { readings: 3, temperatures: 1 });
         let missing: Vec<usize> = (0..60).filter(|i| clean.readings[*i].is_nan()).collect();
         assert_eq!(missing, [10, 45, 46]);

@@ -89,7 +89,7 @@ mod tests {
     fn course(temperatures: Vec<f64>) -> Thermometer {
         let times = (0..temperatures.len()).map(|i| STEP * i as f64).collect();
         let readings = vec![0.0; temperatures.len()];
-        Thermometer::of(&MeasuredRecord { times, temperatures, readings, interpolated: Vec::new() })
+        Thermometer::of(&MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() })
     }
 
     /// A process of 1.8 K and 8 hours gains 2 * 1.8^2/28800 = 2.25e-4 K^2 a second. Thirty thousand
@@ -122,7 +122,7 @@ mod tests {
         assert!((plain - 1.0).abs() < 0.05 && (noisy - 1.0).abs() < 0.14 && (cyclic - 1.0).abs() < 0.05);
         let times: Vec<f64> = (0..30_000).map(|i| STEP * f64::from(i)).collect();
         let air =
-            MeasuredRecord { readings: vec![0.0; 30_000], temperatures: weather, times, interpolated: Vec::new() };
+            MeasuredRecord { readings: vec![0.0; 30_000], temperatures: weather, times, ..MeasuredRecord::default() };
         let steel = Thermometer::of(&air.lagged(3600.0)).roughness / truth;
         println!("{steel:.4}");
         assert!(steel < 0.05, "{steel}");

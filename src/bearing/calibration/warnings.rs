@@ -221,7 +221,7 @@ mod tests {
             times: twin.times,
             temperatures: twin.temperatures,
             readings: twin.readings,
-            interpolated: Vec::new(),
+            ..MeasuredRecord::default()
         };
         let question = CalibrationQuestion {
             method: CalibrationMethod::Slips,

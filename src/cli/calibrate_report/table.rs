@@ -24,7 +24,8 @@ fn row(quantity: Quantity, ParameterEstimate { estimate, low, high }: ParameterE
     Row::labelled(quantity.key(), cells).noted(quantity.unit())
 }
 
-fn sources(calibration: &Calibration) -> String {
+/// Where the numbers come from, in lines that begin with a term.
+pub fn sources(calibration: &Calibration) -> String {
     let record = &calibration.record;
     let samples = record.readings.iter().filter(|reading| reading.is_finite()).count();
     let samples = grouped(samples as u64);

@@ -1,32 +1,38 @@
-//! `mc report`: writes a run as one page for a browser, with its table, its warnings and charts
-//! that respond to mouse and keyboard. The page needs no network.
+//! `mc report`: writes a file as one page for a browser, with its table, its warnings and, for a run,
+//! charts that respond to mouse and keyboard. The page needs no network.
 //!
 //! ```text
 //! page.html   the skeleton of the page, with {{placeholders}} that this module fills
+//! study.html  that of a sweep, a trade, a calibration and a forecast, with pictures for charts
 //! style.css   the style for light and dark screens and for paper
 //! charts.js   the charts, which Apache ECharts (assets/echarts) draws
 //! data        the numbers of the file, as JSON
 //! ```
 
+pub mod bearing;
 mod data;
+pub mod study;
 
 use super::document::JsonWarning;
 use super::failure::{Failure, note, writable};
 use super::files;
 use super::report::{self, RunInfo};
-use super::results;
+use super::{results, sweep_report, trade_report};
 use base64::Engine as _;
 use sha2::{Digest as _, Sha256};
-use std::fmt::Write as _;
 use std::path::PathBuf;
-use stick_slip::figure::escaped;
+use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
+use stick_slip::figure::{FIGURES, Style, Subject, escaped};
 use stick_slip::scenario::Scenario;
-use stick_slip::store::{self, Stored};
+use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
+use study::{Part, StudyPage};
 
 const EXAMPLES: &str = "\
 Examples:
   mc report rho025.h5                      rho025.html, for any browser
   mc report rho025.h5 -o report.html --force
+  mc report fit.h5                         a calibration, with its pictures
+  mc forecast bridge.toml data.csv -o bridge.html
 
 The page is one file. It works without a network, asks for nothing, and sends nothing.";
 
@@ -34,7 +40,7 @@ The page is one file. It works without a network, asks for nothing, and sends no
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Report {
-    /// A file that `mc run` wrote
+    /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
     file: PathBuf,
     /// Where to write the page [default: NAME.html in the current directory]
     #[arg(short, long, value_name = "FILE.html")]
@@ -54,14 +60,69 @@ impl Report {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
         writable(&output, self.force, [self.file.as_path()])?;
-        let stored = files::read(&self.file, store::read)?;
-        let scenario = results::scenario("scenario", &stored, &[]).ok();
-        let info = super::show::info(&self.file, &stored, scenario.as_ref());
-        let page = page(&stored, scenario.as_ref(), &info);
+        let page = match files::read(&self.file, store::content)? {
+            Content::Run(stored) => {
+                let scenario = results::scenario("scenario", &stored, &[]).ok();
+                let info = super::show::info(&self.file, &stored, scenario.as_ref());
+                page(&stored, scenario.as_ref(), &info)
+            }
+            Content::Calibration(stored) => bearing::page(&stored, Vec::new(), Vec::new()),
+            Content::Sweep(stored) => self.page_of_sweep(*stored)?,
+            Content::Trade(stored) => self.page_of_trade(&stored)?,
+        };
         store::write_whole(&output, page.as_bytes(), self.force)?;
         note(&format!("{}: {} kB", output.display(), page.len() / 1000));
         Ok(())
     }
+
+    fn page_of_sweep(&self, stored: StoredSweep) -> Result<String, Failure> {
+        let (text, by) = (stored.scenario_text.clone(), stored.other_program.clone());
+        let sweep = super::sweep::stored(&self.file, stored)?;
+        let sweeps = [(String::new(), &sweep)];
+        let subject = Subject::Sweep { sweeps: &sweeps, statistics: &[] };
+        let table = sweep_report::table(&sweep, &[], &self.file);
+        let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
+        let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
+        let parts = std::iter::once(Part::Lines("Results", rest.trim().to_string()));
+        let page = StudyPage {
+            title,
+            about: about.to_string(),
+            warnings: sweep_report::remarks(&sweep)
+                .into_iter()
+                .map(|text| JsonWarning { name: "sweep".into(), text })
+                .collect(),
+            parts: parts.chain(pictures(&subject)).collect(),
+            scenario: &text,
+            provenance: vec![("file", self.file.display().to_string()), ("program", program(by.as_deref()))],
+        };
+        Ok(page.html())
+    }
+
+    fn page_of_trade(&self, stored: &StoredTrade) -> Result<String, Failure> {
+        let prices = files::read(&self.file, |path| store::read_prices(path, None))?;
+        let table = trade_report::stored_table(stored);
+        let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
+        let parts = std::iter::once(Part::Lines("Cheapest runs", rest.trim().to_string()));
+        let page = StudyPage {
+            title,
+            about: "what accuracy costs".to_string(),
+            warnings: Vec::new(),
+            parts: parts.chain(pictures(&Subject::Trade(&prices))).collect(),
+            scenario: &stored.scenario_text,
+            provenance: vec![("file", self.file.display().to_string())],
+        };
+        Ok(page.html())
+    }
+}
+
+/// The figures of a subject, one after the other.
+fn pictures(subject: &Subject) -> Vec<Part> {
+    FIGURES.iter().filter_map(|figure| figure.draw(subject, &Style::default()).ok()).map(Part::Picture).collect()
+}
+
+/// The program that wrote a file; this one if it was no other.
+fn program(other: Option<&str>) -> String {
+    other.map_or_else(|| format!("mc {PROGRAM_VERSION} ({GIT_HASH})"), |other| format!("mc {other}"))
 }
 
 /// The page as HTML.
@@ -83,9 +144,13 @@ fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String 
         ("echarts", ECHARTS.to_string()),
         ("charts", CHARTS.to_string()),
     ];
-    // All placeholders are filled in one pass, so that a placeholder inside a filled-in text stays
-    // as it is.
-    let mut parts = PAGE.split("{{");
+    filled(PAGE, &places)
+}
+
+/// The skeleton with all placeholders filled. They are filled in one pass, so that a placeholder
+/// inside a filled-in text stays as it is.
+fn filled(skeleton: &str, places: &[(&str, String)]) -> String {
+    let mut parts = skeleton.split("{{");
     let mut out = parts.next().unwrap_or_default().to_string();
     for part in parts {
         let (name, rest) = part.split_once("}}").unwrap_or((part, ""));
@@ -134,18 +199,20 @@ fn rows(cells: &[Vec<String>]) -> String {
 
 fn provenance(stored: &Stored, info: &RunInfo) -> String {
     let header = &stored.header;
-    let mut out = String::new();
-    let mut put = |term: &str, text: &str| {
-        let _ = write!(out, "<dt>{term}</dt><dd>{}</dd>", escaped(text));
-    };
-    put("file", &info.file);
-    put("program", &format!("mc {} ({})", header.program_version, header.git_hash));
-    put("noise", &format!("{}, seed {}", header.generator, header.seed));
-    put("blocks", &format!("of {} paths", header.block_size));
-    for (term, text) in report::remarks(&stored.summary, info).into_iter().filter(|(term, _)| *term != "file") {
-        put(term.trim(), &text);
-    }
-    out
+    let own = [
+        ("file", info.file.clone()),
+        ("program", format!("mc {} ({})", header.program_version, header.git_hash)),
+        ("noise", format!("{}, seed {}", header.generator, header.seed)),
+        ("blocks", format!("of {} paths", header.block_size)),
+    ];
+    let remarks = report::remarks(&stored.summary, info);
+    let remarks = remarks.into_iter().filter(|(term, _)| *term != "file").map(|(term, text)| (term.trim(), text));
+    terms(&own.into_iter().chain(remarks).collect::<Vec<_>>())
+}
+
+/// Terms and what they are, as the inside of a list.
+fn terms(of: &[(&str, String)]) -> String {
+    of.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{}</dd>", escaped(text))).collect()
 }
 
 /// How to cite the run.

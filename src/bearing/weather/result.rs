@@ -1,0 +1,159 @@
+//! A model of a measured temperature, with the errors of its parameters.
+
+use crate::bearing::linear::{Matrix, times as product};
+use crate::model::{Harmonic, InitialNoise, Noise, Temperature};
+use crate::noise::Stream;
+use std::f64::consts::TAU;
+
+/// One Ornstein-Uhlenbeck process of the weather.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Process {
+    /// theta, in units of 1/time.
+    pub relaxation_rate: f64,
+    /// Its stationary standard deviation, in the unit of temperature.
+    pub sd: f64,
+    /// The standard error of the logarithm of theta.
+    pub rate_error: f64,
+    /// The standard error of the logarithm of the standard deviation.
+    pub sd_error: f64,
+}
+
+/// One harmonic of the temperature.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Cycle {
+    /// The period.
+    pub period: f64,
+    /// The amplitude a of a cos(w t + phi), with t = 0 at the first sample.
+    pub amplitude: f64,
+    /// The phase phi, in radians.
+    pub phase: f64,
+    /// The standard error of the amplitude.
+    pub error: f64,
+}
+
+/// A model of a temperature in the form of a scenario, with the errors of all its parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct WeatherFit {
+    /// Number of samples.
+    pub samples: usize,
+    /// The time from the first sample to the last.
+    pub duration: f64,
+    /// The standard deviation of the white noise that the thermometer adds to every sample; 0 if
+    /// the data show none.
+    pub white: f64,
+    /// Whether two processes were asked for, and the samples do not tell a second one.
+    pub is_one_of_two: bool,
+    /// The memory in seconds at which the slowest process is held, because the record is too short
+    /// to tell a longer one.
+    pub held_memory: Option<f64>,
+    /// log L, the logarithm of the restricted likelihood.
+    pub log_likelihood: f64,
+    /// The periods of the harmonics.
+    pub(super) periods: Vec<f64>,
+    /// a_0, b_1, c_1, b_2, ...
+    pub(super) coefficients: Estimates,
+    /// log theta_1, log sd_1, log theta_2, ..., the fastest process first.
+    pub(super) logarithms: Estimates,
+}
+
+/// Estimates with normal errors.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Estimates {
+    pub values: Vec<f64>,
+    /// The Cholesky factor of the covariance of the errors.
+    pub factor: Matrix,
+}
+
+impl Estimates {
+    fn covariance(&self, i: usize, j: usize) -> f64 {
+        self.factor[i].iter().zip(&self.factor[j]).map(|(a, b)| a * b).sum()
+    }
+
+    fn error(&self, i: usize) -> f64 {
+        self.covariance(i, i).sqrt()
+    }
+
+    fn drawn(&self, random: &mut Stream) -> Vec<f64> {
+        let normals: Vec<f64> = self.values.iter().map(|_| random.normal()).collect();
+        self.values.iter().zip(product(&self.factor, &normals)).map(|(value, error)| value + error).collect()
+    }
+}
+
+impl WeatherFit {
+    /// What is to be known of the fit, in sentences.
+    pub fn warnings(&self) -> Vec<String> {
+        let one = self
+            .is_one_of_two
+            .then(|| "one process was fitted, because the samples do not tell a second one from it".to_string());
+        let held = self.held_memory.map(|memory| {
+            format!(
+                "the slow weather has a memory that is not short against the record, so it is held at {:.3} h, a tenth of the record, \
+                 within a factor of 2; a longer record of the temperature tells more",
+                memory / 3600.0
+            )
+        });
+        one.into_iter().chain(held).collect()
+    }
+
+    /// The mean of the temperature, and its standard error.
+    pub fn mean(&self) -> (f64, f64) {
+        (self.coefficients.values[0], self.coefficients.error(0))
+    }
+
+    /// The harmonics, in the order of the periods that were given.
+    pub fn cycles(&self) -> Vec<Cycle> {
+        let Estimates { values: b, .. } = &self.coefficients;
+        let cycle = |(i, period): (usize, &f64)| {
+            let (cos, sin) = (2 * i + 1, 2 * i + 2);
+            let amplitude = b[cos].hypot(b[sin]);
+            let [along, across] = [b[cos] / amplitude, b[sin] / amplitude];
+            let v = |i: usize, j: usize| self.coefficients.covariance(i, j);
+            let variance =
+                along * along * v(cos, cos) + 2.0 * along * across * v(sin, cos) + across * across * v(sin, sin);
+            Cycle { period: *period, amplitude, phase: libm::atan2(-b[sin], b[cos]), error: variance.sqrt() }
+        };
+        self.periods.iter().enumerate().map(cycle).collect()
+    }
+
+    /// The processes, the fastest first.
+    pub fn processes(&self) -> Vec<Process> {
+        let of = |(j, pair): (usize, &[f64])| Process {
+            relaxation_rate: libm::exp(pair[0]),
+            sd: libm::exp(pair[1]),
+            rate_error: self.logarithms.error(2 * j),
+            sd_error: self.logarithms.error(2 * j + 1),
+        };
+        self.logarithms.values.chunks_exact(2).enumerate().map(of).collect()
+    }
+
+    /// The most likely temperature in the form of a scenario. Its noise is stationary from t = 0
+    /// on, which is the first sample.
+    pub fn temperature(&self) -> Temperature {
+        self.of(&self.coefficients.values, &self.logarithms.values)
+    }
+
+    /// A temperature with parameters drawn from the distribution of their errors.
+    pub fn drawn(&self, random: &mut Stream) -> Temperature {
+        let coefficients = self.coefficients.drawn(random);
+        let logarithms = self.logarithms.drawn(random);
+        self.of(&coefficients, &logarithms)
+    }
+
+    fn of(&self, coefficients: &[f64], logarithms: &[f64]) -> Temperature {
+        let mut harmonics = vec![Harmonic { amplitude: coefficients[0], angular_frequency: 0.0, phase: 0.0 }];
+        for (period, pair) in self.periods.iter().zip(coefficients[1..].chunks_exact(2)) {
+            harmonics.push(Harmonic {
+                amplitude: pair[0].hypot(pair[1]),
+                angular_frequency: TAU / period,
+                phase: libm::atan2(-pair[1], pair[0]),
+            });
+        }
+        let mut noises = logarithms.chunks_exact(2).map(|pair| {
+            let (rate, sd) = (libm::exp(pair[0]), libm::exp(pair[1]));
+            // v has the standard deviation 1, so rho is the standard deviation of the temperature.
+            let diffusion = (2.0 * rate).sqrt();
+            Noise { intensity: sd, relaxation_rate: rate, diffusion, initial: InitialNoise::Stationary }
+        });
+        Temperature { harmonics, noise: noises.next(), second_noise: noises.next(), ..Temperature::default() }
+    }
+}

@@ -1,0 +1,88 @@
+//! The page of a bearing: what a calibration found, and what a forecast expects, in words for
+//! readers who did not make them.
+
+use super::study::{Part, StudyPage};
+use crate::cli::calibrate_report::sources;
+use crate::cli::document::JsonWarning;
+use crate::cli::numbers::{Digits, grouped, percent, significant, time};
+use crate::cli::table::Row;
+use stick_slip::bearing::calibration::{Calibration, ParameterEstimate, Quantity};
+use stick_slip::figure::{Style, Subject, named};
+use stick_slip::store::StoredCalibration;
+
+/// Seconds of a year.
+const YEAR: f64 = 365.25 * 86_400.0;
+
+/// What neither fit nor forecast knows of.
+const LEFT_OUT: &str = "Traffic, wind and brakes, which move a bearing faster than the weather does; wear, which changes friction; \
+                        and a climate that is not that of the record. Movements that they cause add to the sliding path.";
+
+/// The page of a calibration. `before` are parts that precede it, with warnings of their own.
+pub fn page(stored: &StoredCalibration, before: Vec<Part>, warnings: Vec<JsonWarning>) -> String {
+    let StoredCalibration { title, scenario_text, calibration, .. } = stored;
+    let own = stored.warnings.iter().map(|(name, text)| JsonWarning { name: name.clone(), text: text.clone() });
+    let pictures = ["calibration", "loops"].into_iter().filter_map(|name| {
+        let subject = Subject::Calibration { title, calibration };
+        named(name)?.draw(&subject, &Style::default()).ok().map(Part::Picture)
+    });
+    let level = percent(calibration.question.level);
+    let meaning = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");
+    let found = [
+        Part::Words("What the record shows", seen(calibration)),
+        Part::Table("What the bearing is", parameters(calibration), meaning),
+    ];
+    let parts = before.into_iter().chain(found).chain(pictures);
+    let ends =
+        [Part::Words("What is not in it", LEFT_OUT.to_string()), Part::Lines("How it was found", sources(calibration))];
+    let page = StudyPage {
+        title,
+        about: about(calibration),
+        warnings: own.chain(warnings).collect(),
+        parts: parts.chain(ends).collect(),
+        scenario: scenario_text,
+        provenance: vec![("program", super::program(stored.other_program.as_deref()))],
+    };
+    page.html()
+}
+
+/// Length and time of the record.
+fn about(calibration: &Calibration) -> String {
+    let record = &calibration.record;
+    let last = record.times.last().copied().unwrap_or(0.0);
+    let length = format!("{} samples in {}", grouped(record.times.len() as u64), time(last));
+    match record.start.map(|start| (start, start.after(last))) {
+        Some((start, Some(end))) => {
+            let [start, end] = [start, end].map(|instant| instant.to_string().split('T').take(1).collect::<String>());
+            format!("{length}, from {start} to {end}")
+        }
+        _ => length,
+    }
+}
+
+/// Slips and sliding path of the record, and what they are in a year.
+fn seen(calibration: &Calibration) -> String {
+    let length = calibration.record.times.last().copied().unwrap_or(0.0);
+    let path: f64 = calibration.slips.iter().map(|slip| slip.jump.abs()).sum();
+    let slips = calibration.slips.len();
+    let a_year = |number: f64| significant(number * YEAR / length, 3);
+    format!(
+        "{} slips were seen in {}, as many as {} in a year. Together they are {} mm of sliding path, as much as {} mm in a year.",
+        grouped(slips as u64),
+        time(length),
+        a_year(slips as f64),
+        significant(1e3 * path, 3),
+        a_year(1e3 * path)
+    )
+}
+
+fn parameters(calibration: &Calibration) -> Vec<Row> {
+    let level = percent(calibration.question.level);
+    let mut rows = vec![Row::labelled("", ["symbol", "estimate", &format!("{level} from"), "to"]).noted("unit")];
+    rows.extend(Quantity::ALL.iter().map(|quantity| {
+        let ParameterEstimate { estimate, low, high } = calibration.estimate(*quantity);
+        let numbers = Digits::of(estimate, (high - low) / 4.0).show_all([estimate, low, high]);
+        let cells = std::iter::once(quantity.symbol().to_string()).chain(numbers);
+        Row::labelled(quantity.words(), cells).noted(quantity.unit().replace('1', ""))
+    }));
+    rows
+}

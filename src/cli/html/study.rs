@@ -1,0 +1,75 @@
+//! The page of a study: tables and pictures, without charts that respond.
+
+use super::{STYLE, filled, list_of_warnings, rows, terms};
+use crate::cli::document::JsonWarning;
+use crate::cli::table::Row;
+use base64::Engine as _;
+use stick_slip::figure::{self, Drawing, escaped};
+
+const PAGE: &str = include_str!("study.html");
+
+/// What a page shows, in order.
+pub enum Part {
+    /// A heading, a table whose first row holds the names of its columns, and a sentence below it.
+    Table(&'static str, Vec<Row>, String),
+    /// A heading, and lines of text that are aligned.
+    Lines(&'static str, String),
+    /// A heading, and a sentence.
+    Words(&'static str, String),
+    /// A picture.
+    Picture(Drawing),
+}
+
+/// The page of a study.
+pub struct StudyPage<'a> {
+    pub title: &'a str,
+    pub about: String,
+    pub warnings: Vec<JsonWarning>,
+    pub parts: Vec<Part>,
+    pub scenario: &'a str,
+    pub provenance: Vec<(&'a str, String)>,
+}
+
+impl StudyPage<'_> {
+    /// The page as HTML.
+    pub fn html(&self) -> String {
+        let parts: String = self.parts.iter().map(Part::html).collect();
+        filled(
+            PAGE,
+            &[
+                ("title", escaped(self.title)),
+                ("style", STYLE.to_string()),
+                ("about", escaped(&self.about)),
+                ("warnings", list_of_warnings(&self.warnings)),
+                ("parts", parts),
+                ("scenario", escaped(self.scenario)),
+                ("provenance", terms(&self.provenance)),
+            ],
+        )
+    }
+}
+
+impl Part {
+    fn html(&self) -> String {
+        match self {
+            Part::Table(heading, table, below) => {
+                let cells = |row: &Row| row.cells.iter().chain([&row.note]).cloned().collect();
+                let table = rows(&table.iter().map(cells).collect::<Vec<Vec<String>>>());
+                let below =
+                    if below.is_empty() { String::new() } else { format!("<p class=\"note\">{}</p>", escaped(below)) };
+                format!(
+                    "<section><h2>{heading}</h2><div class=\"wide\"><table>{table}</table></div>{below}</section>\n"
+                )
+            }
+            Part::Lines(heading, text) => {
+                format!("<section><h2>{heading}</h2><pre>{}</pre></section>\n", escaped(text))
+            }
+            Part::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", escaped(text)),
+            Part::Picture(drawing) => {
+                let image = base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
+                let words = escaped(&drawing.title);
+                format!("<figure><img alt=\"{words}\" src=\"data:image/svg+xml;base64,{image}\"></figure>\n")
+            }
+        }
+    }
+}
