@@ -449,8 +449,8 @@ pub fn twin<'py>(
     let Read { scene, name, overrides } = read(py, scenario)?;
     let mut remarks = Vec::new();
     let given = start.as_deref().map(|date| {
-        let remedy = "write a date with a time and a zone, e.g. 2024-06-01T00:00Z";
-        Start::parse(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is no such date", remedy))
+        let remedy = "write a date such as 2024-06-01, also with a time and a zone";
+        Start::of_calendar(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is no such date", remedy))
     });
     let is_measured = temperature.is_some() || scene.temperature_source.file.is_some();
     if let Some(date) = start.as_deref().filter(|_| is_measured) {

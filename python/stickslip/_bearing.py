@@ -410,7 +410,7 @@ def twin(
             by how many metres its readings move from then on; None where it is not set.
         thermometer_every: the thermometer shows only every so-many-th sample; its other samples are
             NaN.
-        start: the date of the first sample, with a time and a zone, at which t = 0 in the
+        start: the date of the first sample (UTC where it has no zone), at which t = 0 in the
             harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
         duration: length of the measurement, in seconds or as a timedelta, if the temperature is
             simulated.

@@ -15,7 +15,7 @@ const EXAMPLES: &str = "\
 Examples:
   mc twin examples/bridge/bridge.toml --seed 1 -o twin.csv
   mc twin examples/bridge/bridge.toml --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 --resolution 0.5 -o hard.csv
-  mc twin year.toml --start 2024-06-01T00:00Z --every 5m --thermometer-every 2 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
+  mc twin year.toml --start 2024-06-01 --every 5m --thermometer-every 2 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
   mc calibrate examples/bridge/bridge.toml twin.csv
 
 The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its
@@ -60,7 +60,7 @@ pub struct Twin {
     /// The thermometer shows only every N-th sample, and the displacement sensor all of them
     #[arg(long, value_name = "N", default_value_t = 1, value_parser = clap::value_parser!(u32).range(1..))]
     thermometer_every: u32,
-    /// The date of the first sample, e.g. 2024-06-01T00:00Z, at which t = 0 in the harmonics; only if
+    /// The date of the first sample, e.g. 2024-06-01, at which t = 0 in the harmonics; only if
     /// the scenario has no measured temperature
     #[arg(long, value_name = "DATE", value_parser = start)]
     start: Option<Start>,
@@ -208,5 +208,5 @@ fn zero_set(text: &str) -> Result<(f64, f64), String> {
 }
 
 fn start(text: &str) -> Result<Start, String> {
-    Start::parse(text).ok_or_else(|| "write a date with a time and a zone, e.g. 2024-06-01T00:00Z".to_string())
+    Start::of_calendar(text).ok_or_else(|| "write a date such as 2024-06-01, also with a time and a zone".to_string())
 }

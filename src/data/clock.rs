@@ -24,8 +24,7 @@ impl Start {
 
     /// Read a date, with or without a time of day and a zone, as it appears in the units of a time
     /// in a CF file. Without a zone it is UTC.
-    #[cfg(feature = "store")]
-    pub(super) fn of_calendar(text: &str) -> Option<Self> {
+    pub fn of_calendar(text: &str) -> Option<Self> {
         let stamp = stamp::stamp(text, None)?;
         let zone = stamp.offset.map_or(TimeZone::UTC, TimeZone::fixed);
         let zoned = stamp.local.to_zoned(zone).ok()?;
