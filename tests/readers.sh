@@ -49,10 +49,12 @@ cargo run --release --quiet --bin mc -- sweep scenarios/rho025.toml --scheme eve
 run sweeps/run rho025 --scheme event-driven --paths 600 --set temperature.noise.intensity=0.3 --set friction.static=1.3
 target/venv/bin/python tests/python/sweep.py "$folder/sweeps/sweep.h5" "$folder/sweeps/run.h5"
 
-# A calibration of the shipped synthetic measurements.
+# A calibration of the shipped synthetic measurements, and files of every kind as xarray writes them.
 mkdir "$folder/calibrations"
 cargo run --release --quiet --bin mc -- calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o "$folder/calibrations/fit.h5" >"$folder/messages" 2>&1
 target/venv/bin/python tests/python/calibration.py "$folder/calibrations/fit.h5"
+target/venv/bin/python tests/python/comes_back.py target/release/mc \
+    "$folder/recorded.h5" "$folder/trade.h5" "$folder/sweeps/sweep.h5" "$folder/calibrations/fit.h5"
 
 # Biases larger than their uncertainties, and the estimates that are corrected for them.
 run biased rho025 --paths 10000 \

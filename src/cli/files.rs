@@ -11,7 +11,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::sync::{Mutex, PoisonError};
-use stick_slip::store::{self, StoreError};
+use stick_slip::store::{self, FileKind, StoreError};
 
 /// The memory that the child process may use besides the size of the file.
 const MEMORY: u64 = 4 << 30;
@@ -25,7 +25,30 @@ const BYTES_A_SECOND: u64 = 50_000_000;
 /// What one of the readers of the store reads from a file.
 pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>) -> Result<T, Failure> {
     look(path)?;
-    Ok(reader(path)?)
+    reader(path).map_err(|error| explained(path, error))
+}
+
+/// The error of a reader. A file of another kind is named, and so is the likeliest reason why
+/// something is missing from a file without a checksum.
+pub fn explained(path: &Path, error: StoreError) -> Failure {
+    let file = path.display();
+    match (error, store::kind(path)) {
+        (StoreError::Foreign { .. }, Ok(Some(kind))) => {
+            let (what, takes) = match kind {
+                FileKind::Run => ("a run", "`mc show`, `mc plot`, `mc report`, `mc replay` and `mc verify` take it"),
+                FileKind::Trade => ("a trade", "`mc show`, `mc plot`, `mc report` and `mc verify` take it"),
+                FileKind::Sweep => ("a sweep", "`mc show`, `mc plot`, `mc report`, `mc sweep` and `mc verify` take it"),
+                FileKind::Calibration => ("a calibration", "`mc show`, `mc plot`, `mc report` and `mc verify` take it"),
+            };
+            Failure::usage(format!("{file} is {what}, which is not what this verb reads"), takes)
+        }
+        (StoreError::Damaged { cause, .. }, _) if matches!(store::is_sealed(path), Ok(false)) => {
+            let problem =
+                format!("{file}: {cause}; another program left it out or changed it, or the file was cut short");
+            Failure::Run(format!("{problem}\n  fix: save all variables with it, or take the file as mc wrote it"))
+        }
+        (error, _) => Failure::from(error),
+    }
 }
 
 /// Says once of each file that it has no checksum, and has a child process read it first.

@@ -3,7 +3,7 @@
 use super::sitting::{Leaves, RunOptions, Sitting};
 use super::{Failure, cost, files, stop_on_signals, writable};
 use std::path::PathBuf;
-use stick_slip::store::{PartError, Parts};
+use stick_slip::store::{PartError, Parts, StoreError};
 
 const EXAMPLES: &str = "\
 Examples:
@@ -46,6 +46,9 @@ impl Merge {
 impl From<PartError> for Failure {
     fn from(error: PartError) -> Self {
         match error {
+            PartError::Store(StoreError::Foreign { path }) => {
+                super::files::explained(&path.clone(), StoreError::Foreign { path })
+            }
             PartError::Store(error) => error.into(),
             error => Failure::Refused(error.to_string()),
         }

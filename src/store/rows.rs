@@ -62,7 +62,12 @@ pub(super) fn some_rows(dataset: &Dataset, kind: Kind, rows: &Range<usize>) -> R
         Kind::U32 => Column::U32(slice(dataset, rows)?),
         Kind::I8 => Column::I8(slice(dataset, rows)?),
         Kind::U8 => Column::U8(slice(dataset, rows)?),
-        Kind::Text => Column::Text(slice(dataset, rows)?.iter().map(readable).collect::<Result<_>>()?),
+        Kind::Text => Column::Text(
+            slice::<hdf5::types::VarLenUnicode>(dataset, rows)?
+                .iter()
+                .map(|text| readable(text))
+                .collect::<Result<_>>()?,
+        ),
     })
 }
 

@@ -6,8 +6,8 @@ use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
 use crate::dataset::{Attribute, Column, ColumnView, Destination, Kind, Source, attributes_of};
 use crate::stats::Units;
-use hdf5::types::VarLenUnicode;
-use hdf5::{Dataset, Error, Extent, File, H5Type, Location, Result};
+use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
+use hdf5::{Container, Dataset, Error, Extent, File, H5Type, Location, Result};
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -176,7 +176,7 @@ impl Source for File {
             Kind::U32 => Column::U32(read_variable(self, variable)?),
             Kind::I8 => Column::I8(read_variable(self, variable)?),
             Kind::U8 => Column::U8(read_variable(self, variable)?),
-            Kind::Text => Column::Text(read_variable(self, variable)?.iter().map(readable).collect::<Result<_>>()?),
+            Kind::Text => Column::Text(read_texts(&*shaped(self, variable)?)?),
         }))
     }
 
@@ -248,22 +248,69 @@ fn replace_attribute(location: &Location, name: &str, value: &Attribute) -> Resu
     }
 }
 
-/// Read an attribute; none if there is no such attribute.
+/// Read an attribute; none if there is no such attribute. Other programs write a number as an array
+/// of one number, and a text with a fixed length.
 pub(super) fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
     let Ok(attribute) = location.attr(name) else { return Ok(None) };
-    let kind = attribute.dtype()?;
-    Ok(Some(match () {
-        () if kind.is::<f64>() => Attribute::Real(attribute.read_scalar()?),
-        () if kind.is::<u64>() => Attribute::Count(attribute.read_scalar()?),
-        () if kind.is::<i8>() => Attribute::Flags(attribute.read_raw()?),
-        () => Attribute::Text(readable(&attribute.read_scalar()?)?),
-    }))
+    let one =
+        |values: usize| if values == 1 { Ok(()) } else { Err(Error::from(format!("{name} has {values} values"))) };
+    let read = match attribute.dtype()?.to_descriptor()? {
+        TypeDescriptor::Integer(IntSize::U1) => Attribute::Flags(attribute.read_raw()?),
+        kind @ (TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_)) => {
+            one(attribute.size())?;
+            match kind {
+                TypeDescriptor::Integer(_) => {
+                    let value = attribute.read_raw::<i64>()?[0];
+                    Attribute::Count(value.try_into().map_err(|_| Error::from(format!("{name} is {value}")))?)
+                }
+                _ => Attribute::Count(attribute.read_raw::<u64>()?[0]),
+            }
+        }
+        TypeDescriptor::Float(_) => {
+            one(attribute.size())?;
+            Attribute::Real(attribute.read_raw::<f64>()?[0])
+        }
+        _ => {
+            let mut texts = read_texts(&attribute)?;
+            one(texts.len())?;
+            Attribute::Text(texts.swap_remove(0))
+        }
+    };
+    Ok(Some(read))
+}
+
+/// The texts of an attribute or a variable, of variable or of fixed length.
+fn read_texts(of: &Container) -> Result<Vec<String>> {
+    /// The longest text with a fixed length is a scenario of 1 MiB.
+    const LONGEST: usize = 1 << 20;
+    macro_rules! fixed {
+        ($Text:ident, $bytes:expr) => {
+            match $bytes {
+                ..=64 => read_as::<$Text<64>>(of),
+                ..=1024 => read_as::<$Text<1024>>(of),
+                ..=16384 => read_as::<$Text<16384>>(of),
+                ..=LONGEST => read_as::<$Text<LONGEST>>(of),
+                bytes => Err(format!("a text of {bytes} bytes").into()),
+            }
+        };
+    }
+    match of.dtype()?.to_descriptor()? {
+        TypeDescriptor::VarLenUnicode => read_as::<VarLenUnicode>(of),
+        TypeDescriptor::VarLenAscii => read_as::<VarLenAscii>(of),
+        TypeDescriptor::FixedUnicode(bytes) => fixed!(FixedUnicode, bytes),
+        TypeDescriptor::FixedAscii(bytes) => fixed!(FixedAscii, bytes),
+        other => Err(format!("a text is of type {other}").into()),
+    }
+}
+
+/// The texts, as values of this type.
+fn read_as<T: H5Type + AsRef<str>>(of: &Container) -> Result<Vec<String>> {
+    of.read_raw::<T>()?.iter().map(|text| readable(text.as_ref())).collect()
 }
 
 /// The text of a file as UTF-8. The file may hold any bytes, so this is checked.
-pub(super) fn readable(text: &VarLenUnicode) -> Result<String> {
-    let text = std::str::from_utf8(text.as_str().as_bytes());
-    text.map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
+pub(super) fn readable(text: &str) -> Result<String> {
+    std::str::from_utf8(text.as_bytes()).map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
 }
 
 /// Text in the form that HDF5 stores.
@@ -274,14 +321,20 @@ fn text(value: &str) -> Result<VarLenUnicode> {
 /// Read a variable, which must be there. Its type and its shape are checked before anything is
 /// read.
 pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
+    let dataset = shaped(file, variable)?;
+    if !dataset.dtype()?.is::<T>() {
+        return Err(format!("{} has another type than it was written with", variable.name).into());
+    }
+    dataset.read_raw()
+}
+
+/// A variable that must be there, with the lengths of its axes.
+fn shaped(file: &File, variable: &Described) -> Result<Dataset> {
     let name = variable.name;
     if !file.link_exists(name) {
         return Err(format!("{name} is missing").into());
     }
     let dataset = file.dataset(name)?;
-    if !dataset.dtype()?.is::<T>() {
-        return Err(format!("{name} has another type than it was written with").into());
-    }
     let shape = dataset.shape();
     let axes = variable.axes.iter();
     if let Some(axis) = axes.clone().find(|axis| !file.link_exists(axis)) {
@@ -291,9 +344,12 @@ pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Res
     if shape.len() != variable.axes.len() || !axes.zip(&shape).all(has_length) {
         return Err(format!("{name} has another shape than its axes").into());
     }
-    // Nothing is compressed, so a variable that claims to be larger than its file is damaged.
-    if (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64) > file.size() {
+    // A variable that claims to be larger than its file is damaged, unless another program compressed
+    // it, and then by a factor of a thousand at most.
+    let bytes = (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64);
+    let most = if dataset.filters().is_empty() { 1 } else { 1032 };
+    if bytes > file.size().saturating_mul(most) {
         return Err(format!("{name} is larger than the file").into());
     }
-    dataset.read_raw()
+    Ok(dataset)
 }

@@ -6,6 +6,7 @@ use crate::dataset::{Attribute, ColumnView, Destination, Kind, Source as _, attr
 use crate::stats::Units;
 use crate::stats::column::FirstDifference;
 use crate::store::StoreError;
+use crate::store::look::is_sealed;
 use crate::store::reader::open;
 use crate::store::variable::read_attribute;
 use hdf5::{File, Location, Result};
@@ -42,14 +43,26 @@ pub(super) struct Against {
     /// The attributes of the data set. A later value replaces an earlier one, so they are compared
     /// at the end.
     attributes: BTreeMap<String, Attribute>,
+    /// Attributes that are not compared, because another program laid the file out.
+    laid_out: &'static [&'static str],
     values: u64,
     difference: Option<Difference>,
 }
 
+/// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and keeps
+/// the second for itself.
+const OF_LAYOUT: &[&str] = &["_FillValue", "coordinates"];
+
 impl Against {
     pub fn open(path: &Path, units: Units) -> std::result::Result<Against, StoreError> {
         let (seen, attributes) = Default::default();
-        Ok(Against { file: open(path)?, units, seen, attributes, values: 0, difference: None })
+        let laid_out = if is_sealed(path)? { &[] } else { OF_LAYOUT };
+        Ok(Against { file: open(path)?, units, seen, attributes, laid_out, values: 0, difference: None })
+    }
+
+    /// Whether another program may have laid the file out.
+    pub fn is_laid_out_anew(&self) -> bool {
+        !self.laid_out.is_empty()
     }
 
     /// Number of values and texts that were compared so far.
@@ -117,7 +130,9 @@ impl Against {
     ) -> Result<()> {
         let there: BTreeSet<String> = location.attr_names()?.into_iter().collect();
         let names = there.iter().chain(expected.keys().filter(|name| !there.contains(*name)));
-        for name in names.filter(|name| !left_out.contains(&name.as_str())) {
+        let is_left_out = |name: &String| [left_out, self.laid_out].concat().contains(&name.as_str());
+        for name in names.filter(|name| !is_left_out(name)).cloned().collect::<Vec<_>>() {
+            let name = &name;
             let computed = expected.get(name);
             if computed.is_none() && OF_LIBRARY.contains(&name.as_str()) {
                 continue;
