@@ -24,7 +24,7 @@ What is printed is itself a scenario: what follows from it, and the warnings, ar
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Check {
-    /// The scenario, a TOML file; - for standard input
+    /// The scenario: a TOML file, the name of a shipped one, or - for standard input
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,

@@ -3,6 +3,7 @@
 use super::interrupt::exit_code;
 use super::numbers::wrapped;
 use super::safe;
+use clap::builder::styling::{AnsiColor, Style};
 use std::fmt::Display;
 use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
@@ -67,7 +68,7 @@ impl Failure {
         };
         for problem in problems {
             // If standard error is closed, no message can reach anybody.
-            drop(writeln!(io::stderr(), "error: {}", safe::text(&problem)));
+            note(&format!("error: {problem}"));
         }
         ExitCode::from(code)
     }
@@ -107,8 +108,21 @@ fn print_as_it_is(text: &str) -> Result<(), Failure> {
 
 /// Writes a line to standard error. A failure to write it is ignored.
 pub fn note(text: &str) {
-    drop(writeln!(io::stderr(), "{}", safe::text(text)));
+    let text = safe::text(text);
+    // A terminal gets colours unless NO_COLOR is set; elsewhere they are left out.
+    let lines = text.split('\n').map(|line| {
+        let marked = MARKS.iter().find_map(|(mark, style)| Some((mark, style, line.strip_prefix(mark)?)));
+        marked.map_or_else(|| line.to_string(), |(mark, style, rest)| format!("{style}{mark}{style:#}{rest}"))
+    });
+    drop(writeln!(anstream::stderr(), "{}", lines.collect::<Vec<_>>().join("\n")));
 }
+
+/// The words at the beginning of a line that have a colour, as those of the argument parser have.
+const MARKS: [(&str, Style); 3] = [
+    ("error:", AnsiColor::Red.on_default().bold()),
+    ("warning:", AnsiColor::Yellow.on_default().bold()),
+    ("  fix:", AnsiColor::Green.on_default()),
+];
 
 /// Writes a warning to standard error, in lines that are no wider than the terminal.
 pub fn warn(warning: impl Display) {

@@ -20,6 +20,7 @@ mod init;
 mod interrupt;
 mod measurements;
 mod merge;
+mod mistakes;
 mod numbers;
 mod overrides;
 mod plot;
@@ -53,9 +54,7 @@ use table::{Row, aligned};
 use threads::Threads;
 
 use clap::Parser as _;
-use clap::error::{ContextKind, ContextValue};
 use std::io::{self, IsTerminal as _};
-use std::path::Path;
 use std::process::ExitCode;
 use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
 use stick_slip::stats::Statistic;
@@ -193,7 +192,7 @@ fn say_what_stays() {
 /// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
 /// with unsafe characters escaped.
 fn answer(answer: &clap::Error) -> ExitCode {
-    if let Some(failure) = file_without_verb(answer) {
+    if let Some(failure) = mistakes::answered(answer) {
         return failure.report();
     }
     let plain = answer.to_string();
@@ -213,20 +212,6 @@ fn answer(answer: &clap::Error) -> ExitCode {
         note(plain.trim_end());
     }
     ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
-}
-
-/// The message where a file stands in the place of a verb, as in `mc mine.toml`: the verbs that
-/// take such a file.
-fn file_without_verb(answer: &clap::Error) -> Option<Failure> {
-    let ContextValue::String(word) = answer.get(ContextKind::InvalidSubcommand)? else { return None };
-    let path = Path::new(word);
-    let is_file = path.is_file() || path.extension().is_some_and(|ending| ending == "toml" || ending == "h5");
-    let remedy = match store::is_sealed(path) {
-        _ if !is_file => return None,
-        Ok(_) => format!("write `mc show {word}` for what is in it, or `mc plot {word}` for a picture"),
-        _ => format!("write `mc run {word}` to simulate it, or `mc check {word}` to see what it says"),
-    };
-    Some(Failure::usage(format!("{word} is a file, and no command is given for it"), remedy))
 }
 
 /// How many threads this process runs at once.

@@ -88,6 +88,12 @@ impl Plot {
         let scene = self.scene(&output)?;
         write(&scene, format, &output, self.force)?;
         note(&format!("{}: {}", output.display(), size(&scene)));
+        if scene.left_out > 0 {
+            note(&format!(
+                "{} had no room; a larger --width or an earlier --until makes some",
+                counted(scene.left_out as u64, "label")
+            ));
+        }
         Ok(())
     }
 

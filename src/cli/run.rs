@@ -35,7 +35,7 @@ comes to the same numbers; `mc show FILE.h5` says what is known so far.";
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Run {
-    /// The scenario, a TOML file; - for standard input
+    /// The scenario: a TOML file, the name of a shipped one, or - for standard input
     scenario: PathBuf,
     #[command(flatten)]
     overrides: Overrides,

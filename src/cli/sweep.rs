@@ -29,7 +29,7 @@ whose unit is the path. Ctrl-C, or a crash, leaves FILE.h5.partial with the poin
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Sweep {
-    /// The scenario, a TOML file
+    /// The scenario: a TOML file, or the name of a shipped one
     scenario: PathBuf,
     /// A key and its values, e.g. rho=temperature.noise.intensity=0:1:21 or
     /// friction.static=log:1:2:11; repeatable

@@ -33,7 +33,7 @@ Ctrl-C ends the measuring; the table is then of what was measured.";
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Trade {
-    /// The scenario, a TOML file
+    /// The scenario: a TOML file, or the name of a shipped one
     scenario: PathBuf,
     /// How long to measure, e.g. 60s, 5m, 1h; a plain number is seconds
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]

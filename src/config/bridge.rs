@@ -7,13 +7,16 @@ use super::keys;
 use super::overrides::Override;
 use super::series::source;
 use super::source::Sources;
-use super::{text_of, tree};
+use super::{shipped, text_of, tree};
 use crate::scenario::BridgeScene;
 use std::path::Path;
 
 impl BridgeScene {
-    /// Read a file with the overrides applied.
+    /// Read a file with the overrides applied. The name of a shipped scenario stands for its file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        if let Some(found) = shipped::at(path) {
+            return Self::parse(found.name, found.text, overrides);
+        }
         let (name, text) = text_of(path)?;
         Self::parse(&name, &text, overrides)
     }

@@ -42,6 +42,11 @@ use std::io::{self, Read};
 use std::path::Path;
 use std::sync::{Arc, Mutex, PoisonError};
 
+/// The key of a scenario that a word probably stands for, such as its symbol.
+pub fn key_meant(word: &str) -> Option<String> {
+    keys::suggestion("", word).filter(|key| key.contains('.') || keys().contains(key))
+}
+
 /// The symbol of the paper and the meaning of a dotted key that holds a number. The symbol is empty
 /// if the key has none.
 ///
@@ -120,7 +125,11 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
         let remedy = match (e.kind(), shipped(&stem)) {
             (std::io::ErrorKind::NotFound, Some(_)) => {
-                format!("`mc init --from {stem}` writes the shipped scenario")
+                format!("`{stem}` alone is the shipped scenario, and `mc init --from {stem}` writes it")
+            }
+            (std::io::ErrorKind::NotFound, None) if shipped::nearest(&stem).is_some() => {
+                let name = shipped::nearest(&stem).unwrap_or_default();
+                format!("give the path of a scenario, a TOML file; `{name}` is a shipped one")
             }
             _ => not_scenario(),
         };
@@ -144,8 +153,12 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
 }
 
 impl Scenario {
-    /// Read a file, apply the overrides in order, and check the result.
+    /// Read a file, apply the overrides in order, and check the result. The name of a shipped
+    /// scenario stands for its file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
+        if let Some(found) = shipped::at(path) {
+            return found.parse(overrides);
+        }
         let (name, text) = text_of(path)?;
         Self::parse(&name, &text, overrides)
     }

@@ -3,6 +3,7 @@
 use super::overrides::Override;
 use super::source::Sources;
 use super::{Scenario, ScenarioError};
+use std::path::Path;
 
 /// A shipped scenario.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -45,6 +46,18 @@ pub const SHIPPED: [Shipped; 13] = shipped![
 /// The shipped scenario of this name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
+}
+
+/// The shipped scenario that a path stands for: one without a folder, an ending and a file.
+pub(super) fn at(path: &Path) -> Option<&'static Shipped> {
+    let is_name = path.components().count() == 1 && path.extension().is_none() && !path.exists();
+    path.to_str().filter(|_| is_name).and_then(shipped)
+}
+
+/// The name of a shipped scenario that is most like this word; none if none is like it.
+pub(super) fn nearest(word: &str) -> Option<&'static str> {
+    let alike = SHIPPED.iter().map(|scenario| (strsim::jaro_winkler(word, scenario.name), scenario.name));
+    alike.filter(|(likeness, _)| *likeness > 0.85).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
 }
 
 impl Shipped {

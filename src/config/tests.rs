@@ -449,6 +449,21 @@ fn a_file_that_is_no_scenario_is_refused_with_a_way_on() {
 }
 
 #[test]
+fn the_name_of_a_shipped_scenario_stands_for_its_file() {
+    let named = |name: &str| Scenario::read(Path::new(name), &[Override::set("ensemble.seed=7").unwrap()]);
+    let parsed = shipped("bridge").unwrap().parse(&[Override::set("ensemble.seed=7").unwrap()]).unwrap();
+    assert_eq!(named("bridge").unwrap(), parsed);
+    for (name, says) in [
+        ("rho25", "`rho025` is a shipped one"),
+        ("nowhere/rho025", "`rho025` alone"),
+        ("xyz", "a TOML file; `mc init`"),
+    ] {
+        let message = named(name).unwrap_err().to_string();
+        assert!(message.contains(says), "{message}");
+    }
+}
+
+#[test]
 fn the_caret_stands_under_the_value() {
     let text = "# \u{e9}\r\n[oscillator]\r\n\tmass = \"\u{e9}\u{e9}\"\r\n";
     let Err(ScenarioError::Invalid(faults)) = Scenario::parse("x", text, &[]) else { panic!("is refused") };

@@ -36,10 +36,15 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let legend = [
         LegendEntry::line(solid(palette.first), "median"),
         LegendEntry::line(mean, "mean"),
-        LegendEntry::area(palette.narrow, "25–75 %; 95 % interval of *P*"),
-        LegendEntry::area(palette.wide, "5–95 %"),
+        LegendEntry::area(palette.narrow, "25–75 %"),
+        LegendEntry::area(palette.wide, "5–95 % of the paths"),
     ];
-    Ok(sheet(style, &format!("Displacement of the paths: {}", scenario.title), &legend, &[fan.above_another(), share]))
+    let share = share.keyed([
+        LegendEntry::line(solid(palette.first), "share of paths in a stick"),
+        LegendEntry::area(palette.narrow, "95 % interval"),
+    ]);
+    let panels = [fan.above_another().keyed(legend), share];
+    Ok(sheet(style, &format!("Displacement of the paths: {}", scenario.title), &[], &panels))
 }
 
 /// The lowest and the highest quantile of x at each time.

@@ -22,6 +22,8 @@ mod fan;
 mod hysteresis;
 mod kit;
 mod laws;
+mod legend;
+mod mark;
 mod overview;
 mod page;
 mod panel;
@@ -47,8 +49,10 @@ pub use theme::{COLUMN, Style, Theme};
 // What every figure is made of.
 use axis::{Axis, range_of};
 use kit::{Colour, Label, Stroke};
-use panel::{Mark, Panel};
-use sheet::{LegendEntry, sheet, solid};
+use legend::LegendEntry;
+use mark::Mark;
+use panel::Panel;
+use sheet::{sheet, solid};
 
 /// Every figure, in the order in which a page shows them.
 pub const FIGURES: &[Figure] = &[

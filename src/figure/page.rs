@@ -34,6 +34,7 @@ pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Opti
     }
     top += LETTERS;
     let mut ends = [top; 2];
+    let left_out = scenes.iter().map(|scene| scene.left_out).sum();
     for scene in scenes {
         let column = usize::from(columns > 1 && ends[1] < ends[0]);
         let by = [EDGE + column as f64 * (style.points() + GAP), ends[column]];
@@ -41,7 +42,7 @@ pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Opti
         items.push(Item::Moved { by, items: scene.items });
     }
     let height = ends[0].max(ends[1]) - GAP + EDGE;
-    Some(Drawing { width, height, background: palette.background, title: heading.to_string(), items })
+    Some(Drawing { width, height, background: palette.background, title: heading.to_string(), items, left_out })
 }
 
 /// The words in rows that fit. A word that is too long for a row has a row of its own.

@@ -2,22 +2,9 @@
 
 use super::axis::{Axis, Tick};
 use super::kit::{Align, Colour, Item, Label, Outline, Rect, Stroke};
+use super::legend::LegendEntry;
+use super::mark::Mark;
 use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
-
-/// Shapes of marks. They distinguish curves without colour.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Mark {
-    /// A filled disc.
-    Disc,
-    /// A circle filled with the colour of the sheet.
-    Circle,
-    /// A square.
-    Square,
-    /// A triangle.
-    Triangle,
-    /// A square standing on its corner.
-    Diamond,
-}
 
 /// An element of a panel. Its positions are numbers of the two axes.
 #[derive(Clone, Debug)]
@@ -77,6 +64,8 @@ pub struct Panel {
     pub is_labelled: bool,
     /// A bold letter at the corner of the panel.
     pub letter: Option<char>,
+    /// What its curves and areas are, where panels differ in it.
+    pub key: Vec<LegendEntry>,
     layers: Vec<Layer>,
     notes: Vec<Note>,
 }
@@ -104,7 +93,12 @@ const TOLERANCE: f64 = 0.03;
 impl Panel {
     /// A panel without elements.
     pub fn new(x: Axis, y: Axis, height: f64) -> Self {
-        Panel { x, y, height, is_labelled: true, letter: None, layers: Vec::new(), notes: Vec::new() }
+        Panel { x, y, height, is_labelled: true, letter: None, key: Vec::new(), layers: Vec::new(), notes: Vec::new() }
+    }
+
+    /// The same panel with a legend of its own above it.
+    pub fn keyed(self, key: impl IntoIterator<Item = LegendEntry>) -> Self {
+        Panel { key: key.into_iter().collect(), ..self }
     }
 
     /// The same panel with a letter at its corner.
@@ -315,28 +309,6 @@ impl Beside {
             Beside::AboveRight => [right - gap + aside, above],
         };
         ([x, y], Rect { x: x - 0.5, y: y - rise, width: width + 1.0, height: rise + fall })
-    }
-}
-
-impl Mark {
-    /// Draws the mark at a place. Panels and legends use it.
-    pub fn draw(self, at: [f64; 2], colour: Colour, background: Colour) -> Vec<Item> {
-        let [x, y] = at;
-        let corners = |points: &[[f64; 2]]| {
-            Outline::polygon(&points.iter().map(|[a, b]| [x + a * MARK, y + b * MARK]).collect::<Vec<_>>())
-        };
-        let path = match self {
-            Mark::Disc | Mark::Circle => Outline::circle(at, MARK),
-            Mark::Square => corners(&[[-0.95, -0.95], [0.95, -0.95], [0.95, 0.95], [-0.95, 0.95]]),
-            Mark::Triangle => corners(&[[0.0, -1.35], [1.2, 0.85], [-1.2, 0.85]]),
-            Mark::Diamond => corners(&[[0.0, -1.35], [1.35, 0.0], [0.0, 1.35], [-1.35, 0.0]]),
-        };
-        match self {
-            Mark::Circle => {
-                vec![Item::filled(path.clone(), background), Item::stroked(path, Stroke::solid(colour, 0.9))]
-            }
-            _ => vec![Item::filled(path, colour)],
-        }
     }
 }
 

@@ -10,7 +10,7 @@ use crate::stats::{Dimension, Distribution};
 pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last", draws: draw };
 
 /// The share of sticks that may be shorter than the shortest duration that is drawn.
-const NEXT_TO_NONE: f64 = 1e-3;
+const NEXT_TO_NONE: f64 = 5e-3;
 /// The interval of a bin with at most this many sticks may extend beyond the axis.
 const FEW: u64 = 5;
 
@@ -49,14 +49,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let tops = bins.iter().map(|bin| if bin.count > FEW { bin.ends[1] } else { bin.density });
     let (axis, floor) = vertical(tops.collect(), "density per decade");
     let mut density = Panel::new(durations(), axis, 84.0);
-    for bin in bins {
-        let [low, high] = bin.ends;
-        density.bar([bin.edges[0], floor], [bin.edges[1], bin.density], palette.wide);
-        density.bar([bin.edges[0], low.max(floor)], [bin.edges[1], high], palette.narrow);
-    }
-    for bin in bins {
-        density.line(vec![[bin.edges[0], bin.density], [bin.edges[1], bin.density]], solid(palette.first));
-    }
+    // One outline for all bins, because edges that touch would show a hairline.
+    let stepped = |of: &dyn Fn(&Bin) -> [f64; 2]| -> Vec<[f64; 3]> {
+        bins.iter().flat_map(|bin| bin.edges.map(|edge| [edge, of(bin)[0], of(bin)[1]])).collect()
+    };
+    density.band(stepped(&|bin| [floor, bin.density]), palette.wide);
+    density.band(stepped(&|bin| [bin.ends[0].max(floor), bin.ends[1].max(floor)]), palette.narrow);
+    let tops = stepped(&|bin| [bin.density; 2]);
+    density.line(tops.iter().map(|[edge, top, _]| [*edge, *top]).collect(), solid(palette.first));
 
     let mut curve = survival(sticks);
     let (axis, floor) = vertical(curve.shares.iter().map(|point| point[1]).collect(), "share longer than *D*");
@@ -70,12 +70,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     if shorter > 0 {
         counts += &format!("; {} shorter than shown", grouped(shorter));
     }
-    let legend = [
-        LegendEntry::words(Label::verbatim(&counts)),
-        LegendEntry::line(solid(palette.first), "density; Kaplan–Meier"),
-        LegendEntry::area(palette.narrow, "95 % interval"),
+    let interval = || LegendEntry::area(palette.narrow, "95 % interval");
+    let curve = if sticks.step.is_some() { "Kaplan–Meier, in steps of the scheme" } else { "Kaplan–Meier" };
+    let legend = [LegendEntry::words(Label::verbatim(&counts))];
+    let panels = [
+        density.above_another().keyed([LegendEntry::line(solid(palette.first), "density"), interval()]),
+        outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval()]),
     ];
-    Ok(sheet(style, &format!("Stick durations: {}", scenario.title), &legend, &[density.above_another(), outlasting]))
+    Ok(sheet(style, &format!("Stick durations: {}", scenario.title), &legend, &panels))
 }
 
 /// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to
@@ -138,8 +140,15 @@ pub(super) fn survival(sticks: &Distribution) -> Survival {
         curve.ends.push([edge, low, high]);
     };
     edges.first().into_iter().for_each(|edge| put(*edge, 1.0, [1.0; 2]));
+    let mut before = (1.0, [1.0; 2]);
     for (i, share) in sticks.survival.iter().enumerate() {
-        put(edges[i + 1], *share, sticks.survival_ends.at(i));
+        let here = (*share, sticks.survival_ends.at(i));
+        // Durations that are multiples of a step leave the share as it is between them.
+        if sticks.step.is_some() {
+            put(edges[i + 1], before.0, before.1);
+        }
+        put(edges[i + 1], here.0, here.1);
+        before = here;
     }
     curve
 }

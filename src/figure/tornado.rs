@@ -36,7 +36,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         }
         bars.sort_by(|a, b| a.1.estimate.abs().total_cmp(&b.1.estimate.abs()));
         let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
-        let across = Axis::around(ends.chain([0.0]), Label::new(statistic.words()), "");
+        let across = Axis::around(ends.chain([0.0]), Label::new("elasticity"), "");
         let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, letter_of_key(&keys[*key].0)));
         let [bottom, top] = [-0.6, bars.len() as f64 - 0.4];
         let upwards = Axis::named([bottom, top], places.collect());
@@ -47,8 +47,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
             panel.interval_across(at, [m.low, m.high], palette.ink);
         }
         panel.line(vec![[0.0, bottom], [0.0, top]], Stroke::solid(palette.faint, THIN));
-        panels.push(panel);
+        panels.push(panel.keyed([LegendEntry::words(Label::verbatim(statistic.words()))]));
     }
-    let legend = [LegendEntry::area(palette.narrow, "elasticity, with its 95 % interval")];
+    let legend = [LegendEntry::area(palette.narrow, "elasticity of a statistic, with its 95 % interval")];
     Ok(sheet(style, &format!("Elasticities: {}", sweep.question.scenario.title), &legend, &panels))
 }

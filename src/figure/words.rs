@@ -24,10 +24,19 @@ pub fn letter(name: &str) -> Label {
     }
 }
 
-/// The last two words of a dotted key, e.g. "noise intensity".
+/// A dotted key in words, e.g. "static friction" or "intensity of the noise".
 fn key_words(key: &str) -> String {
-    let words: Vec<&str> = key.split('.').collect();
-    words[words.len().saturating_sub(2)..].join(" ").replace('_', " ")
+    let words: Vec<String> = key.split('.').map(|word| word.replace('_', " ")).collect();
+    match words.iter().map(String::as_str).collect::<Vec<_>>()[..] {
+        ["friction", name] => format!("{name} friction"),
+        ["temperature", "noise", .., name] => format!("{name} of the noise"),
+        ["temperature", "harmonics", .., name] => format!("{name} of the forcing"),
+        ["temperature", name] => format!("{name} of the temperature"),
+        ["bearing", name] => format!("{name} of the bearing"),
+        ["initial", name] => format!("initial {name}"),
+        [.., name] => name.to_string(),
+        [] => String::new(),
+    }
 }
 
 /// The label of a dotted key.
@@ -35,7 +44,7 @@ pub fn letter_of_key(key: &str) -> Label {
     Label::verbatim(&key_words(key))
 }
 
-/// The label of a key with its symbol, e.g. "noise intensity ρ".
+/// The label of a key with its symbol, e.g. "intensity of the noise ρ".
 pub fn symbol(name: &str, key: &str) -> Label {
     Label::verbatim(&format!("{} ", key_words(key))).and(letter(name))
 }
@@ -48,6 +57,19 @@ pub fn grouped(n: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn keys_become_words() {
+        for (key, words) in [
+            ("friction.static", "static friction"),
+            ("temperature.noise.0.relaxation_rate", "relaxation rate of the noise"),
+            ("temperature.harmonics.0.angular_frequency", "angular frequency of the forcing"),
+            ("oscillator.mass", "mass"),
+            ("force.parameters.mu", "mu"),
+        ] {
+            assert_eq!(key_words(key), words);
+        }
+    }
 
     #[test]
     fn numbers_are_grouped() {

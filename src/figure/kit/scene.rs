@@ -209,6 +209,8 @@ pub struct Drawing {
     pub title: String,
     /// Its items, from back to front.
     pub items: Vec<Item>,
+    /// Number of notes for which there was no room.
+    pub left_out: usize,
 }
 
 impl Item {
