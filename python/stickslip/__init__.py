@@ -20,6 +20,7 @@ from . import _native
 from ._bearing import Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
+from ._frames import events, summary
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
@@ -57,6 +58,7 @@ __all__ = [
     "Weather",
     "calibrate",
     "check",
+    "events",
     "fit_temperature",
     "forecast",
     "load",
@@ -64,6 +66,7 @@ __all__ = [
     "plot",
     "replay",
     "run",
+    "summary",
     "sweep",
     "trade",
     "twin",
