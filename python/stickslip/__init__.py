@@ -24,7 +24,7 @@ from ._frames import events, summary
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
-from ._scenario import ScenarioLike
+from ._scenario import ScenarioLike, Scheme, scenarios
 from ._studies import sweep, trade
 from ._verify import Verified, verify
 from .errors import (
@@ -51,6 +51,7 @@ __all__ = [
     "RunError",
     "ScenarioError",
     "ScenarioLike",
+    "Scheme",
     "StickSlipError",
     "StickSlipWarning",
     "VerificationError",
@@ -66,6 +67,7 @@ __all__ = [
     "plot",
     "replay",
     "run",
+    "scenarios",
     "summary",
     "sweep",
     "trade",
