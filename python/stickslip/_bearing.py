@@ -80,7 +80,7 @@ def calibrate(
             them: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
         time: the name of the column of times in a file or a DataFrame, or those of dates and of
             times of day with a comma between them; by default the one with a usual name, such as
-            `time`, `Timestamp` or `Date/Time`.
+            "time", "Timestamp" or "Date/Time".
         zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
         dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
             or the only order in which all of them are dates.

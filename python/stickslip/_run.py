@@ -26,7 +26,7 @@ Until = Union[float, str, Sequence[str]]
 Record = Union[str, Sequence[str], Mapping[str, Any]]
 
 #: The attributes of the state of a part.
-PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
+_PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
 
 
 def run(
@@ -191,7 +191,7 @@ def run(
     if accuracy is not None:
         ds.attrs["accuracy"] = goal
     if state is not None:
-        ds["part_state"] = ("part_state", np.frombuffer(state, dtype=np.uint8), PART_STATE)
+        ds["part_state"] = ("part_state", np.frombuffer(state, dtype=np.uint8), _PART_STATE)
     return ds.merge(_of_own(estimates)) if estimates else ds
 
 

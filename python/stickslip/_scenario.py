@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 #: The path of a file, TOML text, the name of a shipped scenario, or a dictionary.
 ScenarioLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
-#: The names of the schemes of simulation.
+#: The name of a scheme: "discrete-vi", "corrected-vi", "event-driven" or "quasi-static".
 Scheme = Literal["discrete-vi", "corrected-vi", "event-driven", "quasi-static"]
 
 #: Keys of a scenario with their values: dotted keys such as "friction.static", or tables as
