@@ -34,8 +34,8 @@ struct Read {
 
 fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<Read> {
     let parsed = || -> Result<Read, ScenarioError> {
-        let overrides = overrides.iter().map(|(key, value)| Override::set(&format!("{key}={value}")));
-        let overrides = overrides.collect::<Result<Vec<_>, _>>()?;
+        let laid = |(key, value): &(String, String)| Override::flag(&format!("set {key} ="), key, value);
+        let overrides: Vec<_> = overrides.iter().map(laid).collect();
         let (name, text) = match &text {
             Some(text) => (name.clone(), text.clone()),
             None => config::text_of(Path::new(&name))?,
@@ -463,7 +463,9 @@ pub fn twin<'py>(
         (None, Some(file)) => {
             let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
             let source = &scene.temperature_source;
-            let origin = Origin::File(&path);
+            let shipped = text.as_deref().and_then(|text| config::shipped(&name).filter(|known| known.text == text));
+            let built_in = shipped.and_then(|shipped| shipped.data.iter().find(|(known, _)| *known == file.as_str()));
+            let origin = built_in.map_or(Origin::File(&path), |(known, text)| Origin::Text(known, text));
             let table = origin.read_in_seconds(&source.layout, &[source.wanted(ColumnQuantity::Temperature)]);
             let mut table = table.map_err(|error| {
                 errors::of_argument(py, "scenario", &origin.name(), &error.to_string(), &error.remedy)

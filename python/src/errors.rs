@@ -44,21 +44,31 @@ pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
     })
 }
 
+/// A problem with its remedy behind it. The text of some errors of the engine has its remedy already.
+fn with_remedy(problem: &str, remedy: &str) -> String {
+    if problem.contains("\n  fix: ") { problem.to_string() } else { format!("{problem}\n  fix: {remedy}") }
+}
+
+/// A problem without the remedy behind it.
+fn bare(problem: &str) -> &str {
+    problem.split("\n  fix: ").next().unwrap_or(problem)
+}
+
 /// The exception for a wrong argument of a function.
 pub fn of_argument(py: Python<'_>, argument: &str, value: &str, problem: &str, remedy: &str) -> PyErr {
-    let message = format!("{argument} = {value}: {problem}\n  fix: {remedy}");
+    let message = format!("{argument} = {value}: {}", with_remedy(problem, remedy));
     exception(py, "ArgumentError", &message, |keywords| {
         keywords.set_item("argument", argument)?;
         keywords.set_item("value", value)?;
-        keywords.set_item("problem", problem)?;
+        keywords.set_item("problem", bare(problem))?;
         keywords.set_item("remedy", remedy)
     })
 }
 
 /// The exception for a run, a trade, a calibration or a forecast without a result.
 pub fn of_run(py: Python<'_>, problem: &str, remedy: &str) -> PyErr {
-    exception(py, "RunError", &format!("{problem}\n  fix: {remedy}"), |keywords| {
-        keywords.set_item("problem", problem)?;
+    exception(py, "RunError", &with_remedy(problem, remedy), |keywords| {
+        keywords.set_item("problem", bare(problem))?;
         keywords.set_item("remedy", remedy)
     })
 }

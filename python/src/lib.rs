@@ -42,6 +42,7 @@ mod _native {
         module.add("VERSION", stick_slip::engine::PROGRAM_VERSION)?;
         module.add("GIT_HASH", stick_slip::engine::GIT_HASH)?;
         let statistics = stick_slip::stats::Statistic::ALL.map(stick_slip::stats::Statistic::name);
-        module.add("STATISTICS", statistics.to_vec())
+        module.add("STATISTICS", statistics.to_vec())?;
+        module.add("SHIPPED", stick_slip::config::SHIPPED.map(|shipped| shipped.name).to_vec())
     }
 }

@@ -106,8 +106,8 @@ impl Scenario {
     }
 }
 
-/// An override: its flag (None for `--set`), its key, and the value as TOML.
-type Laid = (Option<String>, String, String);
+/// An override: what messages call it, with its value behind; its key, and the value as TOML.
+type Laid = (String, String, String);
 
 /// Reads and checks a scenario: the file with this name, or `text`, which has this name in
 /// messages. With `are_stored`, the samples of a measured temperature are those that the text
@@ -123,11 +123,7 @@ pub fn parse(
     are_stored: bool,
 ) -> PyResult<Scenario> {
     let wrong = |error: ScenarioError| errors::of_scenario(py, &error);
-    let laid = |(flag, key, value): Laid| match flag {
-        Some(flag) => Ok(Override::flag(&flag, &key, &value)),
-        None => Override::set(&format!("{key}={value}")),
-    };
-    let overrides = overrides.into_iter().map(laid).collect::<Result<Vec<_>, _>>().map_err(wrong)?;
+    let overrides = overrides.iter().map(|(shown, key, value)| Override::flag(shown, key, value)).collect();
     let shipped = text.and_then(|text| config::shipped(name).filter(|shipped| shipped.text == text));
     let (name, text) = match text {
         Some(text) => (name.to_string(), text.to_string()),

@@ -109,8 +109,11 @@ pub fn sweep<'py>(
         let symbol = |key: &str| symbol_and_meaning(key).map(|(symbol, _)| symbol.to_string());
         let remedy = "give {key: values}, where values are numbers, \"START:STOP:COUNT\" or \"log:START:STOP:COUNT\"";
         let axis = |text: &String| {
-            SweepAxis::parse(text, symbol)
-                .map_err(|error| errors::of_argument(py, "vary", text, &error.to_string(), remedy))
+            SweepAxis::parse(text, symbol).map_err(|error| {
+                // Its own remedy is for those who write the values as a text.
+                let problem = error.to_string().replace(&error.remedy, remedy);
+                errors::of_argument(py, "vary", text, &problem, remedy)
+            })
         };
         let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
         let remedy = "give other names, as many values where they are zipped, or fewer";

@@ -20,10 +20,11 @@ from . import _native
 from ._bearing import Weather, calibrate, fit_temperature, forecast, twin
 from ._check import Check, check
 from ._data import load
+from ._frames import events, summary
 from ._own import Events
 from ._plot import Picture, plot
 from ._run import merge, replay, run
-from ._scenario import ScenarioLike
+from ._scenario import ScenarioLike, Scheme, scenarios
 from ._studies import sweep, trade
 from ._verify import Verified, verify
 from .errors import (
@@ -50,6 +51,7 @@ __all__ = [
     "RunError",
     "ScenarioError",
     "ScenarioLike",
+    "Scheme",
     "StickSlipError",
     "StickSlipWarning",
     "VerificationError",
@@ -57,6 +59,7 @@ __all__ = [
     "Weather",
     "calibrate",
     "check",
+    "events",
     "fit_temperature",
     "forecast",
     "load",
@@ -64,6 +67,8 @@ __all__ = [
     "plot",
     "replay",
     "run",
+    "scenarios",
+    "summary",
     "sweep",
     "trade",
     "twin",

@@ -6,11 +6,13 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import timedelta
-from typing import TYPE_CHECKING, Any, Union
+from typing import TYPE_CHECKING, Any, Literal
 
 from . import _native
 from ._data import dataset, ready, warn
 from ._scenario import ScenarioLike, Settings, samples, source, written
+from ._time import Time
+from ._time import seconds as _seconds
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -18,15 +20,13 @@ if TYPE_CHECKING:
     import numpy.typing as npt
     import xarray as xr
 
-#: A length of time: seconds, or a timedelta.
-Time = Union[float, timedelta]
 
 def calibrate(
     scenario: ScenarioLike,
     data: Any,
     displacement: Any = None,
     *,
-    method: str = "both",
+    method: Literal["slips", "err", "both"] = "both",
     fit: Sequence[str] = (),
     bounds: Mapping[str, tuple[float, float]] | None = None,
     starts: int = 10,
@@ -69,8 +69,8 @@ def calibrate(
             e.g. `{"friction.static": (4e5, 6e5)}`. By default a box around the estimates from the
             slips.
         starts: number of starting points of the least squares, from 1 to 1000.
-        lag: delay of the temperature of the steel behind the thermometer, in seconds or as a
-            timedelta; estimated if not given.
+        lag: delay of the temperature of the steel behind the thermometer, in seconds, as a text
+            such as "10m", or as a timedelta; estimated if not given.
         interval: confidence level of the intervals, from 0.5 to 0.999.
         temperature: the name of the column of temperatures in a file or a DataFrame; by default the
             one whose name begins with `temperature`.
@@ -80,7 +80,7 @@ def calibrate(
             them: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
         time: the name of the column of times in a file or a DataFrame, or those of dates and of
             times of day with a comma between them; by default the one with a usual name, such as
-            `time`, `Timestamp` or `Date/Time`.
+            "time", "Timestamp" or "Date/Time".
         zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
         dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
             or the only order in which all of them are dates.
@@ -290,9 +290,9 @@ def fit_temperature(
             Celsius, as for `calibrate`.
         processes: largest number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast
             and a slow one.
-        periods: the periods of the harmonics, in seconds or as timedelta; by default a year of
-            365.25 days and a day, as far as the samples tell them. An empty sequence fits no
-            harmonics.
+        periods: the periods of the harmonics, in seconds, as a text such as "10m", or as a
+            timedelta; by default a year of 365.25 days and a day, as far as the samples tell them.
+            An empty sequence fits no harmonics.
         temperature, temperature_unit, time, zone, dates, skip, missing: as for `calibrate`.
 
     Returns:
@@ -395,26 +395,28 @@ def twin(
             from its harmonics and noise.
         seed: seed of all random numbers. Each of the errors below has random numbers of its own.
         sensor_noise: the standard deviations of the white and of the red noise of the displacement
-            sensor, in metres, and the correlation time of the red noise, in seconds or as a
-            timedelta.
+            sensor, in metres, and the correlation time of the red noise, in seconds, as a text such
+            as "10m", or as a timedelta.
         scatter: relative standard deviation of f_s from slip to slip, from 0 to below 0.5; f_d does
             not vary.
-        lag: delay of the temperature of the steel behind the thermometer, in seconds or as a
-            timedelta.
+        lag: delay of the temperature of the steel behind the thermometer, in seconds, as a text
+            such as "10m", or as a timedelta.
         resolution: resolution of the thermometer in kelvin: its readings are multiples of it.
         spikes: the share of displacements that are outliers, from 0 to below 0.5; they are off by
             up to 20 standard deviations of the noise of the sensor.
         gaps: number of gaps in the measurement, of one to five days each.
         drift: drift of the displacement sensor, in metres a year.
-        zero_set: when the zero of the displacement sensor is set, in seconds or as a timedelta, and
-            by how many metres its readings move from then on; None where it is not set.
+        zero_set: when the zero of the displacement sensor is set, in seconds, as a text such as
+            "10m", or as a timedelta, and by how many metres its readings move from then on; None
+            where it is not set.
         thermometer_every: the thermometer shows only every so-many-th sample; its other samples are
             NaN.
         start: the date of the first sample (UTC where it has no zone), at which t = 0 in the
             harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
-        duration: length of the measurement, in seconds or as a timedelta, if the temperature is
-            simulated.
-        every: time between samples, in seconds or as a timedelta, if the temperature is simulated.
+        duration: length of the measurement, in seconds, as a text such as "10m", or as a timedelta,
+            if the temperature is simulated.
+        every: time between samples, in seconds, as a text such as "10m", or as a timedelta, if the
+            temperature is simulated.
         set: further keys of the scenario with their values, as for `run`.
         temperature: a measured temperature, which replaces `[temperature.series]`, in degrees
             Celsius over time in seconds or dates, in the forms that `run` accepts.
@@ -447,7 +449,7 @@ def twin(
         )
     sds: list[float] = []
     for sd in (*sensor_noise[:2], 0.0)[:2]:
-        if isinstance(sd, timedelta) or not 0 <= sd < float("inf"):
+        if isinstance(sd, (str, timedelta)) or not 0 <= sd < float("inf"):
             raise wrong_argument(
                 "sensor_noise", sd, "it is no standard deviation", "give metres, 0 or above"
             )
@@ -630,15 +632,6 @@ def _arrays(arrays: list[Any] | None) -> _native.Measured:
         "layout": _layout(),
         "temperature_layout": _layout(),
     }
-
-
-def _seconds(argument: str, time: Time) -> float:
-    seconds = time.total_seconds() if isinstance(time, timedelta) else float(time)
-    if not 0 < seconds < 1e12:
-        raise wrong_argument(
-            argument, time, "it is no time above zero", "give seconds, or a timedelta"
-        )
-    return seconds
 
 
 def _probability(interval: float) -> None:

@@ -5,7 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
-from ._scenario import ScenarioLike, Settings, parse
+from ._scenario import ScenarioLike, Scheme, Settings, parse
+from ._wording import in_python
 
 
 @dataclass(frozen=True)
@@ -32,7 +33,7 @@ def check(
     *,
     paths: int | None = None,
     seed: int | None = None,
-    scheme: str | None = None,
+    scheme: Scheme | None = None,
     step: float | None = None,
     tolerance: float | None = None,
     until: float | None = None,
@@ -52,7 +53,7 @@ def check(
         tolerance: relative error that the discretisation of "event-driven" and "quasi-static" may
             leave [scheme.tolerance].
         until: the time at which each path ends, in the unit of time of the scenario [time.end].
-        set: further keys with their values, e.g. `{"friction.static": 1.3}`.
+        set: further keys with their values, as for `run`.
         temperature: a measured temperature, as for `run`.
 
     Returns:
@@ -74,4 +75,5 @@ def check(
         tolerance=tolerance,
         until=until,
     )
-    return Check(parsed.title, parsed.toml, parsed.derived(), dict(parsed.warnings()))
+    warnings = {name: in_python(sentence) for name, sentence in parsed.warnings()}
+    return Check(parsed.title, parsed.toml, parsed.derived(), warnings)

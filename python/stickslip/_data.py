@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ._seal import has_seal
+from ._wording import in_python
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -88,4 +89,4 @@ def warn(sentences: list[str], level: int = 3) -> None:
     from .errors import StickSlipWarning
 
     for sentence in sentences:
-        warnings.warn(sentence, StickSlipWarning, stacklevel=level)
+        warnings.warn(in_python(sentence), StickSlipWarning, stacklevel=level)

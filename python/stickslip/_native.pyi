@@ -9,6 +9,7 @@ import numpy.typing as npt
 VERSION: str
 GIT_HASH: str
 STATISTICS: list[str]
+SHIPPED: list[str]
 
 # A data set of the engine: its attributes, and for each variable its name, dimensions, values and
 # attributes.
@@ -30,7 +31,7 @@ class Scenario:
 def parse(
     name: str,
     text: str | None,
-    overrides: Sequence[tuple[str | None, str, str]],
+    overrides: Sequence[tuple[str, str, str]],
     samples: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None = None,
     are_stored: bool = False,
 ) -> Scenario: ...

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
 #: Default width of a figure in millimetres: one column of a journal.
-COLUMN = 86.0
+_COLUMN = 86.0
 
 
 class Picture:
@@ -78,7 +78,7 @@ def plot(
     until: float | None = None,
     statistic: str | None = None,
     theme: str = "light",
-    width: float = COLUMN,
+    width: float = _COLUMN,
     log: bool = False,
     set: Settings | None = None,
 ) -> Picture:

@@ -3,14 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from datetime import timedelta
 from typing import TYPE_CHECKING, Any, Union
 
 from . import _native, _own
 from ._data import dataset, raw, ready, warn
 from ._own import Statistic
 from ._progress import Progress, shown
-from ._scenario import ScenarioLike, Settings, parse
+from ._scenario import ScenarioLike, Scheme, Settings, parse
+from ._time import Time
+from ._time import seconds as _seconds
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -25,7 +26,7 @@ Until = Union[float, str, Sequence[str]]
 Record = Union[str, Sequence[str], Mapping[str, Any]]
 
 #: The attributes of the state of a part.
-PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
+_PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
 
 
 def run(
@@ -33,7 +34,7 @@ def run(
     *,
     paths: int | None = None,
     seed: int | None = None,
-    scheme: str | None = None,
+    scheme: Scheme | None = None,
     step: float | None = None,
     tolerance: float | None = None,
     until: Until | None = None,
@@ -42,7 +43,7 @@ def run(
     temperature: Any = None,
     accuracy: float | None = None,
     statistic: str | Sequence[str] = (),
-    max_time: float | timedelta | None = None,
+    max_time: Time | None = None,
     part: str | None = None,
     bias: bool = True,
     own: Mapping[str, Statistic] | None = None,
@@ -78,7 +79,9 @@ def run(
             "stick_duration_mean < 0.5%", or "stick_duration_mean < 0.01" in the unit of the
             statistic. With goals, paths are added until the standard error of each named statistic
             is below its bound.
-        set: further keys of the scenario with their values, e.g. `{"friction.static": 1.3}`.
+        set: further keys of the scenario with their values, e.g. `{"friction.static": 1.3}` or
+            `{"friction": {"static": 1.3}}`. A dictionary as a value leaves the other keys of its
+            table as they are.
         record: what is kept of single paths: "paths" for a few numbers of each path, "events" for
             every event of each path, a list of both, or a dictionary such as `{"events": True,
             "trajectories": 3}`, in which `trajectories` is the number of paths whose trajectory is
@@ -94,8 +97,9 @@ def run(
             attribute `accuracy` of the result holds what was chosen.
         statistic: the name or the names of the statistics that `accuracy` is for; all of
             `STATISTICS` if none is named.
-        max_time: a limit of the wall-clock time, in seconds or as a timedelta. The run ends in time
-            for it, with the attribute `status` equal to "ended".
+        max_time: a limit of the wall-clock time: seconds, a text such as "10m", "1.5h" or "1d 2h",
+            or a timedelta. The run ends in time for it, with the attribute `status` equal to
+            "ended".
         part: one part of the run, e.g. "3/16" for the third of 16. `merge` joins the parts. It
             cannot be given together with a goal, `max_time`, `accuracy` or `own`.
         bias: whether to estimate the bias of each statistic that comes from the time step. The
@@ -138,7 +142,7 @@ def run(
     """
     ready()
     end, goals = _end_and_goals(until)
-    seconds = _seconds(max_time)
+    seconds = None if max_time is None else _seconds("max_time", max_time)
     settings = dict(set or {}) | _recorded(record)
     parsed = parse(
         scenario,
@@ -187,7 +191,7 @@ def run(
     if accuracy is not None:
         ds.attrs["accuracy"] = goal
     if state is not None:
-        ds["part_state"] = ("part_state", np.frombuffer(state, dtype=np.uint8), PART_STATE)
+        ds["part_state"] = ("part_state", np.frombuffer(state, dtype=np.uint8), _PART_STATE)
     return ds.merge(_of_own(estimates)) if estimates else ds
 
 
@@ -312,7 +316,7 @@ def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
     stored = None
     if "series_time" in run:
         stored = (run.series_time.to_numpy().copy(), run.series_temperature.to_numpy().copy())
-    laid = [] if paths is None else [("--paths", "ensemble.paths", str(paths))]
+    laid = [] if paths is None else [("paths =", "ensemble.paths", str(paths))]
     return _native.parse("run", text, laid, stored, are_stored=True)
 
 
@@ -326,6 +330,15 @@ def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:
         raise wrong_argument(
             "until", until, "it has more than one end of the simulation", "give one time, and goals"
         )
+    try:
+        float(*ends or "0")
+    except ValueError:
+        raise wrong_argument(
+            "until",
+            repr(ends[0]),
+            "it is neither a time nor a goal",
+            'give a number, or a goal such as "stick_duration_mean < 0.5%"',
+        ) from None
     return (ends[0] if ends else None), [text for text in all_of_them if "<" in text]
 
 
@@ -337,12 +350,3 @@ def _recorded(record: Record | None) -> dict[str, Any]:
         return {f"record.{name}": value for name, value in record.items()}
     names = [record] if isinstance(record, str) else record
     return {f"record.{name}": True for name in names}
-
-
-def _seconds(time: float | timedelta | None) -> float | None:
-    seconds = time.total_seconds() if isinstance(time, timedelta) else time
-    if seconds is not None and not 0 < seconds < 1e9:
-        raise wrong_argument(
-            "max_time", time, "it is no time", "give a positive number of seconds, or a timedelta"
-        )
-    return seconds

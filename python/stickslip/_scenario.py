@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Mapping
-from typing import TYPE_CHECKING, Any, Union
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any, Literal, Union
 
 from . import _native, _toml
 from ._data import warn
@@ -17,30 +17,43 @@ if TYPE_CHECKING:
 #: The path of a file, TOML text, the name of a shipped scenario, or a dictionary.
 ScenarioLike = Union[str, "os.PathLike[str]", Mapping[str, Any]]
 
-#: Keys of a scenario with their values: dotted keys such as "friction.static".
+#: The name of a scheme: "discrete-vi", "corrected-vi", "event-driven" or "quasi-static".
+Scheme = Literal["discrete-vi", "corrected-vi", "event-driven", "quasi-static"]
+
+#: Keys of a scenario with their values: dotted keys such as "friction.static", or tables as
+#: dictionaries.
 Settings = Mapping[str, Any]
 
 #: Labels of the unit of time that mean seconds.
 _SECONDS = ("", "s", "sec", "second", "seconds")
 
 
-#: Arguments that replace a key of the scenario: the flag of the command that messages quote, and
-#: the key.
-_FLAGS = {
-    "paths": ("--paths", "ensemble.paths"),
-    "seed": ("--seed", "ensemble.seed"),
-    "scheme": ("--scheme", "scheme.kind"),
-    "tolerance": ("--tolerance", "scheme.tolerance"),
-    "step": ("--step", "time.step"),
-    "until": ("--until", "time.end"),
+#: Arguments that replace a key of the scenario, and the key.
+_KEYS = {
+    "paths": "ensemble.paths",
+    "seed": "ensemble.seed",
+    "scheme": "scheme.kind",
+    "tolerance": "scheme.tolerance",
+    "step": "time.step",
+    "until": "time.end",
 }
+
+
+def scenarios() -> dict[str, str]:
+    """The shipped scenarios.
+
+    Returns:
+        The title of each by its name, which every function accepts as a scenario.
+        `check(name).toml` is its text, with every default written out.
+    """
+    return {name: _native.parse(name, _native.shipped(name), []).title for name in _native.SHIPPED}
 
 
 def parse(
     scenario: ScenarioLike,
     settings: Settings | None = None,
     temperature: Any = None,
-    **flags: object,
+    **arguments: object,
 ) -> _native.Scenario:
     """Read a scenario and apply overrides.
 
@@ -48,12 +61,11 @@ def parse(
     `tolerance`, `step` and `until` that are not None.
     """
     name, text = source(scenario)
-    laid: list[tuple[str | None, str, str]] = [
-        (None, key, given) for key, given in written(settings)
-    ]
-    for argument, (flag, key) in _FLAGS.items():
-        if flags.get(argument) is not None:
-            laid.append((flag, key, _bare(key, flags[argument])))
+    # Messages quote the first of the three with the value behind it.
+    laid = [(f"set {key} =", key, given) for key, given in written(settings)]
+    for argument, key in _KEYS.items():
+        if arguments.get(argument) is not None:
+            laid.append((f"{argument} =", key, _bare(key, arguments[argument])))
     times_and_values = None
     if temperature is not None:
         times, values, first = samples(temperature)
@@ -78,8 +90,18 @@ def parse(
 
 
 def written(settings: Settings | None) -> list[tuple[str, str]]:
-    """The keys with their values as TOML."""
-    return [(key, _toml.value(key, given)) for key, given in (settings or {}).items()]
+    """The dotted keys with their values as TOML."""
+    return [(key, _toml.value(key, given)) for key, given in _flat("", settings or {})]
+
+
+def _flat(table: str, settings: Settings) -> Iterator[tuple[str, Any]]:
+    """The dotted keys with their values. A dictionary stands for the keys in it, so that it leaves
+    the others of its table as they are."""
+    for key, given in settings.items():
+        if isinstance(given, Mapping) and given:
+            yield from _flat(f"{table}{key}.", given)
+        else:
+            yield f"{table}{key}", given
 
 
 def source(scenario: ScenarioLike) -> tuple[str, str | None]:
@@ -149,5 +171,5 @@ def samples(
 
 
 def _bare(key: str, given: object) -> str:
-    """A value as it is typed after a flag: a text has no quotation marks."""
+    """A value as TOML, where a text has no quotation marks."""
     return given if isinstance(given, str) else _toml.value(key, given)

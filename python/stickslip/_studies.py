@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, Union
 from . import _native, _toml
 from ._data import dataset, ready, warn
 from ._progress import Progress, shown
-from ._scenario import ScenarioLike, Settings, parse
+from ._scenario import ScenarioLike, Scheme, Settings, parse
+from ._time import Time, seconds
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -28,7 +29,7 @@ def sweep(
     independent: bool = False,
     paths: int | None = None,
     seed: int | None = None,
-    scheme: str | None = None,
+    scheme: Scheme | None = None,
     step: float | None = None,
     tolerance: float | None = None,
     until: float | None = None,
@@ -115,7 +116,7 @@ def sweep(
 def trade(
     scenario: ScenarioLike,
     *,
-    budget: float = 30.0,
+    budget: Time = 30.0,
     seed: int | None = None,
     set: Settings | None = None,
     temperature: Any = None,
@@ -129,7 +130,7 @@ def trade(
 
     Args:
         scenario, seed, set, temperature, threads: as for `run`.
-        budget: how long to measure, in seconds, from 1 to 604800.
+        budget: how long to measure, from 1 s to 7 d: seconds, a text such as "10m", or a timedelta.
 
     Returns:
         Along `rung`, one for each step or tolerance of each scheme: `rung_scheme`, `rung_step`,
@@ -148,7 +149,7 @@ def trade(
     """
     ready()
     parsed = parse(scenario, set, temperature, seed=seed)
-    made, is_interrupted = _native.trade(parsed, float(budget), threads)
+    made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads)
     warn(["interrupted: what was measured until then is told"] if is_interrupted else [])
     return dataset(made)
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from ._wording import in_python
+
 __all__ = [
     "ArgumentError",
     "RunError",
@@ -14,7 +16,7 @@ __all__ = [
 
 class StickSlipError(Exception):
     """The base class of all errors of this package. The text is the message that the command
-    prints.
+    prints, with arguments in place of flags.
 
     Attributes:
         problem: what is wrong.
@@ -25,20 +27,20 @@ class StickSlipError(Exception):
     remedy: str
 
     def __init__(self, message: str, *, problem: str = "", remedy: str = "") -> None:
-        super().__init__(message)
-        self.problem = problem
-        self.remedy = remedy
+        super().__init__(in_python(message))
+        self.problem = in_python(problem)
+        self.remedy = in_python(remedy)
 
 
 class ScenarioError(StickSlipError, ValueError):
-    """A scenario cannot be read, or something in it or in an override is wrong.
+    """A scenario cannot be read, or a value in it or in an argument for it is wrong.
 
     If several things are wrong, the text names all of them, and the attributes describe the first.
 
     Attributes:
-        origin: the file, or the override.
-        line: line in the text, from 1; None for an override.
-        column: column in the text, from 1; None for an override.
+        origin: the file, or the argument with its value.
+        line: line in the text, from 1; None for an argument.
+        column: column in the text, from 1; None for an argument.
         key: the dotted key that is wrong, if there is one.
         value: the value as it was written, if there is one.
         excerpt: the line, with a caret under the place.

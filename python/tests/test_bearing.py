@@ -366,3 +366,9 @@ def test_a_twin_is_calibrated_to_its_truth():
         with pytest.raises(ss.ArgumentError) as raised:
             ss.twin(BRIDGE, **arguments)
         assert raised.value.argument == argument
+
+
+def test_the_shipped_bridge_has_its_temperature_with_it(monkeypatch, tmp_path):
+    from_file = ss.twin(ROOT / "scenarios/bridge.toml", seed=3)
+    monkeypatch.chdir(tmp_path)
+    same(ss.twin("bridge", seed=3), from_file)

@@ -1,10 +1,16 @@
-"""Messages are those of the command, and exceptions have their parts as attributes."""
+"""Messages are those of the command in words of Python, and exceptions have their parts as
+attributes."""
 
 from __future__ import annotations
 
 import pytest
 import stickslip as ss
 from conftest import ROOT, SCENARIOS
+
+BEARING = {
+    "oscillator": {"stiffness": 2.5e8, "dilatation": 4e-4},
+    "friction": {"static": 5e5, "dynamic": 4.5e5},
+}
 
 FAULTS = {
     "a key that is misspelt": ("[friction]\nstatic = ", "[friction]\nsttic = "),
@@ -37,19 +43,67 @@ def test_the_message_of_a_text_is_that_of_its_file(name, mc, tmp_path):
     )
 
 
-def test_an_override_is_named_as_the_command_names_it(mc):
+def test_an_argument_that_replaces_a_key_is_named_where_the_command_names_a_flag(mc):
     _, message = mc(
         "check", SCENARIOS / "rho025.toml", "--set", "friction.static=0.5", succeeds=False
     )
     with pytest.raises(ss.ScenarioError) as raised:
         ss.run("rho025", set={"friction.static": 0.5})
-    assert f"error: {raised.value}".strip() == message.strip()
-    assert raised.value.origin == "--set friction.static=0.5"
+    origin = "set friction.static = 0.5"
+    assert f"error: {raised.value}".replace(origin, "--set friction.static=0.5") == message.strip()
+    assert raised.value.origin == origin
     assert raised.value.key == "friction.static" and raised.value.value == "0.5"
-    with pytest.raises(ss.ScenarioError, match="--paths 0"):
-        ss.run("rho025", paths=0)
-    with pytest.raises(ss.ScenarioError, match="fix:"):
-        ss.run("no-such-file.toml")
+    with pytest.raises(ss.ScenarioError, match="^set friction.static = 0.5: "):
+        ss.twin("viaduct", set={"friction.static": 0.5})
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        ({"paths": 0}, ["paths = 0: "]),
+        ({"step": 0.1, "scheme": "event-driven"}, ["step = 0.1: ", '`scheme="discrete-vi"`']),
+        ({"scheme": "event"}, ["scheme = event: ", 'did you mean "event-driven"']),
+        ({"set": {"friction": {"sttic": 1}}}, ["set friction.sttic = 1: "]),
+        ({"set": {"friction.static.x": 1}}, ["check(scenario).toml has every key"]),
+    ],
+)
+def test_a_message_about_a_scenario_speaks_of_arguments(arguments, words):
+    with pytest.raises(ss.ScenarioError) as raised:
+        ss.run("rho025", **arguments)
+    assert "--" not in str(raised.value) and "`mc " not in str(raised.value)
+    assert all(word in str(raised.value) for word in words), raised.value
+
+
+def test_a_scenario_that_is_not_there_is_no_business_of_the_command():
+    for missing in ("no-such-file.toml", "no/rho025.toml", "."):
+        with pytest.raises(ss.ScenarioError, match="fix:") as raised:
+            ss.run(missing)
+        assert "mc " not in str(raised.value) and "mc " not in raised.value.remedy
+
+
+def test_a_warning_speaks_of_arguments():
+    with pytest.warns(ss.StickSlipWarning, match='`scheme="event-driven"` has none'):
+        ss.run("rho025", paths=256, bias=False, scheme="corrected-vi", step=0.05)
+
+
+@pytest.mark.parametrize(
+    "call",
+    [
+        lambda: ss.twin({"temperature": {"series": {"file": "none.csv"}}, **BEARING}),
+        lambda: ss.calibrate(BEARING, "none.csv"),
+        lambda: ss.fit_temperature("none.csv"),
+        lambda: ss.fit_temperature(([0.0, 0.0], [1.0, 2.0])),
+        lambda: ss.sweep("rho025", {"friction.static": "1:2"}),
+        lambda: ss.sweep("rho025", {"friction.static": []}),
+        lambda: ss.run("rho025", temperature=([0.0, 0.0], [1.0, 2.0])),
+    ],
+)
+def test_a_remedy_is_told_once(call):
+    with pytest.raises(ss.ArgumentError) as raised:
+        call()
+    error = raised.value
+    assert str(error).count("fix: ") == 1 and str(error).endswith(error.remedy), error
+    assert error.problem and "fix: " not in error.problem
 
 
 @pytest.mark.parametrize(
@@ -58,7 +112,11 @@ def test_an_override_is_named_as_the_command_names_it(mc):
         ({"until": "stick_duration_mean < soon"}, "until"),
         ({"until": "stick_duration_maen < 1%"}, "until"),
         ({"until": ["10", "20"]}, "until"),
+        ({"until": "stick_duration_mean > 1%"}, "until"),
         ({"max_time": -1}, "max_time"),
+        ({"max_time": "soon"}, "max_time"),
+        ({"max_time": "10 minutes or so"}, "max_time"),
+        ({"max_time": ""}, "max_time"),
         ({"threads": 0}, "threads"),
         ({"threads": -1}, "threads"),
         ({"threads": 1025}, "threads"),

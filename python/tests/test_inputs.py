@@ -3,7 +3,9 @@ each form."""
 
 from __future__ import annotations
 
+import re
 import tomllib
+from datetime import timedelta
 
 import numpy as np
 import pytest
@@ -29,6 +31,42 @@ def test_every_scenario_goes_through_a_dictionary(name):
     assert ss.check(tomllib.loads(path.read_text())).toml == ss.check(path).toml
 
 
+def test_a_nested_dictionary_sets_its_keys_and_leaves_the_others():
+    dotted = ss.check("rho025", set={"friction.static": 1.3, "temperature.noise.intensity": 0.1})
+    nested = {"friction": {"static": 1.3}, "temperature": {"noise": {"intensity": 0.1}}}
+    assert ss.check("rho025", set=nested) == dotted
+    assert ss.check("rho025", set={"temperature.noise": {"intensity": 0.1}, **nested}) == dotted
+    assert ss.check("duffing", set={"force": {"parameters": {"k3": 0.03}}}) == ss.check(
+        "duffing", set={"force.parameters.k3": 0.03}
+    )
+
+
+def test_the_shipped_scenarios_have_titles():
+    shipped = ss.scenarios()
+    assert set(shipped) == {path.stem for path in SCENARIOS.glob("*.toml")}
+    assert shipped["rho025"] == ss.check("rho025").title
+
+
+@pytest.mark.parametrize(
+    ("text", "seconds"),
+    [
+        ("90", 90.0),
+        ("90s", 90.0),
+        ("10m", 600.0),
+        ("10 min", 600.0),
+        ("1.5h", 5400.0),
+        ("4h50m", 17_400.0),
+        ("1d 2h", 93_600.0),
+        (timedelta(minutes=10), 600.0),
+        (1e3, 1000.0),
+    ],
+)
+def test_a_length_of_time_is_a_number_a_text_or_a_timedelta(text, seconds):
+    by_text = ss.twin("viaduct", duration=4 * seconds, every=text)
+    same(by_text, ss.twin("viaduct", duration=4 * seconds, every=seconds))
+    assert ss.run("rho025", paths=256, bias=False, max_time=text).attrs["status"] == "complete"
+
+
 def test_numbers_of_numpy_are_numbers():
     plain = ss.check(
         "rho025", set={"friction.static": 1.3, "ensemble.paths": 500, "record.events": True}
@@ -52,7 +90,11 @@ def test_a_check_says_what_follows_and_what_to_beware_of(mc):
     theirs, mine = json.loads(printed), ss.check(SCENARIOS / "rho025.toml")
     assert mine.toml == theirs["resolved"]
     assert mine.derived == theirs["derived"]
-    assert mine.warnings == {warning["name"]: warning["text"] for warning in theirs["warnings"]}
+    # A flag of the command is an argument here.
+    said = {warning["name"]: warning["text"] for warning in theirs["warnings"]}
+    assert any("`--scheme event-driven`" in text for text in said.values())
+    in_python = {n: re.sub(r"`--scheme ([\w-]+)`", r'`scheme="\1"`', t) for n, t in said.items()}
+    assert mine.warnings == in_python
 
 
 TIMES = np.arange(0.0, 201.0, 0.5)

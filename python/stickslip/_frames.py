@@ -1,0 +1,127 @@
+"""Results as data frames of pandas: the events, and one row for each statistic."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from .errors import wrong_argument
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+#: Names of the kinds of events, in the order of their numbers.
+_KINDS = ("stick_entered", "slip_started", "sub_phase_boundary")
+
+#: The columns of numbers of a summary.
+_NUMBERS = (
+    "estimate",
+    "standard_error",
+    "interval_low",
+    "interval_high",
+    "bias",
+    "bias_uncertainty",
+    "estimate_corrected",
+    "estimate_corrected_low",
+    "estimate_corrected_high",
+)
+
+
+def events(ds: xr.Dataset) -> pd.DataFrame:
+    """The events of the paths as a data frame with one row for each event.
+
+    `ds.to_dataframe()` would combine every event with every path.
+
+    Args:
+        ds: a data set that `run(..., record="events")`, `merge` or `replay` returned, or `load` of
+            a file of them.
+
+    Returns:
+        The events of the first path in order of time, then those of the next path, and so on. The
+        columns are `path`, the number of the path; `time` in the unit of time of the scenario;
+        `displacement` and `force`, the total force besides friction, at the event; `sign`, the
+        direction of the sub-phase that starts, -1 or 1, or 0 where a stick starts; and `kind`, the
+        category "stick_entered", "slip_started" or "sub_phase_boundary". The attributes
+        `attrs["units"]` of the frame hold the units by column.
+
+    Raises:
+        ArgumentError: the data set has no events, or some of its paths were selected.
+        ModuleNotFoundError: pandas is not installed.
+    """
+    pandas = _pandas()
+    import numpy as np
+
+    if "event_count" not in ds or "event_time" not in ds:
+        raise wrong_argument(
+            "ds", type(ds).__name__, "it has no events", 'record them: run(..., record="events")'
+        )
+    count = ds.event_count.to_numpy()
+    if count.sum() != ds.sizes["event"]:
+        raise wrong_argument(
+            "ds",
+            f"{len(count)} paths",
+            f"they have {count.sum()} events, and the data set has {ds.sizes['event']}",
+            "make the frame of the whole data set, and select its rows",
+        )
+    columns: dict[str, Any] = {"path": np.repeat(ds["path"].to_numpy(), count)}
+    for name in ("time", "displacement", "force", "sign"):
+        columns[name] = ds[f"event_{name}"].to_numpy()
+    columns["kind"] = pandas.Categorical.from_codes(ds.event_kind.to_numpy(), _KINDS)
+    frame = pandas.DataFrame(columns)
+    with_units = ("time", "displacement", "force")
+    frame.attrs["units"] = {n: ds[f"event_{n}"].attrs.get("units", "") for n in with_units}
+    return frame
+
+
+def summary(ds: xr.Dataset) -> pd.DataFrame:
+    """The statistics as a data frame with one row for each, like `arviz.summary`.
+
+    Args:
+        ds: a data set that `run`, `merge` or `sweep` returned, or `load` of a file of them.
+
+    Returns:
+        The names of the statistics are the index; for a sweep its axes, or its points, come before
+        them in the index. The columns are `estimate`, `standard_error`, the 95 % confidence
+        interval from `interval_low` to `interval_high`, `bias` with `bias_uncertainty`,
+        `estimate_corrected` with its 95 % interval from `estimate_corrected_low` to
+        `estimate_corrected_high`, `unit` and `long_name`. A number that is unknown is NaN, and the
+        unit "1" is that of a number without one. The last rows are the statistics of your own, if
+        the run has some; their units are unknown to the program.
+
+    Raises:
+        ArgumentError: the data set has no statistics.
+        ModuleNotFoundError: pandas is not installed.
+    """
+    pandas = _pandas()
+    if "statistic" not in ds.dims or "estimate" not in ds:
+        raise wrong_argument(
+            "ds",
+            ds.attrs.get("format_name", type(ds).__name__),
+            "it has no statistics along `statistic`",
+            "give what run(), merge() or sweep() returned",
+        )
+    axes = [str(axis) for axis in ds.estimate.dims]
+    there = [name for name in _NUMBERS if name in ds]
+    units = {"unit": ds.statistic_unit, "long_name": ds.statistic_long_name}
+    # Coordinates that are no axis would be columns of their own.
+    of_numbers = ds[there].reset_coords(drop=True).assign(
+        {name: texts.reset_coords(drop=True).astype(str) for name, texts in units.items()}
+    )
+    frame = of_numbers.to_dataframe(dim_order=axes)
+    if "own_estimate" in ds:
+        own = {name: ds[f"own_{name}"].to_numpy() for name in _NUMBERS[:4]}
+        mine = pandas.DataFrame(own, index=ds.own.to_numpy()).assign(unit="", long_name="")
+        frame = pandas.concat([frame, mine]).rename_axis("statistic")
+    return frame.reindex(columns=[*_NUMBERS, *units])
+
+
+def _pandas() -> Any:
+    """The module pandas, which is imported only where a frame is made."""
+    try:
+        import pandas
+    except ModuleNotFoundError:
+        raise ModuleNotFoundError(
+            "events() and summary() return data frames of pandas, which is not installed\n"
+            "  fix: pip install pandas"
+        ) from None
+    return pandas
