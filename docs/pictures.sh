@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Draw the pictures of docs/pictures.md, docs/beyond-one-spring.md and docs/studies.md again: some seconds. tests/command/pictures.rs runs the same lines
-# and compares what comes out.
+# Draw the pictures of docs/pictures.md, docs/gallery.md and docs/studies.md again: some seconds.
+# tests/command/pictures.rs runs the same lines and compares what comes out.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 cargo build --release --quiet --bin mc
@@ -17,6 +17,12 @@ mc plot scenarios/belt.toml --until 40 -o path-belt.png
 mc plot scenarios/stribeck-belt.toml --until 40 -o path-stribeck-belt.png
 mc plot scenarios/duffing.toml --until 60 -o path-duffing.png
 mc plot scenarios/self-excited.toml --until 60 --set statistics.after=0 -o path-self-excited.png
+mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set oscillator.damping=0.1 --set temperature.trend=0 --set temperature.offset=1.5 --until 60 -o path-incline.png
+mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=0.5 --until 25 -o path-free.png
+mc run scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=1 --set temperature.noise.relaxation_rate=100 --set temperature.noise.diffusion=100 --until 40 --set statistics.after=20 --set time.output_step=0.4 --paths 400 --set record.density=true --quiet -o white.h5
+mc plot white.h5 --only density -o free-density.png
+mc sweep scenarios/shaw.toml --scheme event-driven --set friction.static=1 --set friction.dynamic=1 --set initial.displacement=0 --set oscillator.damping=0.1 --vary w=temperature.harmonics.0.angular_frequency=1.1:3:20 --until 800 --set statistics.after=600 --quiet -o den-hartog-w.h5
+mc plot den-hartog-w.h5 --only section -o den-hartog.png
 mc run scenarios/rho025.toml --scheme event-driven --paths 4000 -o run.h5
 mc plot run.h5 --only overview --path 41 -o overview.png
 mc plot run.h5 --only fan -o fan.png

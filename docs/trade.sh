@@ -1,5 +1,6 @@
 #!/usr/bin/env bash
-# Regenerate the tables and pictures of docs/trade.md: about four minutes. `docs/trade.sh [BUDGET]`
+# Regenerate the table of docs/trade.md, and the whole tables and pictures that it links to: about
+# four minutes. `docs/trade.sh [BUDGET]`
 set -euo pipefail
 cd "$(dirname "$0")/.."
 budget=${1:-45s}
@@ -12,8 +13,8 @@ for scene in shaw rho025 equal-friction damped viaduct; do
     target/release/mc trade "scenarios/$scene.toml" --budget "$budget" -o "$folder/$scene.h5" > "docs/pictures/trade-$scene.txt"
     cp "$folder/$scene.svg" "docs/pictures/trade-$scene.svg"
     cp "$folder/$scene.png" "docs/pictures/trade-$scene.png"
-    # Into the page: what 1 % and 0.1 % cost, in the block after the mark of the scene.
-    sed -n '/^RMSE 1 %/,/^RMSE 0.01 %/{/^RMSE 0.01 %/!p}' "docs/pictures/trade-$scene.txt" | sed '$d' >"$folder/block"
+    # Into the page: what 1 % costs, in the block after the mark of the scene, if the page has one.
+    sed -n '/^RMSE 1 %/,/^RMSE 0.1 %/{/^RMSE 0.1 %/!p}' "docs/pictures/trade-$scene.txt" | sed '$d' >"$folder/block"
     awk -v mark="<!-- $scene -->" -v block="$folder/block" '
         inside && /^```$/ { inside = 0 }
         !inside { print }

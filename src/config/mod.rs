@@ -152,6 +152,28 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     Ok((name, text))
 }
 
+impl Shipped {
+    /// The scenario with the overrides applied, checked. The data files that its text names are
+    /// those that are built into the program; only a file that an override names is read.
+    pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
+        parsed(&Sources::new(self.name, self.text, overrides, None).with_data(self.data))
+    }
+}
+
+impl Scenario {
+    /// The shipped scenario of this name, checked. If there is none, the error lists the names.
+    pub fn shipped(name: &str) -> Result<Self, ScenarioError> {
+        match shipped(name) {
+            Some(found) => found.parse(&[]),
+            None => Err(ScenarioError::Unreadable {
+                path: name.to_string(),
+                reason: "no shipped scenario has this name".into(),
+                remedy: format!("choose one of {}", SHIPPED.map(|scenario| scenario.name).join(", ")),
+            }),
+        }
+    }
+}
+
 impl Scenario {
     /// Read a file, apply the overrides in order, and check the result. The name of a shipped
     /// scenario stands for its file.

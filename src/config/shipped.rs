@@ -1,8 +1,5 @@
 //! The scenarios that are built into the program, including their comments.
 
-use super::overrides::Override;
-use super::source::Sources;
-use super::{Scenario, ScenarioError};
 use std::path::Path;
 
 /// A shipped scenario.
@@ -58,26 +55,4 @@ pub(super) fn at(path: &Path) -> Option<&'static Shipped> {
 pub(super) fn nearest(word: &str) -> Option<&'static str> {
     let alike = SHIPPED.iter().map(|scenario| (strsim::jaro_winkler(word, scenario.name), scenario.name));
     alike.filter(|(likeness, _)| *likeness > 0.85).max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, name)| name)
-}
-
-impl Shipped {
-    /// The scenario with the overrides applied, checked. The data files that its text names are
-    /// those that are built into the program; only a file that an override names is read.
-    pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-        super::parsed(&Sources::new(self.name, self.text, overrides, None).with_data(self.data))
-    }
-}
-
-impl Scenario {
-    /// The shipped scenario of this name, checked. If there is none, the error lists the names.
-    pub fn shipped(name: &str) -> Result<Self, ScenarioError> {
-        match shipped(name) {
-            Some(found) => found.parse(&[]),
-            None => Err(ScenarioError::Unreadable {
-                path: name.to_string(),
-                reason: "no shipped scenario has this name".into(),
-                remedy: format!("choose one of {}", SHIPPED.map(|scenario| scenario.name).join(", ")),
-            }),
-        }
-    }
 }

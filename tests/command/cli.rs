@@ -79,7 +79,7 @@ fn line_of(start: &str) -> usize {
 fn a_missing_file_is_named() {
     Desk::new().mc(&["check", "absent.toml"]).refused(&["absent.toml", "No such file", "fix: ", "mc init"]);
     Desk::new().mc(&["run", "absent.toml"]).refused(&["absent.toml", "No such file", "fix: "]);
-    Desk::new().mc(&["check", "shaw.toml"]).refused(&["fix: `mc init --from shaw`"]);
+    Desk::new().mc(&["check", "shaw.toml"]).refused(&["fix: `shaw` alone", "`mc init --from shaw`"]);
 }
 
 #[test]

@@ -255,7 +255,7 @@ fn a_file_without_what_a_table_needs_is_damaged() {
         let here = folder();
         run(&here, &[]);
         edited(&here, |file| file.unlink(name).expect("there"));
-        assert_refused(&here, &["show", "a.h5"], 1, &["a.h5", "damaged"]);
+        assert_refused(&here, &["show", "a.h5"], 1, &["a.h5", "is missing; another program left it out"]);
     }
     // A variable of another shape, and one of another type.
     for wrong in 0..2 {
