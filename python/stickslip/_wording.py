@@ -16,7 +16,10 @@ _IN_PYTHON = [
         (r"`--(threads)`|--(lag|starts|step|vary|elasticity)\b", r"\1\2"),
         (r"a file of `mc (run|sweep|trade|calibrate)`", r"a result of \1()"),
         (r"`mc run --part`", "run(..., part=...)"),
-        (r"`mc init --from ([\w-]+)` writes the shipped scenario", r'"\1" names the shipped one'),
+        (
+            r"`([\w-]+)` alone is the shipped scenario, and `mc init --from [\w-]+` writes it",
+            r'"\1" names the shipped one',
+        ),
         (r"; `mc init` writes one", ", or the name of one of scenarios()"),
         (r"`mc init` prints a scenario to start from", 'check("rho025").toml is one to start from'),
         (r"`mc check` prints every key of a scenario", "check(scenario).toml has every key"),
