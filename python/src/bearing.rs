@@ -143,6 +143,9 @@ impl Measured<'_> {
     }
 }
 
+/// Times, values, and what was repaired.
+type Repaired<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<String>);
+
 /// Times and values of a measurement in memory, repaired as those of a file are, and what was
 /// repaired. `quantity` is temperature or displacement.
 #[pyfunction]
@@ -153,7 +156,7 @@ pub fn repaired<'py>(
     quantity: &str,
     times: PyReadonlyArray1<'py, f64>,
     values: PyReadonlyArray1<'py, f64>,
-) -> PyResult<(Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<String>)> {
+) -> PyResult<Repaired<'py>> {
     let quantities = [ColumnQuantity::Temperature, ColumnQuantity::Displacement];
     let quantity = quantities.into_iter().find(|known| known.word() == quantity).unwrap_or(quantities[0]);
     let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());

@@ -4,7 +4,7 @@ use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
 use super::stamp::{self, Stamp};
 use super::unit::{self, Unit};
-use jiff::civil::{Date, DateTime, Time};
+use jiff::civil::DateTime;
 use jiff::fmt::temporal::DateTimeParser;
 use jiff::tz::{AmbiguousOffset, TimeZone};
 use jiff::{SignedDuration, Timestamp};
@@ -37,9 +37,10 @@ impl Start {
     }
 
     /// The date in UTC, and the time of day there as a share of the day.
-    pub(crate) fn date(&self) -> (Date, f64) {
+    #[cfg(feature = "figure")]
+    pub(crate) fn date(&self) -> (jiff::civil::Date, f64) {
         let there = self.0.to_zoned(TimeZone::UTC);
-        (there.date(), there.time().duration_since(Time::midnight()).as_secs_f64() / 86_400.0)
+        (there.date(), there.time().duration_since(jiff::civil::Time::midnight()).as_secs_f64() / 86_400.0)
     }
 
     /// The instant `seconds` later; `None` beyond the range of the calendar.
