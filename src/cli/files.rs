@@ -31,30 +31,31 @@ pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>)
 /// The error of a reader. A file of another kind is named, and so is the likeliest reason why
 /// something is missing from a file without a checksum.
 pub fn explained(path: &Path, error: StoreError) -> Failure {
-    match (error, store::kind(path)) {
-        (StoreError::Foreign { path: there }, Ok(Some(kind))) => match kind {
-            FileKind::Trade => other(path, "a trade", "`mc show`, `mc plot`, `mc report` and `mc verify`"),
-            FileKind::Sweep => other(path, "a sweep", "`mc show`, `mc plot`, `mc report`, `mc resume` and `mc verify`"),
-            FileKind::Calibration => other(path, "a calibration", "`mc show`, `mc plot`, `mc report` and `mc verify`"),
-            // The readers of runs do not take it for one, because its version is missing.
-            FileKind::Run => StoreError::Foreign { path: there }.into(),
+    let other = |what: &str, verbs: &str| {
+        let problem = format!("{} is {what}, which is not what this verb reads", path.display());
+        Failure::usage(problem, format!("{verbs} take it"))
+    };
+    match error {
+        StoreError::Foreign { .. } => match store::kind(path) {
+            Ok(Some(FileKind::Trade)) => other("a trade", "`mc show`, `mc plot`, `mc report` and `mc verify`"),
+            Ok(Some(FileKind::Sweep)) => {
+                other("a sweep", "`mc show`, `mc plot`, `mc report`, `mc resume` and `mc verify`")
+            }
+            Ok(Some(FileKind::Calibration)) => {
+                other("a calibration", "`mc show`, `mc plot`, `mc report` and `mc verify`")
+            }
+            // A run that the readers of runs do not know lacks its version.
+            Ok(Some(FileKind::Run) | None) | Err(_) => error.into(),
         },
-        (StoreError::Damaged { cause, .. }, _) if matches!(store::is_sealed(path), Ok(false)) => {
+        StoreError::Damaged { cause, .. } if matches!(store::is_sealed(path), Ok(false)) => {
             let problem = format!(
                 "{}: {cause}; another program left it out or changed it, or the file was cut short",
                 path.display()
             );
-            Failure::Run(format!("{problem}\n  fix: save all variables with it, or take the file as mc wrote it"))
+            Failure::run(problem, "save all variables with it, or take the file as mc wrote it")
         }
-        (error, _) => Failure::from(error),
+        error => error.into(),
     }
-}
-
-fn other(path: &Path, what: &str, verbs: &str) -> Failure {
-    Failure::usage(
-        format!("{} is {what}, which is not what this verb reads", path.display()),
-        format!("{verbs} take it"),
-    )
 }
 
 /// Says once of each file that it has no checksum, and has a child process read it first.

@@ -7,11 +7,9 @@ use crate::cli::document::JsonWarning;
 use crate::cli::numbers::{Digits, grouped, percent, significant, time};
 use crate::cli::table::Row;
 use stick_slip::bearing::calibration::{Calibration, ParameterEstimate, Quantity};
+use stick_slip::bearing::forecast::YEAR;
 use stick_slip::figure::{Style, Subject, named};
 use stick_slip::store::StoredCalibration;
-
-/// Seconds of a year.
-const YEAR: f64 = 365.25 * 86_400.0;
 
 /// What neither fit nor forecast knows of.
 const LEFT_OUT: &str = "Traffic, wind and brakes, which move a bearing faster than the weather does; wear, which changes friction; \

@@ -130,9 +130,8 @@ impl Against {
     ) -> Result<()> {
         let there: BTreeSet<String> = location.attr_names()?.into_iter().collect();
         let names = there.iter().chain(expected.keys().filter(|name| !there.contains(*name)));
-        let is_left_out = |name: &String| [left_out, self.laid_out].concat().contains(&name.as_str());
-        for name in names.filter(|name| !is_left_out(name)).cloned().collect::<Vec<_>>() {
-            let name = &name;
+        let left_out = [left_out, self.laid_out].concat();
+        for name in names.filter(|name| !left_out.contains(&name.as_str())) {
             let computed = expected.get(name);
             if computed.is_none() && OF_LIBRARY.contains(&name.as_str()) {
                 continue;
