@@ -109,7 +109,7 @@ fn the_cascade_of_forcing_a_quarter_is_approached_with_order_one() {
 }
 
 #[test]
-fn the_cascade_of_forcing_a_half_is_approached_with_order_one_sub_phases_included() {
+fn the_cascade_of_forcing_a_half_is_approached_with_order_one() {
     assert_first_order(0.5, &EXACT_HALF, (9.6, 14.5));
     let keep = simulate(&paper(0.5, 0.0), 140.0, 0.001, 140.0, &[0]);
     let turns = keep.events[0].iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).count();
