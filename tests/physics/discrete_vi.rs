@@ -562,7 +562,7 @@ fn steps_fed_by_finer_ones_see_the_same_noise() {
 }
 
 /// The row at which a stick ends belongs to the slip, as its event does. So with a row at every
-/// step, a row is static if and only if the body is at rest there and at the next row, the force of
+/// step, a row is static if and only if the body is at rest there and at the next row. The force of
 /// a static row is held by f_s, and the static rows times the step are the time in sticks. With the
 /// row at the end of a stick counted as static, they would be a step for each stick more, here 8 %.
 #[test]
