@@ -73,7 +73,7 @@ impl Survey {
         survey
     }
 
-    /// Prints the table of docs/extremes.md.
+    /// Prints how many scenarios of each half had which outcome under each scheme.
     fn print(&self) {
         for ((family, scheme, outcome), count) in &self.outcomes {
             println!("{family:<9} {scheme:<13} {count:>7}  {outcome:?}");
