@@ -4,6 +4,7 @@
 
 use stick_slip::engine::Run;
 use stick_slip::model::{Event, EventKind};
+use stick_slip::noise::AddressedDraws;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{PathMeans, PathState, Tally};
 use stick_slip::sums::Measurement;
@@ -16,7 +17,7 @@ impl Tally<2> for LongSticks {
     /// long sticks, and the number of all sticks that ended.
     type Path = (Option<f64>, f64, f64);
 
-    fn start(&self) -> Self::Path {
+    fn start(&self, _: AddressedDraws) -> Self::Path {
         (None, 0.0, 0.0)
     }
 

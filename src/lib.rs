@@ -73,6 +73,8 @@
 //! command `mc` and includes both. These three are on by default. Without them the library needs
 //! neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
+// Some of this is used by files or the command only.
+#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
 pub mod advice;
 pub mod bearing;

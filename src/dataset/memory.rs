@@ -14,6 +14,7 @@ use crate::scenario::Scenario;
 use crate::stats::{Statistic, Summary, Units};
 use crate::study::sweep::Sweep;
 use crate::study::trade::{Prices, Trade};
+use ndarray::ArrayViewD;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -168,6 +169,17 @@ impl Dataset {
             .into_iter()
             .map(|length| length.unwrap_or(entry.column.len().checked_div(others).unwrap_or(0)))
             .collect()
+    }
+
+    /// The values of a variable of this type as an array with the shape of its axes. Nothing is
+    /// copied. `None` if there is no such variable, or if its values have another type.
+    pub fn array<'a, T>(&'a self, name: &str) -> Option<ArrayViewD<'a, T>>
+    where
+        &'a [T]: TryFrom<&'a Column>,
+    {
+        let entry = self.entry(name)?;
+        let values = <&[T]>::try_from(&entry.column).ok()?;
+        ArrayViewD::from_shape(self.shape(entry), values).ok()
     }
 
     /// Add rows to the variables of a table. Variables that are not there yet are created.

@@ -12,8 +12,6 @@
 //! ```
 //!
 //! `docs/output-format.md` describes the data sets for their readers.
-// Some of this, such as the state of a part, is used by files only.
-#![cfg_attr(not(feature = "store"), allow(dead_code))]
 
 pub(crate) mod calibration;
 mod forecast;

@@ -162,7 +162,7 @@ impl<'a> Run<'a> {
 
     /// Simulate the run, and compute a statistic of the caller's own beside those of the program.
     pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<Outcome<Measurement>, RunError> {
-        let tallied = Tallied(tally);
+        let tallied = Tallied { tally, seed: self.scenario.ensemble.seed };
         let totals = RunTotals::with(tallied.empty(), &self.scenario.model, &self.scenario.timeline());
         let outcome = self.simulate_by(&Threads(&tallied), totals, Duration::ZERO)?;
         let estimate = tally.estimate(&outcome.tally);

@@ -55,6 +55,12 @@ impl AddressedDraws {
         AddressedDraws { origin: path_word(seed, path, 4), key: path_word(seed, path, 5), counter: 0, flip }
     }
 
+    /// Numbers that belong to this path and that no scheme draws, for a statistic of a user's own.
+    /// A mirror image has numbers of its own, not those of the other path of its pair.
+    pub(crate) fn beside(seed: u64, path: u64) -> Self {
+        AddressedDraws { origin: path_word(seed, path, 6), key: path_word(seed, path, 7), counter: 0, flip: 0 }
+    }
+
     /// The numbers of the same path from this place of a cell on. Cells and places are below 2^31.
     #[inline(always)]
     pub fn at(&self, cell: u64, place: u64) -> Self {

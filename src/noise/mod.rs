@@ -7,6 +7,7 @@ mod first_passage;
 mod mirror;
 mod normal;
 mod ornstein_uhlenbeck;
+mod rng;
 mod stream;
 
 pub use addressed::AddressedDraws;

@@ -185,7 +185,19 @@ macro_rules! kinds {
             }
         }
 
-        $(impl Element for $type {
+        $(/// The values of a column of this type. A column of another type is returned.
+        impl<'a> TryFrom<&'a Column> for &'a [$type] {
+            type Error = &'a Column;
+
+            fn try_from(column: &'a Column) -> Result<Self, &'a Column> {
+                match column {
+                    Column::$kind(values) => Ok(values),
+                    other => Err(other),
+                }
+            }
+        }
+
+        impl Element for $type {
             const KIND: Kind = Kind::$kind;
             const MISSING: Self = $missing;
 

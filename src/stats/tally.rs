@@ -8,6 +8,7 @@
 //! ```
 
 use crate::model::Event;
+use crate::noise::AddressedDraws;
 use crate::scheme::{Instant, Observer, Snapshot};
 use crate::sums::Measurement;
 use crate::sums::Merge;
@@ -52,6 +53,7 @@ impl PathState {
 /// ```
 /// use stick_slip::engine::Run;
 /// use stick_slip::model::{Event, EventKind};
+/// use stick_slip::noise::AddressedDraws;
 /// use stick_slip::scenario::Scenario;
 /// use stick_slip::stats::{PathMeans, PathState, Tally};
 /// use stick_slip::sums::Measurement;
@@ -61,7 +63,7 @@ impl PathState {
 ///
 /// impl Tally<1> for SlipsToTheRight {
 ///     type Path = f64;
-///     fn start(&self) -> f64 { 0.0 }
+///     fn start(&self, _: AddressedDraws) -> f64 { 0.0 }
 ///     fn event(&self, slips: &mut f64, event: &Event) {
 ///         if let EventKind::SlipStarted(sign) = event.kind && sign.value() > 0.0 { *slips += 1.0; }
 ///     }
@@ -80,8 +82,11 @@ pub trait Tally<const N: usize>: Sync {
     /// The state that is kept for a path while it is simulated.
     type Path: Clone + Send;
 
-    /// The state at the start of a path, which is at rest at x0.
-    fn start(&self) -> Self::Path;
+    /// The state at the start of a path, which is at rest at x0. `draws` are random numbers of this
+    /// path which its noise does not use, for a statistic that needs chance of its own. They are a
+    /// generator of `rand_core`: `rand_distr` draws any law from them. The two paths of an
+    /// antithetic pair have different ones.
+    fn start(&self, draws: AddressedDraws) -> Self::Path;
 
     /// Takes an event of the path. Events arrive in time order. By default nothing is done.
     fn event(&self, path: &mut Self::Path, event: &Event) {
@@ -186,7 +191,12 @@ impl Companion for () {
 }
 
 /// A tally as the companion of every block.
-pub struct Tallied<'a, T, const N: usize>(pub &'a T);
+pub struct Tallied<'a, T, const N: usize> {
+    /// The tally.
+    pub tally: &'a T,
+    /// The seed of the ensemble, from which the tally has its random numbers.
+    pub seed: u64,
+}
 
 impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
     type Observer = TallyObserver<'a, T, N>;
@@ -197,7 +207,8 @@ impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
     }
 
     fn observer(&self, paths: &[u64]) -> Self::Observer {
-        TallyObserver { tally: self.0, paths: paths.iter().map(|_| self.0.start()).collect(), numbers: Vec::new() }
+        let start = |&path| self.tally.start(AddressedDraws::beside(self.seed, path));
+        TallyObserver { tally: self.tally, paths: paths.iter().map(start).collect(), numbers: Vec::new() }
     }
 
     fn finish(&self, observer: Self::Observer, unit: Unit) -> PathMeans<N> {

@@ -8,6 +8,7 @@ use stick_slip::config::Override;
 use stick_slip::engine::Run;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan, Stops};
 use stick_slip::model::{Event, EventKind};
+use stick_slip::noise::AddressedDraws;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::DiscreteVi;
 use stick_slip::stats::{BlockResult, Companion, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally};
@@ -134,7 +135,7 @@ struct Slips;
 impl Tally<2> for Slips {
     type Path = [f64; 2];
 
-    fn start(&self) -> [f64; 2] {
+    fn start(&self, _: AddressedDraws) -> [f64; 2] {
         [0.0; 2]
     }
 
@@ -163,7 +164,7 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
     impl Tally<1> for Count {
         type Path = f64;
 
-        fn start(&self) -> f64 {
+        fn start(&self, _: AddressedDraws) -> f64 {
             0.0
         }
 
@@ -194,14 +195,15 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
     assert!(one.low < one.estimate && one.estimate < one.high);
     assert_eq!(ratio(7), one);
     // The same in parts that are joined along the tree.
-    let mut joined = RunTotals::with(Tallied(&Slips).empty(), plan().model(), plan().timeline());
+    let tallied = Tallied { tally: &Slips, seed: scenario.ensemble.seed };
+    let mut joined = RunTotals::with(tallied.empty(), plan().model(), plan().timeline());
     let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
         Ok::<_, stick_slip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
     };
     let never = AtomicBool::new(false);
     let stops = Stops { stop: &never, halt: &never };
-    plan().run_beside(&Tallied(&Slips), 0..BLOCKS, 2, stops, deliver).expect("each block once");
+    plan().run_beside(&tallied, 0..BLOCKS, 2, stops, deliver).expect("each block once");
     assert_eq!(Slips.estimate(&joined.own()), one);
 }
 

@@ -1,0 +1,66 @@
+//! The random numbers of a path as generators of `rand_core`, so that any law of `rand_distr` can be
+//! drawn from them.
+//!
+//! These are the bare words: a mirror image has the same ones. Only the normals of this library
+//! have the opposite sign there.
+
+use super::{AddressedDraws, Stream};
+use rand_core::TryRng;
+use std::convert::Infallible;
+
+/// A generator whose words are those of this type's `next_u64`.
+macro_rules! generator {
+    ($name:ty) => {
+        impl TryRng for $name {
+            type Error = Infallible;
+
+            /// The upper half of a word, which is the better half of a word of xoshiro256+.
+            fn try_next_u32(&mut self) -> Result<u32, Infallible> {
+                Ok((self.next_u64() >> 32) as u32)
+            }
+
+            fn try_next_u64(&mut self) -> Result<u64, Infallible> {
+                Ok(self.next_u64())
+            }
+
+            fn try_fill_bytes(&mut self, bytes: &mut [u8]) -> Result<(), Infallible> {
+                rand_core::utils::fill_bytes_via_next_word(bytes, || self.try_next_u64())
+            }
+        }
+    };
+}
+
+generator!(Stream);
+generator!(AddressedDraws);
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use rand_distr::{Distribution as _, StandardNormal};
+
+    /// The mean of exp(-|z|) over normals of `rand_distr`, 1 - erf(1/sqrt 2) over phi(1) in other
+    /// words: exp(1/2) erfc(1/sqrt 2) = 0.523157, with variance exp(2) erfc(sqrt 2) - 0.523157^2.
+    /// Null: the words are uniform. n = 40 000, 4 standard errors: false alarm 6e-5.
+    #[test]
+    fn laws_of_rand_distr_are_drawn_from_the_words_of_a_path() {
+        fn mean(rng: &mut impl rand_core::Rng) -> f64 {
+            let one = |_| (-StandardNormal.sample(&mut *rng).abs() as f64).exp();
+            (0..40_000).map(one).sum::<f64>() / 40_000.0
+        }
+        let bound = 4.0 * ((2f64.exp() * libm::erfc(2f64.sqrt()) - 0.523_157f64.powi(2)) / 40_000.0).sqrt();
+        for found in [mean(&mut Stream::new(5, 3)), mean(&mut AddressedDraws::beside(5, 3))] {
+            assert!((found - 0.523_157).abs() < bound, "{found} +- {bound}");
+        }
+    }
+
+    #[test]
+    fn bytes_are_those_of_the_words_and_a_mirror_image_has_the_same_words() {
+        let [mut one, mut other, mut mirrored] =
+            [7, 7, 7 | crate::noise::MIRROR].map(|path| AddressedDraws::new(1, path));
+        let mut bytes = [0; 12];
+        rand_core::Rng::fill_bytes(&mut one, &mut bytes);
+        assert_eq!(bytes[..8], other.next_u64().to_le_bytes());
+        assert_eq!(bytes[8..], other.next_u64().to_le_bytes()[..4]);
+        assert_eq!(mirrored.next_u64().to_le_bytes(), bytes[..8]);
+    }
+}
