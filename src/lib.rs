@@ -38,8 +38,8 @@
 //! |---|---|
 //! | [`numbers`] | numbers in the form in which people read them |
 //! | [`memory`] | what memory a process needs, and what the system gives it |
-//! | [`model`] | oscillator, friction, temperature, and the vocabulary of phases; pure functions |
 //! | [`lanes`] | several numbers in one processor register |
+//! | [`model`] | oscillator, friction, temperature, and the vocabulary of phases; pure functions |
 //! | [`noise`] | random streams, normal numbers, exact transitions |
 //! | [`scheme`] | the schemes that turn noise into the cascade of stick and slip phases |
 //! | [`sums`] | sums over paths, merged along a tree, and the intervals that follow from them |

@@ -11,9 +11,8 @@ const STACK: f64 = (2 << 20) as f64;
 const ARENA: f64 = (64 << 20) as f64;
 const ARENAS_A_CORE: usize = 8;
 
-/// Bytes that a process needs beyond its estimate, so that it does not come to the very end of its
-/// memory: for the C library, which ends the process where it gets none, and for reading and
-/// writing files.
+/// Bytes that a process needs beyond its estimate, for reading and writing files and for the C
+/// library, which ends the process where it gets none.
 const RESERVE: f64 = 16e6;
 
 /// The memory that a process will need.

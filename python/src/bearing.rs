@@ -45,11 +45,11 @@ fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<Read> {
     parsed().map_err(|error| errors::of_scenario(py, &error))
 }
 
-/// A measurement from Python: a file with this name or a text that has this name in messages, where
-/// temperatures may be in a file of their own; or arrays of times and temperatures, then of times
-/// and displacements, in seconds, degrees and metres, which are repaired already. The other fields
-/// are the columns, their units, and how the file is laid out, and the file of temperatures if it is
-/// laid out otherwise.
+/// A measurement from Python. It is a file with this name, or a text that has this name in
+/// messages, where temperatures may be in a file of their own. Or it is arrays of times and
+/// temperatures, then of times and displacements, in seconds, degrees and metres, which are
+/// repaired already. The other fields are the columns, their units, and how the file is laid out,
+/// and the file of temperatures if it is laid out otherwise.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct Measured<'py> {

@@ -43,7 +43,7 @@ def test_the_message_of_a_text_is_that_of_its_file(name, mc, tmp_path):
     )
 
 
-def test_an_argument_that_replaces_a_key_is_named_where_the_command_names_a_flag(mc):
+def test_a_message_names_the_argument_where_the_command_names_a_flag(mc):
     _, message = mc(
         "check", SCENARIOS / "rho025.toml", "--set", "friction.static=0.5", succeeds=False
     )

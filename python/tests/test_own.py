@@ -36,7 +36,7 @@ def jumps(events):
 
 @pytest.mark.parametrize("antithetic", [False, True])
 @pytest.mark.parametrize("scheme", ["discrete-vi", "event-driven"])
-def test_a_statistic_of_ones_own_has_the_estimate_and_the_error_of_that_of_the_program(
+def test_a_statistic_of_ones_own_agrees_with_that_of_the_program(
     scheme, antithetic
 ):
     ds = ss.run(

@@ -198,7 +198,7 @@ fn warnings_are_those_of_the_scheme() {
 
 /// The forcing period is 25.13, and the first one of a run is not counted.
 #[test]
-fn a_drift_takes_three_forcing_periods_after_the_first_one_and_after_the_burn_in() {
+fn a_drift_takes_three_forcing_periods_beyond_the_first_and_the_burn_in() {
     let few = |set: &[&str]| {
         let warnings = base(set).warnings();
         let few = warnings.iter().find(|warning| warning.name() == "few-periods")?;

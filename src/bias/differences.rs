@@ -5,10 +5,10 @@
 //! better than the statistics themselves. They show by how much the statistics would still change
 //! from h to 0 ([`super::extrapolation`]), with an error from groups of paths ([`super::groups`]).
 //!
-//! Only a statistic that depends smoothly on the step can be extrapolated. A median does not. Where
-//! sticks are either short or long and the step misses some of the short ones, the median may be
-//! that of the long ones at h, 2h and 4h alike, and that of the short ones at zero step
-//! ([`is_smooth`]).
+//! Only a statistic that depends smoothly on the step can be extrapolated. A median does not
+//! ([`is_smooth`]). Where sticks are either short or long, a step may miss some of the short ones.
+//! The median may then be that of the long ones at h, 2h and 4h alike, and that of the short ones
+//! at zero step.
 
 use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
 use super::groups::{GroupObserver, Grouped, Groups};

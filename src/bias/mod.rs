@@ -134,10 +134,10 @@ const UNCERTAINTY_RATIO: f64 = 0.7;
 /// be the one whose uncertainty is too small by chance.
 ///
 /// Where a clearly more precise extrapolation contradicts the reference run, one of the two is
-/// wrong: the order of the error, or a reference run that is off by more than its uncertainty, as
-/// one in some dozens is. The estimate is that of the reference run, and its uncertainty reaches
-/// over all that the extrapolation allows. So an outlier is not taken for a bias, and a wrong
-/// extrapolation does not decide.
+/// wrong. Either the order of the error is another one, or the reference run is off by more than
+/// its uncertainty, as one in some dozens is. The estimate is that of the reference run, and its
+/// uncertainty reaches over all that the extrapolation allows. So an outlier is not taken for a
+/// bias, and a wrong extrapolation does not decide.
 fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> {
     let (Some(extrapolated), Some(referenced)) = (extrapolated, referenced) else { return extrapolated.or(referenced) };
     let referenced = Bias { order: extrapolated.order, ..referenced };

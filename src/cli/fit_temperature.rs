@@ -31,8 +31,8 @@ pub struct FitTemperature {
     /// Largest number of Ornstein-Uhlenbeck processes in the noise: one, or a fast and a slow one
     #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
     processes: u8,
-    /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and a
-    /// day, as far as the samples tell them]
+    /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and
+    /// a day, as far as the samples tell them]
     #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
     periods: Vec<Period>,
     /// The column of temperatures [default: the one whose name begins with `temperature`]

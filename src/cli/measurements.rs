@@ -27,8 +27,8 @@ pub struct LayoutFlags {
     /// which all of them are dates]
     #[arg(long, value_name = "ymd|dmy|mdy", value_parser = dates)]
     dates: Option<DateOrder>,
-    /// Number of lines before the names of the columns [default: up to the first line with the names
-    /// that are wanted]
+    /// Number of lines before the names of the columns [default: up to the first line with the
+    /// names that are wanted]
     #[arg(long, value_name = "N")]
     skip: Option<u64>,
     /// Numbers and words that mark a missing value, besides the usual ones
@@ -164,8 +164,8 @@ impl Source {
     }
 }
 
-/// The files that a scenario names: that of the displacements, and that of the temperatures if it is
-/// another one.
+/// The files that a scenario names: that of the displacements, and that of the temperatures if it
+/// is another one.
 fn files_of(
     scenario: &Path,
     displacement: &ColumnSource,

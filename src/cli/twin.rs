@@ -53,8 +53,8 @@ pub struct Twin {
     /// Drift of the displacement sensor in metres a year, e.g. 0.5e-3
     #[arg(long, value_name = "M", default_value_t = 0.0, allow_hyphen_values = true, value_parser = number)]
     drift: f64,
-    /// The zero of the displacement sensor is set after TIME, and its readings move by M metres from
-    /// then on, e.g. 150d:1e-3
+    /// The zero of the displacement sensor is set after TIME, and its readings move by M metres
+    /// from then on, e.g. 150d:1e-3
     #[arg(long, value_name = "TIME:M", value_parser = zero_set)]
     zero_set: Option<(f64, f64)>,
     /// The thermometer shows only every N-th sample, and the displacement sensor all of them

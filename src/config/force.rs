@@ -60,8 +60,8 @@ fn with(oscillator: Oscillator, Linear { displacement, velocity }: Linear) -> Op
     (stiffness >= 0.0).then_some(Oscillator { stiffness, damping, drive, ..oscillator })
 }
 
-/// The fault for an expression, at its place inside the text of the scenario where this can be told,
-/// and with an excerpt of the expression elsewhere.
+/// The fault for an expression, at its place inside the text of the scenario where this can be
+/// told, and with an excerpt of the expression elsewhere.
 fn fault(sources: &Sources<'_>, place: Place, text: &str, error: ExpressionError) -> Box<Fault> {
     let ExpressionError { start, end, problem, remedy } = error;
     let fault = match sources.within(place, text, start..end) {

@@ -237,7 +237,7 @@ fn all_mistakes_are_told_at_once_in_the_order_of_the_file() {
 }
 
 #[test]
-fn values_that_do_not_go_together_are_told_together_where_each_of_them_is_sound() {
+fn all_values_that_do_not_go_together_are_told_at_once() {
     let text = BASE.replace("dynamic = 1.0", "dynamic = 2.0").replace("paths = 10000", "paths = 11\nantithetic = true");
     let text = text.replace("step = 0.01 ", "step = 0.007 ");
     let keys: Vec<String> = faults(&text, &["statistics.after=100"]);
@@ -396,7 +396,7 @@ fn extremes_that_can_be_computed_with_are_accepted() {
 }
 
 #[test]
-fn a_noise_that_is_always_zero_is_kept_as_it_was_written_and_moves_nothing() {
+fn a_noise_that_is_always_zero_moves_nothing_and_is_kept() {
     let plain =
         BASE[..BASE.find("[temperature.noise]").unwrap()].to_string() + &BASE[BASE.find("[initial]").unwrap()..];
     let without = Scenario::parse("x", &plain, &[]).unwrap();

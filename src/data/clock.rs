@@ -27,7 +27,7 @@ impl Start {
     pub fn of_calendar(text: &str) -> Option<Self> {
         let stamp = stamp::stamp(text, None)?;
         let zone = stamp.offset.map_or(TimeZone::UTC, TimeZone::fixed);
-        let zoned = stamp.local.to_zoned(zone).ok()?;
+        let zoned = stamp.local.to_zoned_datetime(zone).ok()?;
         zoned.timestamp().checked_add(stamp.later).ok().map(Start)
     }
 
@@ -39,7 +39,7 @@ impl Start {
     /// The date in UTC, and the time of day there as a share of the day.
     #[cfg(feature = "figure")]
     pub(crate) fn date(&self) -> (jiff::civil::Date, f64) {
-        let there = self.0.to_zoned(TimeZone::UTC);
+        let there = self.0.to_zoned_datetime(TimeZone::UTC);
         (there.date(), there.time().duration_since(jiff::civil::Time::midnight()).as_secs_f64() / 86_400.0)
     }
 

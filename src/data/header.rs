@@ -74,8 +74,8 @@ pub(super) fn open<'a>(
     Err(if best.number == first.number { error } else { error.line(best.number) })
 }
 
-/// The line that most likely names the columns, though not all that are wanted: the one with most of
-/// them, then the one with as many cells as the last line, without numbers.
+/// The line that most likely names the columns, though not all that are wanted: the one with most
+/// of them, then the one with as many cells as the last line, without numbers.
 fn likeliest<'l>(file: &str, lines: &'l [Line], layout: &Layout, wanted: &[Wanted<'_>]) -> Option<&'l Line> {
     let width = lines.last()?.names.len();
     let found = |line: &Line| {

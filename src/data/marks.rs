@@ -100,8 +100,8 @@ pub(super) fn apart(values: &[f64]) -> Vec<bool> {
     let others = values.iter().zip(&found).filter(|(_, suspect)| !**suspect).map(|(value, _)| *value);
     let (low, high) = others.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), x| (low.min(x), high.max(x)));
     if high > low {
-        // The values on the far side are not known to be measurements, so each mark is compared with
-        // those that are none.
+        // The values on the far side are not known to be measurements, so each mark is compared
+        // with those that are none.
         let ends = without_far([low, high], values, &found);
         let is_far = |value: f64| {
             value - ends[1] > MARK_APART * (ends[1] - ends[0]) || ends[0] - value > MARK_APART * (ends[1] - ends[0])

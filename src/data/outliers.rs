@@ -5,7 +5,7 @@
 const REACH: usize = 3;
 
 /// A spike exceeds this many standard deviations of the usual differences from the median around a
-/// value, and as many usual steps from one value to the next, which matter where values hardly
+/// value, and as many usual steps from one value to the next. The steps matter where values hardly
 /// scatter: at the ends of a smooth record, the median lies two steps away.
 const FAR: f64 = 8.0;
 

@@ -56,7 +56,8 @@ impl Origin<'_> {
 pub struct ColumnSource {
     /// The file.
     pub file: Option<String>,
-    /// The name of the column of values. Without it, the column whose name begins with the quantity.
+    /// The name of the column of values. Without it, the column whose name begins with the
+    /// quantity.
     pub column: Option<String>,
     /// The unit of the values, if the file does not say it.
     pub unit: Option<String>,

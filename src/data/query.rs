@@ -112,8 +112,8 @@ impl Layout {
         Layout { time: Some(time.to_string()), ..Layout::default() }
     }
 
-    /// This layout, with the options of another one where this one gives none. The words of remedies
-    /// are those of this one.
+    /// This layout, with the options of another one where this one gives none. The words of
+    /// remedies are those of this one.
     pub fn over(self, other: &Layout) -> Self {
         Layout {
             time: self.time.or_else(|| other.time.clone()),

@@ -21,8 +21,8 @@ pub struct Table {
     pub in_seconds: bool,
     /// Number of rows read, including repeated ones and those without a value.
     pub rows: u64,
-    /// The name of the column of times; for dates and times of day in two columns, both with a comma
-    /// between them.
+    /// The name of the column of times; for dates and times of day in two columns, both with a
+    /// comma between them.
     pub time: String,
     /// The columns, in the order in which they were wanted.
     pub columns: Vec<DataColumn>,

@@ -346,7 +346,8 @@ mod in_hdf5 {
         }
     }
 
-    /// Attributes and fill values of netCDF mark what is missing, whatever the type of the variable is.
+    /// Attributes and fill values of netCDF mark what is missing, whatever the type of the variable
+    /// is.
     #[test]
     fn values_that_netcdf_says_are_missing_are_left_out() {
         let times: Vec<f64> = (0..40).map(f64::from).collect();

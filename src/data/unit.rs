@@ -124,8 +124,8 @@ fn bracketed(name: &str) -> impl Iterator<Item = &str> {
     name.split(['[', '(']).skip(1).filter_map(|part| part.split([']', ')']).next()).map(str::trim)
 }
 
-/// The units in a name: its parts between blanks, underscores and commas, where up to three parts
-/// may be one unit, as in `0.1 deg C`; and a capital at the end of a part, as in `tempF` and
+/// The units in a name. A unit is one of its parts between blanks, underscores and commas, up to
+/// three parts together as in `0.1 deg C`, or a capital at the end of a part as in `tempF` and
 /// `AirTC`. The first part is the noun, and no unit by itself.
 fn words(quantity: ColumnQuantity, name: &str) -> Vec<Unit> {
     let parts: Vec<&str> =

@@ -232,8 +232,8 @@ pub(crate) struct LawLayout {
     pub batch_censored_count: Variable,
 }
 
-/// The variables of a law, from the names of its quantity and of its bins, the unit of the quantity,
-/// and what is counted: one thing and several of them.
+/// The variables of a law, from the names of its quantity and of its bins, the unit of the
+/// quantity, and what is counted: one thing and several of them.
 macro_rules! law {
     ($name:literal, $bin:literal, $unit:expr, $quantity:literal, $one:literal, $several:literal) => {
         LawLayout {

@@ -50,8 +50,8 @@ impl Replay {
     ///
     /// With a scheme that has a step, the trajectory contains every step, or one in several if
     /// there would be more than 10 000 rows. With a scheme that has none, it is ten times finer
-    /// than the output grid of the run, or less if there would be more than 10 000 rows, and it has
-    /// the same states as the run at the times of that grid.
+    /// than the output grid of the run, or less if there would be more than 10 000 rows. At the
+    /// times of that grid it has the states of the run.
     pub fn of(scenario: &Scenario, path: u64) -> Self {
         let mut scenario = scenario.clone();
         let (output_step, rows) = finest_grid(&scenario);

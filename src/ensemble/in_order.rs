@@ -62,7 +62,7 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
 
 /// Finished pieces that wait for their turn to be delivered. The thread that finishes the next
 /// piece in order delivers it and those that wait for it, also those that other threads finish
-/// meanwhile; no thread is there only for delivery, and none waits for a delivery to end.
+/// meanwhile. No thread is there only for delivery, and none waits for a delivery to end.
 struct Queue<'a, R, E> {
     state: Mutex<State<'a, R, E>>,
     moved: Condvar,

@@ -10,9 +10,9 @@
 //! ([`InstructionSet::detect`], [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
-//! only wrap intrinsics of one instruction set, and because code that uses them can only be reached
-//! through `run` and `run_paired`, which check with `is_x86_feature_detected!` that the processor
-//! has that instruction set.
+//! only wrap intrinsics of one instruction set, and code that uses them can only be reached through
+//! `run` and `run_paired`. These check with `is_x86_feature_detected!` that the processor has that
+//! instruction set.
 
 /// Implements the operators between two values of a lane type, and those between lanes and one
 /// number for every lane. The bodies are not passed as closures, because a closure would not be

@@ -55,7 +55,8 @@ impl HarmonicClock {
         HarmonicClock { harmonics: harmonics.iter().map(table).collect(), series: None, line: None }
     }
 
-    /// The values of the line, the harmonics and the series of a temperature, for steps of length `h`.
+    /// The values of the line, the harmonics and the series of a temperature, for steps of length
+    /// `h`.
     pub fn of(temperature: &Temperature, h: f64) -> Self {
         let series = temperature.series.clone().map(|series| (series, h));
         let line = temperature.has_line().then_some([temperature.offset, temperature.trend * h]);

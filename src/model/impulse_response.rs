@@ -123,8 +123,8 @@ impl ImpulseResponse {
         let [slow, fast] = self.roots;
         let settled = self.exponential(Complex::ZERO, r).re;
         if fast.im == 0.0 && slow.abs() * r <= TAYLOR_RADIUS {
-            // exp[0, 0, l1, l2] as a difference quotient over 0 and the fast root. The equation of the
-            // oscillator, which is used below, would be divided by a K that is nearly zero.
+            // exp[0, 0, l1, l2] as a difference quotient over 0 and the fast root. The equation of
+            // the oscillator, which is used below, would be divided by a K that is nearly zero.
             let without =
                 ImpulseResponse { damping_rate: -0.5 * slow.re, stiffness_ratio: 0.0, roots: [Complex::ZERO, slow] };
             return (settled - without.exponential(Complex::ZERO, r).re) / fast.re;
@@ -243,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn the_slope_keeps_its_digits_where_the_force_is_much_faster_or_slower_than_the_oscillator() {
+    fn the_slope_keeps_its_digits_at_every_frequency_of_the_force() {
         // Without damping and with w0 = 1: G_z = (e^{zr} - cos r - z sin r)/(z^2 + 1), written for
         // a purely imaginary z = iw.
         let (free, r) = (ImpulseResponse::new(0.0, 1.0), 2.5f64);

@@ -18,8 +18,8 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {
-    /// The largest |g(x0, 0, t)| up to `end`: that at many times, where g depends on time; 0 where there
-    /// is no g or where it is not a number.
+    /// The largest |g(x0, 0, t)| up to `end`: that at many times, where g depends on time; 0 where
+    /// there is no g or where it is not a number.
     pub fn own_force_at_start(&self, end: f64) -> f64 {
         const TIMES: u32 = 1000;
         let Some(own) = &self.force else { return 0.0 };
@@ -30,8 +30,8 @@ impl Model {
         (0..=times).map(|i| at(i).abs()).fold(0.0, f64::max)
     }
 
-    /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken off
-    /// alpha; none where it does not oscillate or does not grow.
+    /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken
+    /// off alpha; none where it does not oscillate or does not grow.
     ///
     /// In a half-cycle of the unforced body the amplitude grows by q = e^{-pi z/sqrt(1 - z^2)}, z =
     /// alpha/(m w0) < 0, while friction takes (1 + q) f_d/K of it, so the two balance at
@@ -46,8 +46,8 @@ impl Model {
         (z < 0.0 && z > -1.0).then(|| dynamic_force / oscillator.stiffness / libm::tanh(0.5 * exponent))
     }
 
-    /// A bound of |b| = |K (beta T - x)| while x = x0, up to `end`, for practically every realisation
-    /// of the noise.
+    /// A bound of |b| = |K (beta T - x)| while x = x0, up to `end`, for practically every
+    /// realisation of the noise.
     pub fn largest_force(&self, end: f64) -> f64 {
         self.force_bound(FARTHEST_SD, end)
     }

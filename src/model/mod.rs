@@ -9,7 +9,8 @@
 //! T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + rho v(t),   dv = -theta v dt + sigma dW
 //! ```
 //!
-//! S is the measured temperature, and g a force of the user's own. Where the temperature is a force, c T stands in place of K beta T.
+//! S is the measured temperature, and g a force of the user's own. Where the temperature is a
+//! force, c T stands in place of K beta T.
 //!
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).

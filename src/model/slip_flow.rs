@@ -19,8 +19,8 @@
 //! b   = m y'' + eps f_d
 //! ```
 //!
-//! A trend, or a measured temperature, adds a straight line of slope c to K beta T/m, and a sub-phase that
-//! continues after a sample begins there with a velocity v0. Both add
+//! A trend, or a measured temperature, adds a straight line of slope c to K beta T/m, and a
+//! sub-phase that continues after a sample begins there with a velocity v0. Both add
 //!
 //! ```text
 //! y += v0 (S + 2 gamma G_0) + c R,   R = int_0^r G_0,   R' = G_0,   R'' = S
@@ -202,8 +202,8 @@ impl SlipFlow<'_> {
     /// reduces it. This holds for any damping and across resonance, where bounds from the
     /// amplitudes of the modes would be useless.
     ///
-    /// Negative damping, gamma < 0, lets the norm grow by the factor e^{2 |gamma| u}. The bounds then
-    /// hold for [`ForcedOscillator::bounded_for`], in which this factor is e.
+    /// Negative damping, gamma < 0, lets the norm grow by the factor e^{2 |gamma| u}. The bounds
+    /// then hold for [`ForcedOscillator::bounded_for`], in which this factor is e.
     pub fn jerk_bound(&self, state: &SlipState) -> (f64, f64) {
         let w0 = self.body.oscillator.natural_frequency();
         let growth = if self.body.oscillator.damping < 0.0 { std::f64::consts::E } else { 1.0 };

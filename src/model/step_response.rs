@@ -165,7 +165,7 @@ mod tests {
     }
 
     #[test]
-    fn at_critical_damping_and_above_a_thousandth_of_the_way_is_left_when_it_ends() {
+    fn a_response_without_overshoot_ends_when_a_thousandth_is_left() {
         for zeta in [1.0, 1.0 + 1e-9, 1.1, 1.5, 10.0, 1e6] {
             let swing = response(zeta);
             // The distance that is left, from the two exponentials or their limit.

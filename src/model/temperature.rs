@@ -57,14 +57,14 @@ impl Noise {
     }
 }
 
-/// T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one noise
-/// or two.
+/// T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one
+/// noise or two.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Temperature {
     /// A constant, in units of temperature.
     pub offset: f64,
-    /// The slope of a straight line, in units of temperature per time. Seen from a belt that moves at
-    /// a constant speed, the support of the spring moves along such a line.
+    /// The slope of a straight line, in units of temperature per time. Seen from a belt that moves
+    /// at a constant speed, the support of the spring moves along such a line.
     pub trend: f64,
     /// The harmonics.
     pub harmonics: Vec<Harmonic>,
@@ -135,8 +135,8 @@ impl Temperature {
         if self.has_line() || self.series.is_some() { harmonics + self.measured(t) } else { harmonics }
     }
 
-    /// E T(t), from its definition: the line, the harmonics, the series, and the mean of each v, which
-    /// relaxes from its start.
+    /// E T(t), from its definition: the line, the harmonics, the series, and the mean of each v,
+    /// which relaxes from its start.
     pub fn mean(&self, t: f64) -> f64 {
         let relaxing = self.noises().map(|noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
@@ -145,7 +145,8 @@ impl Temperature {
         self.deterministic(t) + relaxing.sum::<f64>()
     }
 
-    /// A bound of |T| up to `end`, where each noise is bounded by `sds` stationary standard deviations.
+    /// A bound of |T| up to `end`, where each noise is bounded by `sds` stationary standard
+    /// deviations.
     pub fn bound(&self, sds: f64, end: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
         let noise = self.noises().map(|noise| {

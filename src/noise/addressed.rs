@@ -5,12 +5,12 @@
 //! time leaves the numbers of the next cell unchanged. Therefore two scenes can see the same noise,
 //! and a path can be observed without being changed.
 //!
-//! The generator is SplitMix64 (Steele, Lea and Flood, *Fast splittable pseudorandom number
-//! generators*, OOPSLA 2014) at the counter `cell 2^32 + place`, with a second key of 64 bits
-//! between the two rounds of its output function (Stafford's variant 13). The origin of the counter
-//! and the second key are two outputs of SplitMix64 sequences. Both are one-to-one functions of the
-//! path number, like the words of [`super::Stream`]. Two paths whose counters happen to overlap
-//! have different second keys, so they share no number.
+//! The generator is SplitMix64 at the counter `cell 2^32 + place` (Steele, Lea and Flood, *Fast
+//! splittable pseudorandom number generators*, OOPSLA 2014). It has a second key of 64 bits between
+//! the two rounds of its output function (Stafford's variant 13). The origin of the counter and the
+//! second key are two outputs of SplitMix64 sequences. Both are one-to-one functions of the path
+//! number, like the words of [`super::Stream`]. Two paths whose counters happen to overlap have
+//! different second keys, so they share no number.
 
 use super::mirror;
 use super::normal::{half_normals, standard_normal};

@@ -20,9 +20,9 @@ use std::sync::LazyLock;
 
 /// The largest absolute error of [`standard_normal`] as an inverse of the normal distribution
 /// function, anywhere from the median to 9.1 sigma. At the ends and extrema of all cells the error
-/// is 4.9e-9 at most (`tools/normal_table.py` prints it): 2.4e-9 of the parabola next to the
-/// median, 1.3e-9 of the last bit of the slope, and in the tails 2.7e-9 of the bits of the level
-/// that hold the slope. The normals of y and -y add up to at most 1e-9 instead of 0.
+/// is 4.9e-9 at most (`tools/normal_table.py` prints it). The parabola next to the median
+/// contributes 2.4e-9, the last bit of the slope 1.3e-9, and in the tails the bits of the level
+/// that hold the slope 2.7e-9. The normals of y and -y add up to at most 1e-9 instead of 0.
 pub const MAX_NORMAL_ERROR: f64 = 5e-9;
 
 /// Bits of a cell that hold its slope: 2^21 plus the slope in units of 2^-28.

@@ -25,8 +25,8 @@ pub struct BridgeScene {
     pub displacement: Option<f64>,
     /// Where the temperatures are measured; the file is relative to the folder of the scenario.
     pub temperature_source: ColumnSource,
-    /// Where the displacements are measured. What `[displacement.series]` does not say is as for the
-    /// temperatures, except for the file, the column and the unit.
+    /// Where the displacements are measured. What `[displacement.series]` does not say is as for
+    /// the temperatures, except for the file, the column and the unit.
     pub displacement_source: ColumnSource,
     /// The text of the scenario.
     pub text: String,

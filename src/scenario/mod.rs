@@ -50,8 +50,8 @@ pub struct Scenario {
     pub measured: Option<Measured>,
     /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
     pub is_balanced: bool,
-    /// The force of the user's own as it is written, if there is one. A linear one is in the stiffness
-    /// and the damping of the model.
+    /// The force of the user's own as it is written, if there is one. A linear one is in the
+    /// stiffness and the damping of the model.
     pub written_force: Option<WrittenForce>,
     /// How a sensor at the bearing sees the body, if there is one.
     pub bearing: Option<SensorBearing>,

@@ -42,9 +42,9 @@ impl PeriodSource {
 }
 
 impl Scenario {
-    /// The time between the instants at which x is compared, and where it comes from: the one that
-    /// the scenario gives, or else the common period of the harmonics, or else a share of the time
-    /// that is counted, because nothing periodic forces the body. None if the run has no duration.
+    /// The time between the instants at which x is compared, and where it comes from. It is the one
+    /// that the scenario gives, or else the common period of the harmonics. Where nothing periodic
+    /// forces the body, it is a share of the time that is counted. None if the run has no duration.
     pub fn period(&self) -> Option<Period> {
         let counted = self.time.end - self.statistics.after;
         let given = self.statistics.period.map(|length| Period { length, source: PeriodSource::Given });

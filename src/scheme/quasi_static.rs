@@ -16,11 +16,11 @@
 //! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
 //! f_s = f_d the body never moves; slips still take their time.
 //!
-//! **A body that starts outside the corridor**, |b| > f_s at t = 0, because of its x(0) or of a noise
-//! that starts stationary, swings from the b that it has: the equilibrium is (|b| - f_d)/K away, and
-//! `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing ends outside as well, the body swings
-//! back at once, in a further sub-phase. With f_s for |b| it would come to rest on another lattice,
-//! and stay on it. Later b reaches f_s continuously.
+//! **A body that starts outside the corridor**, |b| > f_s at t = 0, swings from the b that it has.
+//! Its x(0) or a noise that starts stationary may put it there. The equilibrium is (|b| - f_d)/K
+//! away, and `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing ends outside as well, the
+//! body swings back at once, in a further sub-phase. With f_s for |b| it would come to rest on
+//! another lattice, and stay on it. Later b reaches f_s continuously.
 //!
 //! **At critical damping and above** (zeta >= 1) the swing has no overshoot, q = 0, and never ends.
 //! The slip is taken to last the settling time, until a thousandth of the distance is left, and to
@@ -152,13 +152,14 @@ impl Swing {
         if is_from_outside { (event.force.abs() - self.threshold).max(0.0) } else { 0.0 }
     }
 
-    /// The distance that a slip covers which starts with this excess, with the sign of the direction.
+    /// The distance that a slip covers which starts with this excess, with the sign of the
+    /// direction.
     fn way(&self, direction: Sign, excess: f64) -> f64 {
         direction.value() * (self.jump + (1.0 + self.response.overshoot) * excess / self.stiffness)
     }
 
-    /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick, or
-    /// the swing back of a body that swung out of the corridor.
+    /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick,
+    /// or the swing back of a body that swung out of the corridor.
     fn end(&self, direction: Sign, excess: f64, force: f64) -> EventKind {
         let is_back = excess > 0.0 && force * direction.value() < -self.threshold;
         if is_back { EventKind::SubPhaseBoundary(Sign::of(force)) } else { EventKind::StickEntered }
@@ -266,8 +267,8 @@ impl NoisyRecursion {
 }
 
 impl Cascade for NoisyRecursion {
-    /// The time at which the slip began, and the excess of |b| then. During slip j the displacement of
-    /// the path stays x_j.
+    /// The time at which the slip began, and the excess of |b| then. During slip j the displacement
+    /// of the path stays x_j.
     type Memory = (f64, f64);
     type Scratch = ();
 
@@ -349,8 +350,8 @@ impl Cascade for NoisyRecursion {
 #[derive(Clone, Copy)]
 struct SwingPiece<'a> {
     slip: &'a Swing,
-    /// The time at which the slip began, after the start of the cell, and x and the excess of |b| at
-    /// that time.
+    /// The time at which the slip began, after the start of the cell, and x and the excess of |b|
+    /// at that time.
     began: f64,
     displacement: f64,
     excess: f64,

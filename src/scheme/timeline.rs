@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stops_come_in_time_order_and_the_end_of_the_burn_in_is_one_of_them_where_there_is_one() {
+    fn stops_come_in_time_order_with_the_end_of_a_burn_in_among_them() {
         let line = Timeline { end: 7.0, output_step: 3.0, period: Some(2.0), after: 0.0 };
         let stops = |line: Timeline| line.stops().map(|stop| (stop.time, stop.instant)).collect::<Vec<_>>();
         use Instant::{Counting, End, Output, Period};

@@ -404,7 +404,8 @@ catalogue! {
         needs: &[Need::Slip, Need::TwoSlips],
         ..OF_LAWS
     },
-    /// Mean time tau_{j+3/2} - tau_{j+1/2} from the beginning of a dynamic phase to that of the next.
+    /// Mean time tau_{j+3/2} - tau_{j+1/2} from the beginning of a dynamic phase to that of the
+    /// next.
     RecurrenceTimeMean: Row {
         name: "recurrence_time_mean",
         words: "mean time from slip to slip",
@@ -437,7 +438,8 @@ catalogue! {
         needs: &[Need::Recurrence, Need::TwoRecurrences],
         ..OF_RECURRENCE
     },
-    /// Mean over paths of the work of the temperature, the integral of c T x' dt over [after, t_end].
+    /// Mean over paths of the work of the temperature, the integral of c T x' dt over [after,
+    /// t_end].
     TemperatureWorkMean: Row {
         name: "temperature_work_mean",
         words: "mean work of the temperature",

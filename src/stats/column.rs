@@ -352,7 +352,7 @@ pub(crate) fn values_of<T: Element>(variable: &Described, column: Column) -> Res
 }
 
 /// Declares a table and its row: first the columns with one value for each path, then those with
-/// one for each row, each with its meaning for readers of the code, its name, its type, and its
+/// one for each row. Each has its meaning for readers of the code, its name, its type, and its
 /// description for readers of a data set.
 macro_rules! columns {
     (

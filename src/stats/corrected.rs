@@ -23,9 +23,9 @@ impl Bias {
     /// is L. Breiman's garrote, *Better subset regression using the nonnegative garrote*,
     /// Technometrics 37 (1995). It leaves a ninth of a bias of three times its uncertainty.)
     ///
-    /// In units of the uncertainty, and for normal errors, the root-mean-square error exceeds that
-    /// of the plain estimate by no more than 0.15, and that of the estimate less all of its bias by
-    /// no more than 0.4.
+    /// In units of the uncertainty, and for normal errors, its root-mean-square error exceeds that
+    /// of the plain estimate by at most 0.15, and that of the estimate less all of its bias by at
+    /// most 0.4.
     pub fn weight(&self) -> f64 {
         if self.estimate.abs() > self.uncertainty { 1.0 - (self.uncertainty / self.estimate).powi(4) } else { 0.0 }
     }

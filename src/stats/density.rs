@@ -1,9 +1,9 @@
 //! The share of the counted time that the body spends in each part of its phase plane.
 //!
-//! The states are those on the rows of the output grid from the end of the burn-in on, of all paths,
-//! with equal weights. A body in a stick has x' = 0 exactly, so its time is an atom of the law of x',
-//! which is kept apart: the density of x' and that of (x, x') are those of the time in motion, and
-//! their integrals are the share of that time. The density of x is that of all time.
+//! The states are those on the rows of the output grid from the end of the burn-in on, of all
+//! paths, with equal weights. A body in a stick has x' = 0 exactly, so its time is an atom of the
+//! law of x', which is kept apart. The density of x' and that of (x, x') are those of the time in
+//! motion, and their integrals are its share. The density of x is that of all time.
 
 use super::{Densities, DensityCurve};
 use crate::scheme::{Snapshot, Timeline};

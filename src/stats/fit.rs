@@ -1,10 +1,10 @@
 //! Laws of three families that are fitted to a distribution by maximum likelihood.
 //!
-//! A phase that ended in the bin [a, b) has the likelihood S(a) - S(b), and one that is cut off in the
-//! bin at about t has S(t), where S is the survival function of the law. Bins have eight to an octave,
-//! so that little is lost. Errors come from batches of whole paths, by the jackknife, because the phases
-//! of a path depend on each other. The distance of a law from the data is the largest difference
-//! between S and the curve of Kaplan and Meier.
+//! A phase that ended in the bin [a, b) has the likelihood S(a) - S(b), and one that is cut off in
+//! the bin at about t has S(t), where S is the survival function of the law. Bins have eight to an
+//! octave, so that little is lost. Errors come from batches of whole paths, by the jackknife,
+//! because the phases of a path depend on each other. The distance of a law from the data is the
+//! largest difference between S and the curve of Kaplan and Meier.
 
 use super::Distribution;
 use crate::sums::batches::BATCHES;
@@ -90,8 +90,8 @@ pub enum FitError {
 /// A fit takes at least so many values.
 const FEWEST: u64 = 20;
 
-/// BinCounts of one set of paths: the edges of bins, and the phases that ended and that were cut off in
-/// each.
+/// BinCounts of one set of paths: the edges of bins, and the phases that ended and that were cut
+/// off in each.
 struct BinCounts<'a> {
     edges: &'a [f64],
     ended: Vec<f64>,
@@ -282,10 +282,11 @@ mod tests {
     }
 
     /// Null: each interval holds the parameter in 95 % of the ensembles. Of 400, the share is then
-    /// between 91 and 98.5 % with a false-alarm rate of 1e-3 per parameter; the seed is fixed. With an
-    /// error half as large it would be 67 %, and without the censored values the mean would be 15 % low.
+    /// between 91 and 98.5 % with a false-alarm rate of 1e-3 per parameter; the seed is fixed. With
+    /// an error half as large it would be 67 %, and without the censored values the mean would be
+    /// 15 % low.
     #[test]
-    fn parameters_are_covered_where_values_are_cut_off_and_the_right_family_is_nearest() {
+    fn fitted_parameters_are_covered_and_the_right_family_is_nearest() {
         let mut rng = Pcg64Dxsm::seed_from_u64(1939);
         let weibull = DrawWeibull::new(2.0, 0.7).expect("positive");
         let lognormal = DrawLogNormal::new(0.3, 0.8).expect("positive");

@@ -1,4 +1,5 @@
-//! Laws: the quantities of phases whose distribution over all phases is reported, and their moments.
+//! Laws: the quantities of phases whose distribution over all phases is reported, and their
+//! moments.
 //!
 //! From the phases of a path come their number n, the sum s of the quantity and the sum q of its
 //! squares. In terms of the means of n, s and q over paths,
@@ -129,8 +130,8 @@ impl LawSums {
         let numbers = column(&|folded| folded.count.into());
         let sums = column(&|folded| folded.sum);
         let units = JointMoments::of([&numbers, &sums, &column(&|folded| folded.squares)]);
-        // The influence of a path is the sum over its values d of (d - mean)^2 - sd^2, with the mean
-        // and the sd of these paths.
+        // The influence of a path is the sum over its values d of (d - mean)^2 - sd^2, with the
+        // mean and the sd of these paths.
         let [number, sum, squares] = units.mean;
         let (mean, variance) = (sum / number, squares / number - (sum / number) * (sum / number));
         let influence = |folded: Folded| {

@@ -1,8 +1,8 @@
-//! The counts of one law, such as that of stick durations: quantiles, the interval of the median, and
-//! the survival function, which takes the censored phases into account.
+//! The counts of one law, such as that of stick durations: quantiles, the interval of the median,
+//! and the survival function, which takes the censored phases into account.
 //!
-//! The words below are those of stick durations. Jumps and times from slip to slip are counted in the
-//! same way.
+//! The words below are those of stick durations. Jumps and times from slip to slip are counted in
+//! the same way.
 
 use super::survival::Survival;
 use super::{Distribution, Histogram, QUANTILE_LEVELS};

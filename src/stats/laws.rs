@@ -1,5 +1,6 @@
-//! The laws that a run reports on request: durations of slips, sizes of jumps, and times from slip to
-//! slip, folded path by path ([`LawFold`]), as moments ([`LawsSums`]) and as counts ([`LawsCounts`]).
+//! The laws that a run reports on request: durations of slips, sizes of jumps, and times from slip
+//! to slip, folded path by path ([`LawFold`]), as moments ([`LawsSums`]) and as counts
+//! ([`LawsCounts`]).
 
 use super::law::{Folded, LawSums, PhaseLaw};
 use super::law_counts::LawCounts;
@@ -10,8 +11,8 @@ use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
 /// Number of these laws.
 pub(super) const LAWS: usize = PhaseLaw::ASKED.len();
 
-/// The running sums of one path. A slip is counted if it begins after the burn-in, and so is the time
-/// from its beginning to that of the next slip.
+/// The running sums of one path. A slip is counted if it begins after the burn-in, and so is the
+/// time from its beginning to that of the next slip.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LawFold {
     /// The end of the burn-in.
@@ -66,8 +67,8 @@ impl LawFold {
         count(law, value);
     }
 
-    /// The path ends at t_end. `censor` receives the times that are cut off. The jump of a slip that
-    /// is cut off may become larger or smaller, so it tells nothing.
+    /// The path ends at t_end. `censor` receives the times that are cut off. The jump of a slip
+    /// that is cut off may become larger or smaller, so it tells nothing.
     pub fn end(&self, time: f64, mut censor: impl FnMut(PhaseLaw, f64)) {
         if let Some((start, _)) = self.running {
             censor(PhaseLaw::Slip, time - start);
@@ -170,7 +171,7 @@ mod tests {
     /// Slips begin at 1, 4 and 6. The first begins before the end of the burn-in at 2, and the last
     /// runs at t_end = 7.
     #[test]
-    fn a_slip_is_counted_if_it_begins_after_the_burn_in_and_so_is_the_time_to_the_next() {
+    fn slips_and_the_times_to_the_next_count_from_the_burn_in_on() {
         let events = [slip(1.0, 5.0), stick(3.0, 6.0), slip(4.0, 6.0), turn(4.5, 7.0), stick(5.5, 3.0), slip(6.0, 3.0)];
         let mut path = LawFold::counted_after(2.0);
         let (mut counted, mut censored) = (Vec::new(), Vec::new());

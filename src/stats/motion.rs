@@ -1,9 +1,10 @@
 //! What is known of a path between its events: the states on the rows of the output grid. From both
 //! follow the energy that each force gives to the body, and the farthest and the fastest it gets.
 //!
-//! Events and rows are nodes. Between two nodes of a sub-phase x' has one sign, so the work of friction
-//! is f_d times the distance, and x is farthest at a node: both are exact. x' between nodes is the cubic
-//! that has x' and x'' of the nodes, and the other works are integrals by Simpson's rule:
+//! Events and rows are nodes. Between two nodes of a sub-phase x' has one sign, so the work of
+//! friction is f_d times the distance, and x is farthest at a node: both are exact. x' between
+//! nodes is the cubic that has x' and x'' of the nodes, and the other works are integrals by
+//! Simpson's rule:
 //!
 //! ```text
 //! of the temperature  c integral T x' dt         of damping  2 alpha integral x'^2 dt
@@ -11,8 +12,8 @@
 //! ```
 //!
 //! T in the middle is the mean of T there plus the mean of the noise at the nodes. So the energy
-//! balance holds to the order of the spacing of the nodes, 4 without noise, and what is left of it shows
-//! the error.
+//! balance holds to the order of the spacing of the nodes, 4 without noise, and what is left of it
+//! shows the error.
 
 use super::law_counts::LawCounts;
 use super::{Extremes, PassageLevels, Passages};
@@ -275,8 +276,8 @@ impl ExtremeSums {
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ExtremeCounts {
     largest: [LawCounts; 2],
-    /// For each level and row of the output grid, the number of paths whose |x - x0| has stayed below
-    /// the level until then.
+    /// For each level and row of the output grid, the number of paths whose |x - x0| has stayed
+    /// below the level until then.
     below: Vec<u64>,
 }
 
@@ -353,9 +354,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_cubic_has_the_values_and_slopes_of_its_ends_and_is_largest_where_a_fine_grid_says() {
-        // s^3 - s on [0, 2], whose values are 0 and 6 and whose slopes are -1 and 11; its least value is
-        // at 1/sqrt(3).
+    fn the_cubic_fits_its_ends_and_finds_its_largest_value() {
+        // s^3 - s on [0, 2], whose values are 0 and 6 and whose slopes are -1 and 11; its least
+        // value is at 1/sqrt(3).
         let cubic = Cubic::new(2.0, [0.0, 6.0], [-1.0, 11.0]);
         assert!((cubic.at(0.5) - 0.0).abs() < 1e-15 && (cubic.at(1.0) - 6.0).abs() < 1e-14);
         assert!((cubic.largest(-1.0) - 2.0 / 27f64.sqrt()).abs() < 1e-15 && (cubic.largest(1.0) - 6.0).abs() < 1e-14);

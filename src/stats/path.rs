@@ -35,8 +35,8 @@ pub(super) struct PathFold {
     start: f64,
     /// x - x0 at the end of the burn-in.
     pub early_displacement: f64,
-    /// The D_j of the completed sticks, j >= 1, that are counted. The sums below are also of counted
-    /// phases.
+    /// The D_j of the completed sticks, j >= 1, that are counted. The sums below are also of
+    /// counted phases.
     pub sticks: Folded,
     /// Duration D_0 of the first stick, once it has ended.
     pub first_duration: Option<f64>,
@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn the_deterministic_cascade_of_the_papers_frequency_one_half_is_read_as_two_sub_phases() {
+    fn shaws_cascade_at_forcing_one_half_has_two_sub_phases() {
         // Shaw's case with forcing 1/2 and f_d = 1, from its 40-digit solution: slip at 1.287 from
         // x = 6, turn at 6.425 with x = -9.744, stick at 12.277 with x = 6.341. The end at 13 is
         // within that stick.
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_first_stick_lasts_zero_and_a_slip_cut_off_counts_its_travel_but_no_jump() {
+    fn a_slip_that_is_cut_off_counts_its_travel_but_no_jump() {
         let mut path = PathFold::starting_at(-2.0);
         path.event(&event(EventKind::SlipStarted(Positive), 0.0, -2.0));
         assert_eq!(path.end(1.0, 3.0), Some(Censored::Slip));
@@ -303,7 +303,7 @@ mod tests {
 
     /// A path whose burn-in ends at 5, in a slip and at x = 1.5.
     #[test]
-    fn after_a_burn_in_phases_are_counted_that_begin_in_what_is_left_and_time_and_way_that_fall_into_it() {
+    fn after_a_burn_in_later_phases_count_and_later_time() {
         let mut path = PathFold::starting_at(0.0).counted_after(5.0);
         let seen = [
             path.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0)),
@@ -333,7 +333,7 @@ mod tests {
 
     /// The path sticks from 2 on, and the burn-in ends at 5. Then the path slips at 8, or never.
     #[test]
-    fn a_stick_that_runs_at_the_end_of_the_burn_in_is_not_counted_and_its_later_time_is() {
+    fn of_a_stick_across_the_end_of_the_burn_in_only_the_later_time_counts() {
         let sticking = || {
             let mut path = PathFold::starting_at(0.0).counted_after(5.0);
             path.event(&event(EventKind::SlipStarted(Positive), 1.0, 0.0));

@@ -333,7 +333,7 @@ mod tests {
     /// result is x at the end of the period, except for the 0.7 (0.005)^2 by which continuing at
     /// the velocity is off. On the grid itself x would be 0.005 off.
     #[test]
-    fn x_is_told_at_the_end_of_a_period_and_not_at_the_nearest_instant_of_the_grid() {
+    fn x_is_told_at_the_end_of_a_period_that_the_grid_misses() {
         let period = 0.314_9;
         let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period), after: 0.0 };
         let mut fold = PeriodFold::new(&timeline, 0.3, 1);

@@ -1,5 +1,5 @@
-//! What is asked of a run: what it keeps of single paths, and what it measures besides the statistics
-//! of every run.
+//! What is asked of a run: what it keeps of single paths, and what it measures besides the
+//! statistics of every run.
 
 use super::Statistic;
 use super::catalogue::Extra;

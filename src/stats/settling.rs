@@ -1,11 +1,11 @@
 //! Whether x has settled.
 //!
-//! The spring binds the body to beta T. So where noise and harmonics are stationary about a straight
-//! line, the law of x - beta trend t at one phase becomes the same in every period, once the start
-//! is forgotten: `drift_velocity` becomes beta trend and `diffusion_coefficient` zero. Each of the
-//! two is tested against this limit at the level of 0.5 %, so that together they raise a false
-//! alarm in at most 1 % of all runs (Bonferroni). Without a spring, or under a force of the user's
-//! own, a body may drift and spread for ever, and no limit is known.
+//! The spring binds the body to beta T. So where noise and harmonics are stationary about a
+//! straight line, the law of x - beta trend t at one phase becomes the same in every period. Then
+//! `drift_velocity` is beta trend and `diffusion_coefficient` zero. Each of the two is tested
+//! against this limit at the level of 0.5 %, so that together they raise a false alarm in at most 1
+//! % of all runs (Bonferroni). Without a spring, or under a force of the user's own, a body may
+//! drift and spread for ever, and no limit is known.
 
 use super::{Statistic, Summary};
 use crate::sums::interval::student_quantile;
@@ -22,8 +22,8 @@ impl Summary {
     }
 
     /// Which of `drift_velocity` and `diffusion_coefficient` differ from their limits by more than
-    /// chance explains; none where the limits are not known, or where one of the two has no
-    /// estimate or no spread, so that it cannot be tested.
+    /// chance explains. None where the limits are not known, or where one of the two cannot be
+    /// tested, because it has no estimate or no spread.
     pub fn unsettled(&self) -> Option<Vec<Statistic>> {
         let drift = self.periods.drift_limit?;
         let paths = self.completed_paths - self.diverged.len() as u64;

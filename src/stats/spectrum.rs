@@ -1,22 +1,22 @@
 //! Autocovariance and power spectrum of x and x' on the output grid.
 //!
-//! Let y_n be x or x' at row n of a segment of L rows, a time s apart, and y_n' its deviation from the
-//! mean over paths at the same time. So what the forcing does to all paths alike is left out: it is a
-//! line spectrum of its own ([`Line`]). With the mean over paths and segments,
+//! Let y_n be x or x' at row n of a segment of L rows, a time s apart, and y_n' its deviation from
+//! the mean over paths at the same time. So what the forcing does to all paths alike is left out:
+//! it is a line spectrum of its own ([`Line`]). With the mean over paths and segments,
 //!
 //! ```text
 //! autocovariance   C(l) = mean of 1/(L - l) sum_n y_n' y_{n+l}',   l = 0 .. L - 1
 //! spectrum         S(w) = s [C(0) + 2 sum_{l=1}^{L-1} q(l/L) C(l) cos(w l s)]
 //! ```
 //!
-//! with Parzen's lag window q(u) = 1 - 6 u^2 + 6 u^3 for u <= 1/2 and 2 (1 - u)^3 beyond, whose side
-//! lobes fall as 1/w^4 (E. Parzen, *Mathematical considerations in the estimation of
-//! spectra*, Technometrics 3 (1961)). S is two-sided: its integral over w from -pi/s to pi/s, divided
-//! by 2 pi, is the variance C(0), exactly. At the frequencies w_k = 2 pi k/(N s), N >= 2 L a power of
+//! with Parzen's lag window q(u) = 1 - 6 u^2 + 6 u^3 for u <= 1/2 and 2 (1 - u)^3 beyond, whose
+//! side lobes fall as 1/w^4 (E. Parzen, *Mathematical considerations in the estimation of spectra*,
+//! Technometrics 3 (1961)). S is two-sided: its integral over w from -pi/s to pi/s, divided by 2
+//! pi, is the variance C(0), exactly. At the frequencies w_k = 2 pi k/(N s), N >= 2 L a power of
 //! two, both follow from the transform of the segments, padded with zeros to N rows.
 //!
-//! The mean over paths is that over the paths of a block, n of them, so each product counts n/(n - 1)
-//! times. Errors come from batches of whole paths, by the jackknife.
+//! The mean over paths is that over the paths of a block, n of them, so each product counts n/(n -
+//! 1) times. Errors come from batches of whole paths, by the jackknife.
 
 use super::{Fluctuations, Line, Spectrum};
 use crate::model::Model;
@@ -69,7 +69,8 @@ impl Segments {
 /// Sums of |Y_k|^2 over the paths and segments of each batch, where Y_k is the transform of y'.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(super) struct SpectrumSums {
-    /// For each of the frequencies w_0, w_1, ..., w_{N/2} and each variable, the sums of the batches.
+    /// For each of the frequencies w_0, w_1, ..., w_{N/2} and each variable, the sums of the
+    /// batches.
     powers: Vec<f64>,
     /// The number of paths times segments of each batch.
     weights: [f64; BATCHES],
@@ -92,7 +93,8 @@ impl SpectrumSums {
         (0..frequencies).map(at).collect()
     }
 
-    /// Autocovariance and spectrum, and the lines of the mean motion, which `bands` has at every row.
+    /// Autocovariance and spectrum, and the lines of the mean motion, which `bands` has at every
+    /// row.
     pub fn summary(&self, timeline: &Timeline, mean_motion: [&[f64]; VARIABLES]) -> Spectrum {
         let segments = Segments::of(timeline);
         let spacing = timeline.output_step;
@@ -178,8 +180,8 @@ fn ends(curves: &[Vec<f64>], interval: impl Fn(f64, f64) -> [f64; 2]) -> Ends {
     (0..curve.len()).map(at).collect()
 }
 
-/// An upper bound of what frequencies beyond pi/s, which the rows cannot tell from lower ones, add to
-/// each value of a spectrum, if the spectrum falls there at least as fast as 1/w^2. With S the
+/// An upper bound of what frequencies beyond pi/s, which the rows cannot tell from lower ones, add
+/// to each value of a spectrum, if the spectrum falls there at least as fast as 1/w^2. With S the
 /// spectrum at pi/s, half of which is aliased there, and u = w s/(2 pi), it is
 ///
 /// ```text

@@ -96,8 +96,8 @@ pub struct Histogram {
     pub counts: Vec<u64>,
 }
 
-/// The distribution of a quantity of phases ([`PhaseLaw`]): of stick durations D_j, j >= 1, say. Phases
-/// that still run at t_end are right-censored.
+/// The distribution of a quantity of phases ([`PhaseLaw`]): of stick durations D_j, j >= 1, say.
+/// Phases that still run at t_end are right-censored.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Distribution {
     /// h, where all values are multiples of the step h of the scheme. Their quantiles are then
@@ -158,8 +158,8 @@ pub struct DensityCurve {
     pub ends: Ends,
 }
 
-/// The share of the counted time that the body spends in each part of its phase plane, from the rows
-/// of the output grid.
+/// The share of the counted time that the body spends in each part of its phase plane, from the
+/// rows of the output grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Densities {
     /// Of x, at all times.

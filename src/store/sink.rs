@@ -93,9 +93,9 @@ impl FileSink {
     /// if the run was finished: the file exists and is whole, and the folder, if it was left
     /// behind, is removed.
     ///
-    /// It is an error if there is nothing to continue, if a file of the target's name has appeared
-    /// (unless `force` lets it be replaced), if the file or the saved state is damaged, or if
-    /// another program began the run.
+    /// It is an error if there is nothing to continue, if the file or the saved state is damaged,
+    /// or if another program began the run. So is a file of the target's name that has appeared,
+    /// unless `force` lets it be replaced.
     pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
         let partial = partial_path(target);
         let is_there = target.symlink_metadata().is_ok();

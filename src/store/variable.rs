@@ -344,8 +344,8 @@ fn shaped(file: &File, variable: &Described) -> Result<Dataset> {
     if shape.len() != variable.axes.len() || !axes.zip(&shape).all(has_length) {
         return Err(format!("{name} has another shape than its axes").into());
     }
-    // A variable that claims to be larger than its file is damaged, unless another program compressed
-    // it, and then by a factor of a thousand at most.
+    // A variable that claims to be larger than its file is damaged, unless another program
+    // compressed it, and then by a factor of a thousand at most.
     let bytes = (dataset.size() as u64).saturating_mul(dataset.dtype()?.size() as u64);
     let most = if dataset.filters().is_empty() { 1 } else { 1032 };
     if bytes > file.size().saturating_mul(most) {

@@ -262,12 +262,12 @@ mod tests {
         Accuracy { target, named, max_time: None, threads: 1 }
     }
 
-    /// Null: over 400 runs of the choice for 2 %, the relative root mean square error against the
-    /// value of another program (tests/reference/noisy.c, known to 4e-4) is 2 %, or less by as much
-    /// as the true bias is below the bound that was used. From 400 runs the error is known to 3.5 %
-    /// of itself. The test allows four times that, and 3 % for the pilot's own error of the
-    /// variance, which gives a false-alarm rate below 1e-4. Half or twice the number of paths would
-    /// change the error by a factor of 1.41.
+    /// Null: over 400 runs of the choice for 2 %, the relative root mean square error is 2 %, or
+    /// less by as much as the true bias is below the bound that was used. The truth is the value of
+    /// another program (tests/reference/noisy.c, known to 4e-4). From 400 runs the error is known
+    /// to 3.5 % of itself. The test allows four times that, and 3 % for the pilot's own error of
+    /// the variance, which gives a false-alarm rate below 1e-4. Half or twice the number of paths
+    /// would change the error by a factor of 1.41.
     #[test]
     fn many_runs_of_what_is_chosen_have_the_error_asked_for() {
         let (scenario, trade) = &*RHO025;

@@ -1,10 +1,10 @@
 //! Sums and counts as bytes. A value that is read back has the bits of the value that was written.
 //!
-//! In this format a count is a variable-length integer (seven bits per byte, the lowest first), a
-//! real number is the eight bytes of its bits (the lowest first), and a list is its length followed
-//! by its entries. Reading fills a value that already exists and is empty ([`Codec::read`]), so
-//! that the bytes are checked against what the scenario asks for. A list whose length differs from
-//! that of the existing one is an error, and no memory is allocated for it.
+//! In this format a count is a variable-length integer, seven bits per byte. A real number is the
+//! eight bytes of its bits. Both have the lowest bits first. A list is its length followed by its
+//! entries. Reading fills a value that already exists and is empty ([`Codec::read`]), so that the
+//! bytes are checked against what the scenario asks for. A list whose length differs from that of
+//! the existing one is an error, and no memory is allocated for it.
 
 /// The bytes do not hold what they should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

@@ -1,12 +1,12 @@
-//! The discrete Fourier transform of several columns at a time, one in each lane, so that its bits are
-//! the same on every processor.
+//! The discrete Fourier transform of several columns at a time, one in each lane, so that its bits
+//! are the same on every processor.
 //!
 //! ```text
 //! Z_j = sum_n z_n e^{-2 pi i j n/N},   N a power of two
 //! ```
 //!
-//! by decimation in time (J. W. Cooley and J. W. Tukey, *An algorithm for the machine calculation of
-//! complex Fourier series*, Mathematics of Computation 19 (1965)).
+//! by decimation in time (J. W. Cooley and J. W. Tukey, *An algorithm for the machine calculation
+//! of complex Fourier series*, Mathematics of Computation 19 (1965)).
 
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, ROW};
 

@@ -1,10 +1,10 @@
-//! Counts of pairs of numbers in the cells of a plane, on the finest dyadic lattice on which no more
-//! than a given number of cells along each axis hold them all.
+//! Counts of pairs of numbers in the cells of a plane, on the finest dyadic lattice on which no
+//! more than a given number of cells along each axis hold them all.
 //!
-//! Cell i of an axis of level l is [i w, (i + 1) w), w = 2^l. Two cells form one of the next level, so
-//! the cell at a coarser level follows from the cell alone. The level of an axis follows from the
-//! smallest and the largest number, so that counts do not depend on the order in which parts are
-//! merged.
+//! Cell i of an axis of level l is [i w, (i + 1) w), w = 2^l. Two cells form one of the next level,
+//! so the cell at a coarser level follows from the cell alone. The level of an axis follows from
+//! the smallest and the largest number, so that counts do not depend on the order in which parts
+//! are merged.
 
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{exponent, width};

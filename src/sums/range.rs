@@ -125,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unseen_property_is_bounded_by_the_number_of_paths_and_a_number_without_range_by_nothing() {
+    fn a_number_on_which_all_paths_agree_has_the_bounds_of_its_range() {
         // The upper end is t^2/(n + t^2), about 4/n. The rule of three gives 3/n, because it leaves
         // all of the 5 % at one end.
         assert_eq!(wilson(0.0, 12.0, 2.0), [0.0, 0.25]);

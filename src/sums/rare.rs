@@ -1,7 +1,7 @@
 //! Means of positive numbers that may rest on few events.
 //!
 //! Where events are rare and come in clusters, a few paths hold most of them. The estimate of a
-//! mean and that of its error then rise and fall together: if the large paths are missing, both are
+//! mean and that of its error then rise and fall together. If the large paths are missing, both are
 //! too small, and an interval with equal arms ends below the truth in 10 to 15 % of all runs. On a
 //! logarithmic scale of d, the excess of the mean over the least value that it can have, the error
 //! depends less on the estimate:
@@ -110,7 +110,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_units_have_the_freedom_of_their_number_whatever_is_left_of_rounding() {
+    fn rounding_takes_no_freedom_from_equal_units() {
         let equal = Fourths::of(&[0.1; 50], &[0.3; 50]);
         assert_eq!(equal.freedom(0.1 / 0.3, 1e-33, 50), 49.0);
         assert_eq!(equal.freedom(0.1 / 0.3, 0.0, 50), 49.0);

@@ -2,7 +2,7 @@
 //!
 //! The error of a standard deviation comes from the variance of the influences e_i of single paths
 //! on it ([`super::interval`]). That variance is itself known only to a relative sqrt((k - 1)/m),
-//! where k = m sum e^4/(sum e^2)^2 is the kurtosis of the influences of m paths; for a law with
+//! where k = m sum e^4/(sum e^2)^2 is the kurtosis of the influences of m paths. For a law with
 //! long tails k may be in the hundreds. The error has as many degrees of freedom as a chi square
 //! with the same relative scatter,
 //!

@@ -13,10 +13,10 @@ const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 /// beta is 1.0 %, as measured over 400 other synthetic measurements with red noise; and intervals
 /// of 90 % hold the truth. Sample size: 24 (seeds 100 to 123). Limits: 3 % and 1.5 % for the
 /// errors, which 24 errors exceed by chance less than once in a thousand sets of seeds, since their
-/// root mean square scatters by 15 %; and at least 17 of 24 intervals that hold for each of seven
-/// parameters, while 16 or fewer hold by chance once in 400 sets for each parameter. At least 80 %
-/// of all intervals together must hold. With intervals of half the width nearly every second set
-/// would fail.
+/// root mean square scatters by 15 %. At least 17 of 24 intervals must hold for each of seven
+/// parameters; 16 or fewer hold by chance once in 400 sets for each parameter. At least 80 % of all
+/// intervals together must hold. With intervals of half the width nearly every second set would
+/// fail.
 #[test]
 fn slips_tell_the_parameters_of_red_twins() {
     for between in [Between::Weather, Between::Lines] {

@@ -174,7 +174,7 @@ fn a_clock_that_is_an_hour_off_is_asked_for() {
     }
 }
 
-/// The table of docs/calibration.md about sensors whose zero moves: 24 synthetic measurements of
+/// What docs/calibration.md says of sensors whose zero moves, from 24 synthetic measurements of
 /// each kind (seeds 2100 to 2123).
 #[test]
 #[ignore = "a minute; prints a table"]

@@ -190,7 +190,7 @@ fn killed_at_any_change_of_the_disk_a_sweep_comes_to_the_same_numbers() {
 /// what failed; the command that it advises then finishes it. A link that fails is no failure of
 /// the sweep, because the file is renamed instead.
 #[test]
-fn a_sweep_of_which_a_link_or_a_removal_fails_is_right_or_finished_by_the_command_that_it_advises() {
+fn a_sweep_whose_link_or_removal_fails_is_right_or_finished_as_advised() {
     let expected = undisturbed();
     let (_outer, here) = folders();
     let (_, trace) = failing(&here, &TINY, 0, 5);

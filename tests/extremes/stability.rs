@@ -118,7 +118,7 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
 }
 
 #[test]
-fn where_the_explicit_step_grows_the_event_driven_scheme_loses_two_f_d_over_k_a_half_cycle() {
+fn the_event_driven_scheme_loses_two_f_d_over_k_a_half_cycle() {
     // Coulomb's result: turning point n is at t = n pi/w0 and |x| = x0 - 2 n f_d/K, up to rounding
     // in the digits of x0.
     for (mass, stiffness, c, near) in UNDAMPED {

@@ -119,8 +119,8 @@ fn a_variance_is_measured_in_squares() {
 
 /// The quantiles have the level along the first axis and the time along the second. Each lies
 /// between those two of the 64 ordered values that its level lies between, or is as near to one of
-/// them as a bin is wide: 2^-8 of the distance from the centre and of the scale of the scene, which
-/// is below 16.
+/// them as a bin is wide. A bin is 2^-8 of the distance from the centre and of the scale of the
+/// scene, which is below 16.
 #[test]
 fn quantiles_lie_along_the_axes_that_they_are_said_to_lie_along() {
     let run = file("run.h5");

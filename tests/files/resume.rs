@@ -438,7 +438,7 @@ fn files_that_are_gone_are_named() {
 }
 
 #[test]
-fn a_folder_or_a_log_that_is_taken_away_ends_the_run_and_its_table_is_printed() {
+fn a_run_whose_folder_or_log_is_taken_away_ends_and_prints_its_table() {
     let loud: Vec<&str> = RUN.iter().copied().filter(|word| *word != "--quiet").collect();
     for what in ["moved", "deleted", "replaced"] {
         let here = tempfile::tempdir().expect("a folder");

@@ -243,7 +243,7 @@ fn every_value_and_attribute_of_a_run_is_compared() {
 /// The steps of a part and the series of a bridge are further variables. That a run ended at a
 /// goal, and how many paths it might have taken, does not follow from its scenario.
 #[test]
-fn every_value_and_attribute_of_a_part_of_a_series_and_of_an_ended_run_is_compared() {
+fn every_value_of_a_part_and_of_an_ended_run_is_compared() {
     let part = ["run", RHO025, "--quiet", "--step", "0.1", "--paths", "700", "--part", "2/3"];
     all_but_these_are_found(&[&part[..], &["--set", "time.output_step=20"]].concat(), &[]);
     all_but_these_are_found(&["run", BRIDGE, "--quiet", "--paths", "3", "--set", "time.output_step=10000000"], &[]);

@@ -297,8 +297,8 @@ fn the_uncertainty_is_small_enough_to_be_useful() {
 ///
 /// Null hypothesis: each of 20 seeds is within its uncertainty with 95 %. False-alarm rate: more
 /// than 4 misses have a probability of 0.3 %. Extrapolation from h, 2h and 4h alone has 6 misses,
-/// with most estimates near 0.2. The number of reference paths leaves it open for most seeds
-/// whether the median is that of the short sticks, so the uncertainty must exceed a quarter of a
+/// with most estimates near 0.2. For most seeds the number of reference paths leaves it open
+/// whether the median is that of the short sticks. So the uncertainty must exceed a quarter of a
 /// unit for at least 13 seeds (16 do; if it were half as large, 2 would).
 #[test]
 fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {

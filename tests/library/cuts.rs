@@ -158,7 +158,7 @@ impl Tally<2> for Slips {
 /// of the program: completed slips plus slips that are cut off at the end. If no slip is cut off,
 /// the standard error agrees as well; the interval of the program is symmetric on another scale.
 #[test]
-fn a_tally_is_folded_in_parallel_to_the_same_bits_and_sees_what_the_program_sees() {
+fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
     struct Count;
     impl Tally<1> for Count {
         type Path = f64;

@@ -177,7 +177,7 @@ fn a_stopped_run_delivers_a_prefix_and_a_failed_one_its_error() {
 }
 
 #[test]
-fn a_run_ends_with_the_block_its_consumer_calls_the_last_whatever_is_in_work() {
+fn a_run_ends_with_the_block_that_its_consumer_calls_the_last() {
     let plan = plan(paper(0.25, 0.0), 5.0, 0.01, 40 * BLOCK_SIZE);
     for threads in [1, 2, 7] {
         let mut seen = 0;

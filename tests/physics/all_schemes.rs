@@ -234,8 +234,8 @@ fn a_body_that_shrinks_in_the_heat_does_the_same_on_the_other_side() {
 }
 
 /// With a burn-in, the counts, times and ways of each path are those that follow from its events
-/// and rows, in every scheme: of sticks and slips that begin at the end of the burn-in or later,
-/// and of time and way from there on. The burn-in ends on the output grid, both inside slips and
+/// and rows, in every scheme. Sticks and slips count that begin at the end of the burn-in or later,
+/// and time and way from there on. The burn-in ends on the output grid, both inside slips and
 /// inside sticks.
 #[test]
 fn a_burn_in_leaves_out_the_same_of_every_scheme() {

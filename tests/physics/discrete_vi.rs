@@ -109,7 +109,7 @@ fn the_cascade_of_forcing_a_quarter_is_approached_with_order_one() {
 }
 
 #[test]
-fn the_cascade_of_forcing_a_half_is_approached_with_order_one_sub_phases_included() {
+fn the_cascade_of_forcing_a_half_is_approached_with_order_one() {
     assert_first_order(0.5, &EXACT_HALF, (9.6, 14.5));
     let keep = simulate(&paper(0.5, 0.0), 140.0, 0.001, 140.0, &[0]);
     let turns = keep.events[0].iter().filter(|e| matches!(e.kind, EventKind::SubPhaseBoundary(_))).count();
@@ -562,7 +562,7 @@ fn steps_fed_by_finer_ones_see_the_same_noise() {
 }
 
 /// The row at which a stick ends belongs to the slip, as its event does. So with a row at every
-/// step, a row is static if and only if the body is at rest there and at the next row, the force of
+/// step, a row is static if and only if the body is at rest there and at the next row. The force of
 /// a static row is held by f_s, and the static rows times the step are the time in sticks. With the
 /// row at the end of a stick counted as static, they would be a step for each stick more, here 8 %.
 #[test]

@@ -67,7 +67,7 @@ fn slips(model: &Model) -> [Slips; 2] {
     })
 }
 
-/// With a constant temperature nothing is approximated: x, x' and the events of both schemes agree
+/// With a constant temperature nothing is approximated. x, x' and the events of both schemes agree
 /// to the 1e-12 by which the force starts above f_s (2e-11 relative to f_s - f_d), for m and K
 /// other than 1, in both directions and with any damping.
 #[test]

@@ -264,12 +264,12 @@ fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
 /// Pinned noise: zero at the samples and, between them, a bridge of the Ornstein-Uhlenbeck process.
 /// The corridor is so narrow that it is left now and then.
 ///
-/// Null hypothesis: the noise in T, which is T less the series, has mean 0 and variance sinh(theta
-/// s) sinh(theta (d - s)) rho^2 sigma^2/(theta sinh(theta d)) at a time s after a sample, where
-/// samples are d = 1.5 apart, and is uncorrelated across a sample. Slips depend on the noise, and
-/// the noise does not depend on slips. Sample size: 40 000 paths, whose variances are known to 0.7
-/// %. False-alarm rate: 2e-4 for all 28 comparisons together, at 4.5 standard errors. Free noise
-/// would have twice the variance in the middle and more at the end.
+/// Null hypothesis: the noise in T, which is T less the series, has mean 0 and is uncorrelated
+/// across a sample. At a time s after a sample, where samples are d = 1.5 apart, its variance is
+/// sinh(theta s) sinh(theta (d - s)) rho^2 sigma^2/(theta sinh(theta d)). Slips depend on the
+/// noise, and the noise does not depend on slips. Sample size: 40 000 paths, whose variances are
+/// known to 0.7 %. False-alarm rate: 2e-4 for all 28 comparisons together, at 4.5 standard errors.
+/// Free noise would have twice the variance in the middle and more at the end.
 #[test]
 fn pinned_noise_is_a_bridge_from_sample_to_sample() {
     let mut model = measured(paper(0.25, 0.25), vec![0.0, 1.5, 3.0], vec![1.0, 1.1, 0.7]);

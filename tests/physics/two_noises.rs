@@ -31,8 +31,8 @@ fn assert_near(name: &str, got: f64, want: f64, error: f64) {
 
 /// Null hypothesis: without friction the model is linear, so the mean and the covariance of (x, x')
 /// are sums over the effects of each noise alone, each of which is one exact transition over the
-/// whole time; and T is stationary noise around the harmonic. Sample size: 60 000 paths, whose end
-/// is inside a cell.
+/// whole time. T is stationary noise around the harmonic. Sample size: 60 000 paths, whose end is
+/// inside a cell.
 #[test]
 fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     let (end, paths) = (8.037, 60_000);

@@ -4,7 +4,8 @@ use super::case::Case;
 use crate::model::{Doubt, Scales, doubts};
 
 /// The expression has a jump, or grows faster than linearly and does not confine. The paper's
-/// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most linearly.
+/// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most
+/// linearly.
 pub(super) fn doubtful(case: &Case) -> Vec<String> {
     let model = &case.scenario.model;
     let Some(expression) = model.force.as_ref().and_then(|force| force.expression()) else { return Vec::new() };

@@ -17,9 +17,8 @@ use std::sync::atomic::AtomicBool;
 ///
 /// # Errors
 ///
-/// If the record is too short, if a number in it is absurdly large, if a column is constant, if
-/// only the method by slips is asked for and no slips are visible, or if no bearing can have what
-/// was found.
+/// If the record is too short, has an absurdly large number or a constant column. If no slips are
+/// visible and only the method by slips is asked for. If no bearing can have what was found.
 pub fn calibrate(
     record: &MeasuredRecord,
     question: &CalibrationQuestion,

@@ -49,8 +49,8 @@ const BEYOND: f64 = 4.0;
 const NEGLIGIBLE: f64 = 18.0;
 
 impl Thermometer {
-    /// The crossing of a slip in this window, with its sign; `None` if the thermometer shows nothing
-    /// around it.
+    /// The crossing of a slip in this window, with its sign; `None` if the thermometer shows
+    /// nothing around it.
     pub(super) fn crossing(&self, window: &Window, sign: f64) -> Option<Crossing> {
         let last = self.times.partition_point(|t| *t <= window.before).checked_sub(1)?;
         let first = self.times.partition_point(|t| *t < window.since).min(last);
@@ -92,9 +92,9 @@ impl Thermometer {
 const MISPLACED: f64 = 0.05;
 
 /// The thermometer as the times of the slips say it moves: as rough between samples as from one
-/// sample to the next, or in straight lines. Samples alone do not tell these apart, but of the slips
-/// under a rough temperature, one of three comes although no sample goes beyond the farthest one
-/// before it.
+/// sample to the next, or in straight lines. Samples alone do not tell these apart, but of the
+/// slips under a rough temperature, one of three comes although no sample goes beyond the farthest
+/// one before it.
 pub fn as_slips_say(rough: Thermometer, slips: &[(Window, f64)]) -> Thermometer {
     let straight = rough.clone().moving(0.0);
     let likelihood = |course: &Thermometer| -> f64 {

@@ -8,8 +8,8 @@ use super::slips::{Evidence, Slip};
 use super::zero::{MiddleLine, Zero};
 
 impl Evidence {
-    /// A, G, xi(0), z0, the two slopes and the movement of the zero, with these weights of the blocks of time. `None` if too
-    /// few slips were seen.
+    /// A, G, xi(0), z0, the two slopes and the movement of the zero, with these weights of the
+    /// blocks of time. `None` if too few slips were seen.
     ///
     /// Each number is computed from a different part of the data, and none of them depends on how
     /// many slips were missed in between.
@@ -17,8 +17,8 @@ impl Evidence {
     /// - The slope of z against T during sticks is `still`.
     /// - Between a slip and the next slip in the other direction, T changes by 2 A - G = 2 f_d/(K
     ///   beta).
-    /// - The middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)), a line whose slope is
-    ///   `moving`, plus what the zero of the sensor has moved (`zero.rs`).
+    /// - The middle of a jump, minus still T, is z0 + moving (T -+ (A - G/2)), a line whose slope
+    ///   is `moving`, plus what the zero of the sensor has moved (`zero.rs`).
     /// - The height of a jump is moving G.
     /// - The temperature of the first slip differs from xi(0) by A. If that slip fell into a gap,
     ///   xi(0) follows from the level before it.

@@ -41,9 +41,9 @@ impl Thermometer {
     }
 
     /// By how many kelvin a level has to be closer, so that the samples go beyond it as often as
-    /// the temperature between them goes beyond the level itself: 0.5826 standard deviations of what
-    /// the temperature gains from one sample to the next, where 0.5826 is -zeta(1/2)/sqrt(2 pi)
-    /// (Broadie, Glasserman and Kou, *Mathematical Finance* 7, 1997).
+    /// the temperature between them goes beyond the level itself. That is 0.5826 standard
+    /// deviations of what the temperature gains from one sample to the next; 0.5826 is
+    /// -zeta(1/2)/sqrt(2 pi) (Broadie, Glasserman and Kou, *Mathematical Finance* 7, 1997).
     pub fn overlooked(&self) -> f64 {
         let overlooked = 0.582_597_157_9 * (self.roughness * interval(&self.times)).sqrt();
         if overlooked.is_finite() { overlooked } else { 0.0 }
@@ -52,8 +52,8 @@ impl Thermometer {
     /// The roughness, from how far a sample is from the straight line between those one before and
     /// one after it, and between those two before and two after it.
     ///
-    /// For a diffusion, the mean square of that distance grows with the time between the samples,
-    /// g = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
+    /// For a diffusion, the mean square of that distance grows with the time between the samples, g
+    /// = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
     /// What is smooth adds a part that grows at least as g^3. Of two mean squares only one such
     /// part can be told, so it is the one that leaves less roughness.
     fn shown_roughness(&self) -> f64 {
@@ -93,10 +93,10 @@ mod tests {
     }
 
     /// A process of 1.8 K and 8 hours gains 2 * 1.8^2/28800 = 2.25e-4 K^2 a second. Thirty thousand
-    /// samples tell that to 1.5 %, and with noise of the thermometer of 0.2 K, a little more than
-    /// half of what the temperature gains in a step, to 4 %; the bounds are three and a half times
-    /// as wide. A daily cycle and the steel of a bearing an hour behind are smooth: the cycle adds
-    /// no roughness, and the steel has a twentieth of it at most.
+    /// samples tell that to 1.5 %. They tell it to 4 % with 0.2 K of noise of the thermometer, a
+    /// little more than half of what the temperature gains in a step. The bounds are three and a
+    /// half times as wide. A daily cycle and the steel of a bearing an hour behind are smooth: the
+    /// cycle adds no roughness, and the steel has a twentieth of it at most.
     #[test]
     fn roughness_is_that_of_the_process() {
         let (theta, sd) = (1.0 / 28_800.0, 1.8);

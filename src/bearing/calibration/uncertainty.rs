@@ -54,7 +54,8 @@ impl AroundLag {
     }
 }
 
-/// The quantities and the lag for each set of random weights that gives those of a possible bearing.
+/// The quantities and the lag for each set of random weights that gives those of a possible
+/// bearing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Replicates {
     values: Vec<Values>,

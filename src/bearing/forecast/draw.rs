@@ -9,8 +9,8 @@ use crate::noise::Stream;
 /// forgotten in the burn-in.
 const DRAWN: [Quantity; 5] = [Quantity::Dilatation, Quantity::Shear, Quantity::Offset, Quantity::Reach, Quantity::Jump];
 
-/// A and G are at least this share of their estimates, because a very small A or G gives an enormous
-/// number of slips.
+/// A and G are at least this share of their estimates, because a very small A or G gives an
+/// enormous number of slips.
 const LEAST: f64 = 0.1;
 
 /// A draw is repeated as often as this until it is that of a possible bearing.

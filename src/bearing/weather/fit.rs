@@ -204,9 +204,9 @@ mod tests {
     }
 
     /// A month does not tell a memory of weeks, such as that of the season, which is part of these
-    /// thirty records of a month. No process gets a standard deviation of more than three times what
-    /// the weather has, nor a memory of more than a tenth of the record, and what was held or left
-    /// out is said.
+    /// thirty records of a month. No process gets a standard deviation of more than three times
+    /// what the weather has, nor a memory of more than a tenth of the record, and what was held or
+    /// left out is said.
     #[test]
     fn a_month_gives_weather_that_can_be() {
         let mut said = 0;

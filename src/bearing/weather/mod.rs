@@ -10,8 +10,8 @@
 //! variances are those of the largest restricted likelihood, which is exact for samples at any
 //! times. A Kalman filter gives the innovations (`kalman.rs`), a regression gives the amplitudes
 //! and the best scale of all variances, and one to four numbers are left to be searched
-//! (`search.rs`, `simplex.rs`). The white noise e comes from the thermometer, for example because it
-//! shows whole tenths. It is not part of the weather that is simulated.
+//! (`search.rs`, `simplex.rs`). The white noise e comes from the thermometer, for example because
+//! it shows whole tenths. It is not part of the weather that is simulated.
 //!
 //! With one process, the temperature varies either more than real weather from one sample to the
 //! next, or less from day to day. One process therefore gives too many slips or too few, and two

@@ -49,9 +49,9 @@ fn words(seconds: f64) -> String {
 /// twice a period, each time ten minutes early or late at random, have 0.0006.
 const OWN_SHARE: f64 = 1e-3;
 
-/// An error if the samples cannot tell the harmonics of these periods: if the record is shorter than
-/// half a period, if samples follow each other no faster than twice in a period, or if a harmonic
-/// has the same values at the samples as the mean and the others together.
+/// An error if the samples cannot tell the harmonics of these periods. The record may be shorter
+/// than half a period, or samples may follow each other no faster than twice in a period. A
+/// harmonic may also have the same values at the samples as the mean and the others together.
 pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
     let duration = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
     let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();

@@ -1,8 +1,8 @@
 //! The search for the most likely processes, and their errors.
 //!
-//! A point holds log theta of each process, for two processes the logarithm of the variance of the
-//! second over that of the first, and the logarithm of the variance of the white noise over the
-//! same. Some of these numbers are searched, and the others are held.
+//! A point holds log theta of each process, and for two processes the logarithm of the variance of
+//! the second over that of the first. Last is the logarithm of the variance of the white noise over
+//! that of the first, if there is any. Some of these numbers are searched, and the others are held.
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::result::{Estimates, WeatherFit};
@@ -14,8 +14,8 @@ use std::f64::consts::{LN_2, TAU};
 /// to a thousandth of their errors.
 const ENOUGH: f64 = 1e-6;
 
-/// The longest memory of a process as a share of the record. From fewer than ten memories neither it
-/// nor the standard deviation can be told.
+/// The longest memory of a process as a share of the record. From fewer than ten memories neither
+/// it nor the standard deviation can be told.
 const LONGEST: f64 = 0.1;
 
 /// A standard deviation must be known to this factor, as the standard error of its logarithm.
@@ -58,9 +58,9 @@ impl<'a> ProcessSearch<'a> {
         ProcessSearch { times, columns, periods, processes, duration }
     }
 
-    /// The most likely point; `None` if nothing explains the samples. If the slowest process has a
-    /// memory that is not short against the record, or a standard deviation that is not known to a
-    /// factor of 2, its memory is held at the longest that the record can show.
+    /// The most likely point; `None` if nothing explains the samples. If the memory of the slowest
+    /// process is longer than the record can show, or its standard deviation not known to a factor
+    /// of 2, the memory is held at the longest that the record can show.
     pub fn best(&self) -> Option<Peak> {
         let free = self.searched(None)?;
         let held = -libm::log(LONGEST * self.duration);

@@ -181,9 +181,9 @@ mod tests {
     #[test]
     fn a_sample_has_its_size_and_every_block_its_chance() {
         let mut seen = BTreeSet::new();
-        // The test fails by chance with probability below 1e-48: a sample of 5 out of 20 blocks
-        // misses a given block with probability 3/4, so 400 samples all miss it with probability
-        // 1e-50, and there are 20 blocks. The samples are not seeded.
+        // A sample of 5 out of 20 blocks misses a given block with probability 3/4, and 400 samples
+        // all miss it with probability 1e-50. With 20 blocks, the test fails by chance with
+        // probability below 1e-48. The samples are not seeded.
         for _ in 0..400 {
             let sample = drawn(&(100..120), 5);
             assert_eq!(sample.len(), 5);

@@ -44,8 +44,8 @@ impl Method for CorrectedVi {
 
     /// During a slip, the multipliers of a step solve mu^2 - (2 - a - c) mu + 1 - a = 0 with a = 2
     /// alpha h/m, c = (h w0)^2. Both lie within the unit circle if and only if 2 a + c < 4. Without
-    /// damping they lie on it, and the amplitude neither grows nor decays. With alpha < 0 it grows as
-    /// that of the body does.
+    /// damping they lie on it, and the amplitude neither grows nor decays. With alpha < 0 it grows
+    /// as that of the body does.
     fn stability(self, model: &Model) -> Option<Stability> {
         let (w0, gamma) = (model.oscillator.natural_frequency(), model.oscillator.damping_rate());
         if gamma < 0.0 {

@@ -16,8 +16,8 @@ const GROUP: usize = 16;
 /// work to hide the latency, and more registers are free.
 const WIDE: usize = 32;
 
-/// Registers that are stepped together under a force of the user's own, so that the operations of its
-/// tape are dispatched once for all of them.
+/// Registers that are stepped together under a force of the user's own, so that the operations of
+/// its tape are dispatched once for all of them.
 const FORCED: usize = 8;
 
 /// Lanes are padded to a multiple of the widest register.
@@ -222,9 +222,9 @@ impl Kernel {
         }
     }
 
-    /// Takes every path through `forcing.len() - 1` <= RUN steps from t_n on, where `forcing[i]` is K
-    /// beta times the harmonics at the i-th instant. Writes the turns of these steps to `turns`; those
-    /// of one lane are in time order.
+    /// Takes every path through `forcing.len() - 1` <= RUN steps from t_n on, where `forcing[i]` is
+    /// K beta times the harmonics at the i-th instant. Writes the turns of these steps to `turns`;
+    /// those of one lane are in time order.
     pub(super) fn advance(
         &self,
         n: u64,
@@ -394,8 +394,8 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
     }
 }
 
-/// The velocity, but not a number where the force of the user's own is none: otherwise the body would
-/// be taken to be at rest there.
+/// The velocity, but not a number where the force of the user's own is none: otherwise the body
+/// would be taken to be at rest there.
 #[inline(always)]
 fn tainted<L: Lanes, const OWN: bool>(velocity: L, own: L) -> L {
     if OWN { velocity + own * 0.0 } else { velocity }

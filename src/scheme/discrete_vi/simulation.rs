@@ -165,10 +165,10 @@ impl Simulate for DiscreteSimulation {
 /// The displacement beyond which a path of the scheme counts as diverged, a length.
 ///
 /// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and the
-/// body without a spring |x(t)| <= |x0| + t^2 sup |c T|/(2 m). Friction and damping only take energy
-/// away; negative damping lets x grow by e^{2 |gamma| t}. The bound is ten times this value at t_end,
-/// where T includes ten stationary standard deviations of the noise, plus ten f_s/K. How far a force of
-/// the user's own may drive the body is not known, so with one the bound is 1e100.
+/// body without a spring |x(t)| <= |x0| + t^2 sup |c T|/(2 m). Friction and damping only take
+/// energy away; negative damping lets x grow by e^{2 |gamma| t}. The bound is ten times this value
+/// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K. How
+/// far a force of the user's own may drive the body is not known, so with one the bound is 1e100.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let Model { oscillator, friction, .. } = model;
     if model.force.is_some() {

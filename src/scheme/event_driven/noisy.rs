@@ -108,8 +108,8 @@ impl Noisy {
         }
     }
 
-    /// Whether the paths can be simulated abreast: all cells have one length, there is only one noise,
-    /// and no force of the user's own.
+    /// Whether the paths can be simulated abreast: all cells have one length, there is only one
+    /// noise, and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
         !self.scene.has_own_force() && self.scene.two_noises.is_none() && self.ladder.is_even()
     }

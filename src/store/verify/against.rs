@@ -49,8 +49,8 @@ pub(super) struct Against {
     difference: Option<Difference>,
 }
 
-/// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and keeps
-/// the second for itself.
+/// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and
+/// keeps the second for itself.
 const OF_LAYOUT: &[&str] = &["_FillValue", "coordinates"];
 
 impl Against {

@@ -1,7 +1,7 @@
 //! Comparing a finished file with what its scenario gives when it is computed again.
 //!
 //! A data set is written by the same functions as always, but to a destination that compares
-//! instead: every variable and attribute that would be written must be in the file, bit for bit,
+//! instead. Every variable and attribute that would be written must be in the file, bit for bit,
 //! and nothing else may be there. What a file is compared with depends on what can be repeated:
 //!
 //! ```text

@@ -1,7 +1,8 @@
 //! A slip step under a force g(x, x', t) of the user's own.
 //!
-//! All other forces are linear, and their step is exact ([`SlipStep`]). g stands in it as a constant,
-//! where eps f_d stands, and the end of the step is corrected for what g does in the step:
+//! All other forces are linear, and their step is exact ([`SlipStep`]). g stands in it as a
+//! constant, where eps f_d stands, and the end of the step is corrected for what g does in the
+//! step:
 //!
 //! ```text
 //! trial        g on the way of the step without noise, and where noise takes it two standard
@@ -14,12 +15,11 @@
 //!              x' += (h/6m) (S'(h) (g0 - g) + 4 S'(h/2) (g_m - g) + (g1 - g))
 //! ```
 //!
-//! S is the response of x to a unit of x', and the sums are Simpson's rule for int S(h - s) (g(s) - g)
-//! ds/m and for its derivative. The length follows from
-//! the state at the start alone, so that it does not depend on the noise that is then drawn, and the
-//! law of what is drawn is not changed. The noise moves x and x' in the middle of a step off the
-//! quintic by a random amount of mean zero, so the error of g by this is of order 3/2 in a step, and
-//! of order 2 in the law of the path.
+//! S is the response of x to a unit of x', and the sums are Simpson's rule for int S(h - s) (g(s) -
+//! g) ds/m and for its derivative. The length follows from the state at the start alone, so that it
+//! does not depend on the noise that is then drawn, and the law of what is drawn is not changed. In
+//! the middle of a step, the noise moves x and x' off the quintic by a random amount of mean zero.
+//! The error of g by this is of order 3/2 in a step, and of order 2 in the law of the path.
 
 use super::path::Path;
 use super::slip::Slip;
@@ -185,6 +185,6 @@ impl OwnForce {
     }
 }
 
-/// How often the end of a step is corrected. Each correction makes its error smaller by the share of
-/// g in the motion of a step.
+/// How often the end of a step is corrected. Each correction makes its error smaller by the share
+/// of g in the motion of a step.
 const CORRECTIONS: usize = 2;

@@ -1,6 +1,6 @@
-//! A slip of one path in a cell: steps of (x, x', n), given n at their ends, each of which is searched
-//! for the first zero of x'. The steps are exact in law, or follow a force of the user's own
-//! ([`super::own_force`]).
+//! A slip of one path in a cell: steps of (x, x', n), given n at their ends, each of which is
+//! searched for the first zero of x'. The steps are exact in law, or follow a force of the user's
+//! own ([`super::own_force`]).
 
 use super::own_force::OwnForce;
 use super::path::{Cascade, Path};
@@ -170,8 +170,8 @@ impl Slip<'_> {
         self.cell.start + path.after
     }
 
-    /// The step of the usual length, or what remains of the cell if this is less, and whether it ends
-    /// with the cell.
+    /// The step of the usual length, or what remains of the cell if this is less, and whether it
+    /// ends with the cell.
     #[inline(always)]
     pub fn at_most<'s>(
         &'s self,

@@ -2,8 +2,8 @@
 //!
 //! Let V = eps x' and a = V' on a step [0, h], and let s = eps (x1 - x0) be the distance travelled.
 //! To leading order in h (fastest rate), x is a twice integrated Brownian motion of intensity c =
-//! (noise diffusion)/m, conditioned at both ends on distance, velocity and acceleration (the first
-//! neglected terms are of relative order (h rate)^2/100). Given the two ends,
+//! (noise diffusion)/m, conditioned at both ends on distance, velocity and acceleration. The first
+//! neglected terms are of relative order (h rate)^2/100. Given the two ends,
 //!
 //! - the mean is the quintic Hermite interpolant of x;
 //! - the precision of (x, V, a) at u, with r = h - u, is the sum of the one-sided precisions, c^-2

@@ -27,9 +27,9 @@ pub fn mean_and_error(values: &[f64]) -> (f64, f64) {
     (mean, (variance / n).sqrt())
 }
 
-/// A slip step of length h whose end is drawn from the law of a twice integrated Brownian motion,
-/// by the Cholesky factor of the covariance h, h^2/2, h^3/6; ., h^3/3, h^4/8; ., ., h^5/20 of (a,
-/// V, x) for c = 1.
+/// A slip step of length h whose end is drawn from the law of a twice integrated Brownian motion.
+/// For c = 1, (a, V, x) has the covariance h, h^2/2, h^3/6; ., h^3/3, h^4/8; ., ., h^5/20, of which
+/// the code has the Cholesky factor.
 pub fn free_step(start: SlipVelocity, h: f64, c: f64, draws: &mut AddressedDraws) -> KnownStep {
     let (one, two, three) = (draws.normal(), draws.normal(), draws.normal());
     let (root, SlipVelocity { velocity, acceleration }) = (c * h.sqrt(), start);

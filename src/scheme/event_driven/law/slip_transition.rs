@@ -6,8 +6,8 @@
 //! ```
 //!
 //! is linear with Gaussian noise. So the state after a step h is its mean plus a Gaussian vector of
-//! covariance Q(h) = s^2 int_0^h g(r) g(r)^T dr, where g = (g_x, g_v, g_n) is the response of (x,
-//! v, n) to a unit of n at r = 0. The responses satisfy
+//! covariance Q(h) = s^2 int_0^h g(r) g(r)^T dr. Here g = (g_x, g_v, g_n) is the response of (x, v,
+//! n) to a unit of n at r = 0. The responses satisfy
 //!
 //! ```text
 //! S'' + 2 gamma S' + w0^2 S = 0,                     S(0) = 0, S'(0) = 1
@@ -101,8 +101,8 @@ pub struct SlipTransition<L = f64> {
     pub n: L,
     /// Covariances nn, nv, nx, vv, vx, xx.
     pub covariance: [L; 6],
-    /// The law of v and x given n: the slope of v on n, and the sd of the rest of v; the slope of x
-    /// on n, the slope of x on a unit of the rest of v, and the sd of the rest of x.
+    /// The law of v and x given n. Of v: its slope on n, and the sd of the rest. Of x: its slope on
+    /// n, its slope on a unit of the rest of v, and the sd of what then remains.
     pub given_noise: [L; 5],
 }
 

@@ -11,9 +11,9 @@
 //! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
 //!   impossible. The error is of order exp(-caution^2/2); the default rule is 3.
 //!
-//! - `most_bend` bounds how much a force of the user's own bends on a slip step, and `most_kink` how
-//!   far it is from a parabola. What the step leaves of it is of order h^2 in the law; the default
-//!   rules are 0.06 and 0.001.
+//! - `most_bend` bounds how much a force of the user's own bends on a slip step, and `most_kink`
+//!   how far it is from a parabola. What the step leaves of it is of order h^2 in the law; the
+//!   default rules are 0.06 and 0.001.
 //!
 //! Without a force of the user's own, the states at the ends of slip steps are exact draws for any
 //! tolerance.
@@ -31,13 +31,14 @@ pub struct StepRules {
     /// Standard deviations beyond which a zero of x' is taken to be impossible (see
     /// [`super::first_stop::StopSearch`]).
     pub caution: f64,
-    /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0, or of
-    /// 1/theta where there is no spring.
+    /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0,
+    /// or of 1/theta where there is no spring.
     pub shortest_slip: f64,
     /// The largest second difference of a force of the user's own on a slip step, as a fraction of
     /// the forces.
     pub most_bend: f64,
-    /// The farthest that this force may be from a parabola on a slip step, as a fraction of the forces.
+    /// The farthest that this force may be from a parabola on a slip step, as a fraction of the
+    /// forces.
     pub most_kink: f64,
 }
 

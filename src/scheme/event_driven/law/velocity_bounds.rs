@@ -177,10 +177,10 @@ mod tests {
 
     /// The answers are compared with the mean and the spread of V and a at 999 times of 200 000
     /// random intervals (seed 61). Where V is said to be positive, its mean is more than 4 standard
-    /// deviations above zero at each time. Where it is said to have one zero, the times at which it
-    /// is not that far above zero are followed by times at which it is that far below, and in
-    /// between the slope is that far below zero. Of the intervals for which this holds, 0.92 and
-    /// 0.48 are found, and few are divided in vain as long as these are at least 0.9 and 0.45.
+    /// deviations above zero at each time. Where V is said to have one zero, it is that far above
+    /// zero at first and that far below at last, and in between the slope is that far below zero.
+    /// Of the intervals for which this holds, 0.92 and 0.48 are found, and few are divided in vain
+    /// as long as these are at least 0.9 and 0.45.
     #[test]
     fn what_is_said_of_an_interval_holds_at_every_time() {
         const CAUTION: f64 = 4.0;

@@ -6,8 +6,8 @@
 //! - Stick: b(t) is a sum of exponentials; the phase ends at the first zero of f_s - b or f_s + b.
 //!
 //! A trend is a straight line. A measured temperature is one between samples, with a kink at each
-//! sample. So a phase is divided at the samples, and continues on the next line from the same displacement,
-//! velocity and force.
+//! sample. So a phase is divided at the samples, and continues on the next line from the same
+//! displacement, velocity and force.
 //!
 //! Both kinds of zeros are bracketed by bounds of the second derivative ([`first_root`]), so none
 //! is missed, and are found to rounding. Nothing is random, so one path is computed and reported

@@ -4,9 +4,10 @@
 //! - Slip: x and x' are integrated in steps that adapt to the force ([`SlipMotion`]). The state at
 //!   a time inside a step, an instant of the timeline or the end of the sub-phase, is that after a
 //!   shorter step. The sub-phase ends at the first zero of eps x' ([`first_stop`]).
-//! - Stick: the phase ends at the first zero of f_s - b or f_s + b. Where g does not depend on
-//!   time and there is a spring, b(t) is that of a scene without g at another displacement, and [`Noiseless::stick_exit`]
-//!   never misses an exit. Otherwise the function b(t) is searched in steps ([`first_exit`]).
+//! - Stick: the phase ends at the first zero of f_s - b or f_s + b. Where g does not depend on time
+//!   and there is a spring, b(t) is that of a scene without g at another displacement, and
+//!   [`Noiseless::stick_exit`] never misses an exit. Otherwise the function b(t) is searched in
+//!   steps ([`first_exit`]).
 //!
 //! Steps of slips and of searches end at the samples of a measured temperature, where it has kinks.
 //! Nothing is random, so one path is computed and reported for every lane.

@@ -3,7 +3,7 @@
 //! Let V = eps x'. On an interval at whose ends V and V' are known, V is taken to be the cubic with
 //! these values. How much V and V' in the middle differ from it bounds the error of the two cubics
 //! on the halves, which is 16 times smaller (8 times for what is not symmetric). So V is positive
-//! on a half where the Bezier control points of its cubic lie that far above zero, and has one zero
+//! on a half where the Bezier control points of its cubic lie that far above zero. It has one zero
 //! where those of its slope lie that far below zero and V changes its sign. Otherwise the interval
 //! is divided, down to a length at which the sign at its end decides.
 
