@@ -1,4 +1,4 @@
-"""The code on the pages and in the notebook runs, and gives the results that they show."""
+"""The code on the pages and in the notebooks runs, and gives the results that they show."""
 
 from __future__ import annotations
 
@@ -15,14 +15,17 @@ def snippets(page):
     return re.findall(r"```python\n(.*?)```", (ROOT / page).read_text(), flags=re.DOTALL)
 
 
-def test_the_tutorial_runs_from_end_to_end():
+@pytest.mark.parametrize(("name", "pictures"), [("tutorial", 4), ("lesson", 3)])
+def test_a_notebook_runs_from_end_to_end_in_any_folder(name, pictures, tmp_path):
+    """The cells hold what the text says by `assert`."""
     nbformat, nbclient = pytest.importorskip("nbformat"), pytest.importorskip("nbclient")
-    notebook = nbformat.read(ROOT / "examples/tutorial.ipynb", as_version=4)
+    notebook = nbformat.read(ROOT / f"examples/{name}.ipynb", as_version=4)
+    assert not any(cell.get("outputs") for cell in notebook.cells)
     client = nbclient.NotebookClient(
         notebook,
         timeout=300,
         kernel_name="python3",
-        resources={"metadata": {"path": ROOT / "examples"}},
+        resources={"metadata": {"path": tmp_path}},
     )
     client.execute()
     shown = [
@@ -31,7 +34,8 @@ def test_the_tutorial_runs_from_end_to_end():
         for output in cell.get("outputs", [])
         if "data" in output
     ]
-    assert sum("image/svg+xml" in data for data in shown) == 4
+    assert sum("image/svg+xml" in data for data in shown) == pictures
+    assert not list(tmp_path.iterdir())
 
 
 def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
