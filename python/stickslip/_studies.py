@@ -41,8 +41,8 @@ def sweep(
 ) -> xr.Dataset:
     """Compute statistics as functions of keys of the scenario, like `mc sweep`.
 
-    All points of the sweep see the same noise, so that differences between neighbouring points are
-    much more precise than the estimates themselves. After Ctrl-C the points that are done are
+    All points of the sweep see the same noise, unless `time.step` varies, so that differences
+    between neighbouring points are much more precise than the estimates themselves. After Ctrl-C the points that are done are
     returned with a `StickSlipWarning`.
 
     Args:

@@ -19,13 +19,13 @@ const EXAMPLES: &str = "\
 Examples:
   mc calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o fit.h5
   mc calibrate bridge.toml displacement.csv --temperature-file temperature.csv
-  mc calibrate bridge.toml data.csv --temperature 'Temp, °F' --time Date,Time --dates dmy --zone Europe/Paris
+  mc calibrate bridge.toml data.csv --time Date,Time --dates dmy --zone Europe/Paris
   mc calibrate bridge.toml data.csv --displacement gauge_3 --displacement-unit mm --lag 15m
   mc calibrate bridge.toml data.csv --method slips --json | jq .parameters
-  mc twin bridge.toml --seed 1 --sensor-noise 30e-6,150e-6 -o twin.csv && mc calibrate bridge.toml twin.csv
+  mc twin bridge.toml -o twin.csv && mc calibrate bridge.toml twin.csv
 
-The last line is how to find out whether the method suits a bridge: make data of one like it, whose truth is in the scenario, and see
-whether the intervals hold it. The scenario gives K_BP as bearing.stiffness, names the columns under [temperature.series], and needs no
+The last line is how to find out whether the method suits a bridge: make data of one like it, whose truth is in the scenario, and see \
+whether the intervals hold it. The scenario gives K_BP as bearing.stiffness, names the columns under [temperature.series], and needs no \
 [time]. Intervals hold the error that noise makes; they do not hold what the model leaves out.";
 
 /// Arguments of `mc calibrate`.

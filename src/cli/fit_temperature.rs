@@ -18,7 +18,7 @@ Examples:
   mc fit-temperature data.csv --time stamp --temperature air_degC --zone Europe/Paris --processes 1
   cat bearing.toml weather.toml > year.toml && mc run year.toml --paths 1000
 
-FILE.toml holds [[temperature.harmonics]] and [[temperature.noise]], and makes a scenario together with one that has no temperature of
+FILE.toml holds [[temperature.harmonics]] and [[temperature.noise]], and makes a scenario together with one that has no temperature of \
 its own. Times count from the first sample. The fit is of largest likelihood, exact for samples at any times, and knows gaps.";
 
 /// Arguments of `mc fit-temperature`.

@@ -25,8 +25,8 @@ Examples:
   mc forecast bridge.toml data.csv --draws 100 --years 100 -o years.csv -o bridge.html
   mc forecast bridge.toml data.csv --json | jq .levels.sliding_path
 
-The bearing is calibrated by its slips, the temperature is fitted by harmonics and processes, and years are simulated with parameters
-drawn from what both fits leave open. `expected` is the mean of a year, and its interval holds what is not known of the parameters; the
+The bearing is calibrated by its slips, the temperature is fitted by harmonics and processes, and years are simulated with parameters \
+drawn from what both fits leave open. `expected` is the mean of a year, and its interval holds what is not known of the parameters; the \
 interval of one year holds its weather as well. Traffic, wear, and a climate that changes are not in it.";
 
 /// Arguments of `mc forecast`.

@@ -9,7 +9,7 @@ use stick_slip::store;
 const EXAMPLES: &str = "\
 Examples:
   mc init                                       rho025.toml here
-  mc init --rho 0.4 --omega 0.5 -o mine.toml    the paper's scene with another noise and another forcing
+  mc init --rho 0.4 --omega 0.5 -o mine.toml    another noise, another forcing
   mc init --f-s 1.4 --f-d 0.9 --scheme event-driven -o mine.toml
   mc init --from shaw -o mine.toml
   mc init --from bridge -o -                    to standard output

@@ -18,6 +18,7 @@ mod heap;
 mod html;
 mod init;
 mod interrupt;
+mod man;
 mod measurements;
 mod merge;
 mod mistakes;
@@ -73,7 +74,7 @@ Start here:
   mc plot mine.h5                           all of it in pictures, in mine.svg
 
 More:
-  mc run mine.toml --accuracy 1% --statistic stick_duration_mean   choose scheme, step and paths for that error
+  mc run mine.toml --accuracy 1% --statistic stick_duration_mean   choose step and paths
   mc run mine.toml --set friction.static=1.3 -o stronger.h5
   mc resume mine.h5                         continue a run that was interrupted
   mc merge part-*.h5 -o mine.h5             join the parts that mc run --part made
@@ -83,7 +84,7 @@ More:
   mc verify mine.h5                         is the file what its scenario and seed come to?
   mc trade mine.toml                        which scheme, step and paths for which accuracy
   mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
-  mc calibrate bridge.toml data.csv         friction of a bearing from its temperature and displacement
+  mc calibrate bridge.toml data.csv         friction of a bearing from measurements
   mc twin bridge.toml -o twin.csv           synthetic data of a bearing, to try that on
   mc fit-temperature data.csv -o weather.toml   a measured temperature as harmonics and noise
   mc forecast bridge.toml data.csv          what years to come do to the bearing
@@ -154,6 +155,8 @@ verbs! {
     Init(init),
     /// Print a completion script for a shell
     Completions(completions),
+    /// Write manual pages for `man`
+    Man(man),
     /// Read a file in a process of its own, which mc starts for files without a checksum
     #[command(hide = true)]
     LookThrough(files),

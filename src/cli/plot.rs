@@ -24,7 +24,7 @@ Examples:
   mc plot fit.h5 --only loops
   mc plot event-driven.h5 discrete-vi.h5            two sweeps in the same axes
 
-A picture is drawn from the numbers in the file. A path is simulated again: it is the very path of the ensemble, and a closer look
+A picture is drawn from the numbers in the file. A path is simulated again: it is the very path of the ensemble, and a closer look \
 does not change it. The same picture has the same bytes. PNG has 300 dots per inch.";
 
 /// Arguments of `mc plot`.

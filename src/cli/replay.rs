@@ -13,8 +13,8 @@ const EXAMPLE: &str = "\
 Example:
   mc replay rho025.h5 --path 4711 -o path-4711.h5
 
-The trajectory holds every step of a time-stepping scheme, or every so many where there would be more than 10000 rows.
-An event-driven or quasi-static trajectory is ten times finer than the run's output grid, and goes through what the run saw.
+The trajectory holds every step of a time-stepping scheme, or every so many where there would be more than 10000 rows. \
+An event-driven or quasi-static trajectory is ten times finer than the run's output grid, and goes through what the run saw. \
 The events are always all there.";
 
 /// Arguments of `mc replay`.

@@ -13,7 +13,7 @@ Examples:
   mc resume rho025.h5
   mc resume rho025.h5 --end      write the file of what is done, and simulate no more
 
-The finished file has the data of a run that was never interrupted, bit for bit: its goals, its time limit, of which what
+The finished file has the data of a run that was never interrupted, bit for bit: its goals, its time limit, of which what \
 was spent counts, and what --accuracy chose are those of the run. Only the program that began a run continues it.";
 
 /// Arguments of `mc resume`.

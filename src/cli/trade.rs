@@ -25,8 +25,8 @@ Examples:
   mc trade scenarios/damped.toml --set friction.static=1.3 --statistic sticking_fraction
   mc trade scenarios/rho025.toml --json | jq '.winners[] | select(.target == 0.01)'
 
-Every scheme that suits the scene is run over its steps or tolerances, whatever scheme the scenario names. Costs are CPU seconds on
-one thread and vary with the machine; everything else depends on the scenario, its seed, and the paths that the budget allowed.
+Every scheme that suits the scene is run over its steps or tolerances, whatever scheme the scenario names. Costs are CPU seconds on \
+one thread and vary with the machine; everything else depends on the scenario, its seed, and the paths that the budget allowed. \
 Ctrl-C ends the measuring; the table is then of what was measured.";
 
 /// Arguments of `mc trade`.

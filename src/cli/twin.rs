@@ -6,7 +6,7 @@ use super::{Failure, Row, aligned, measurements, note, print, results, writable}
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin as Made, twin, values};
-use stick_slip::config::Override;
+use stick_slip::config::{Override, shipped_at};
 use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
 use stick_slip::store;
@@ -14,12 +14,12 @@ use stick_slip::store;
 const EXAMPLES: &str = "\
 Examples:
   mc twin examples/bridge/bridge.toml --seed 1 -o twin.csv
-  mc twin examples/bridge/bridge.toml --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 --resolution 0.5 -o hard.csv
-  mc twin year.toml --start 2024-06-01 --every 5m --thermometer-every 2 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
+  mc twin bridge --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 -o hard.csv
+  mc twin year.toml --start 2024-06-01 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
   mc calibrate examples/bridge/bridge.toml twin.csv
 
-The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its
-harmonics and noise. Between samples it moves as weather does, as rough as from one sample to the next. Each flaw has random numbers of
+The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its \
+harmonics and noise. Between samples it moves as weather does, as rough as from one sample to the next. Each flaw has random numbers of \
 its own, so that one more of them leaves the others as they are.";
 
 /// Arguments of `mc twin`.
@@ -148,7 +148,11 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
     let source = &scene.temperature_source;
     let wanted = [source.wanted(ColumnQuantity::Temperature)];
-    let mut table = Origin::File(&path).read_in_seconds(&source.layout, &wanted)?;
+    let origin = match shipped_at(scenario).and_then(|shipped| shipped.file(file)) {
+        Some(text) => Origin::Text(file, text),
+        None => Origin::File(&path),
+    };
+    let mut table = origin.read_in_seconds(&source.layout, &wanted)?;
     measurements::note_repairs(&path, &table.repairs);
     let column = table.columns.swap_remove(0);
     Ok((table.start, Air::measured(column.times, column.values)))

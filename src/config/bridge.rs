@@ -7,14 +7,14 @@ use super::keys;
 use super::overrides::Override;
 use super::series::source;
 use super::source::Sources;
-use super::{shipped, text_of, tree};
+use super::{shipped_at, text_of, tree};
 use crate::scenario::BridgeScene;
 use std::path::Path;
 
 impl BridgeScene {
     /// Read a file with the overrides applied. The name of a shipped scenario stands for its file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        if let Some(found) = shipped::at(path) {
+        if let Some(found) = shipped_at(path) {
             return Self::parse(found.name, found.text, overrides);
         }
         let (name, text) = text_of(path)?;

@@ -33,7 +33,7 @@ mod tests;
 
 pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
-pub use shipped::{SHIPPED, Shipped, shipped};
+pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
 
 use crate::model::{Series, Temperature};
 use crate::scenario::Scenario;
@@ -178,7 +178,7 @@ impl Scenario {
     /// Read a file, apply the overrides in order, and check the result. The name of a shipped
     /// scenario stands for its file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        if let Some(found) = shipped::at(path) {
+        if let Some(found) = shipped_at(path) {
             return found.parse(overrides);
         }
         let (name, text) = text_of(path)?;

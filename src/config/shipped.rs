@@ -40,13 +40,20 @@ pub const SHIPPED: [Shipped; 13] = shipped![
     "bridge" with "bridge.csv",
 ];
 
+impl Shipped {
+    /// The text of the data file of this name, if its scenario reads one.
+    pub fn file(&self, name: &str) -> Option<&'static str> {
+        self.data.iter().find(|(file, _)| *file == name).map(|(_, text)| *text)
+    }
+}
+
 /// The shipped scenario of this name.
 pub fn shipped(name: &str) -> Option<&'static Shipped> {
     SHIPPED.iter().find(|scenario| scenario.name == name)
 }
 
 /// The shipped scenario that a path stands for: one without a folder, an ending and a file.
-pub(super) fn at(path: &Path) -> Option<&'static Shipped> {
+pub fn shipped_at(path: &Path) -> Option<&'static Shipped> {
     let is_name = path.components().count() == 1 && path.extension().is_none() && !path.exists();
     path.to_str().filter(|_| is_name).and_then(shipped)
 }

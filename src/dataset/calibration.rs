@@ -17,7 +17,7 @@ use crate::stats::{Dimension, Units};
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
 /// Major and minor version of the format.
-pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 2);
+pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 3);
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -302,7 +302,7 @@ table! {
     DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");
-    TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample").with(&[("axis", "T")]);
+    TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample");
     TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured, without spikes");
     STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
     INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,

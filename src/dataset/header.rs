@@ -4,7 +4,7 @@
 use super::walk::{Reading, Walk};
 use super::{Destination, Source, read_attribute};
 use crate::engine::{NoPart, Part, Provenance, Status};
-use crate::model::Series;
+use crate::model::{PAPER, Series};
 use crate::stats::Units;
 use std::sync::Arc;
 
@@ -13,7 +13,7 @@ pub(crate) const FORMAT_NAME: &str = "stick-slip ensemble";
 
 /// Major and minor version of the format. A new minor version only adds to it; a new major version
 /// may change or remove.
-pub const FORMAT_VERSION: (u32, u32) = (1, 4);
+pub const FORMAT_VERSION: (u32, u32) = (1, 5);
 
 /// Version of the CF conventions that every data set follows.
 pub(crate) const CONVENTIONS: &str = "CF-1.11";
@@ -42,6 +42,8 @@ pub(super) fn walk_origin<W: Walk>(
     walk.attribute("title", title)?;
     walk.derived_attribute("format_name", name)?;
     walk.derived_attribute("format_version", format!("{major}.{minor}"))?;
+    walk.derived_attribute("references", PAPER)?;
+    walk.derived_attribute("source", format!("stick-slip {version}"))?;
     walk.attribute("program_version", version)?;
     walk.attribute("git_hash", hash)
 }

@@ -64,12 +64,16 @@ const SPECTRUM_OF_LENGTH: Unit = Unit::Of(Dimension { length: 2, time: 1, ..Dime
 const SPECTRUM_OF_VELOCITY: Unit = Unit::Of(Dimension { length: 2, time: -1, ..Dimension::ONE });
 
 const PER_STATISTIC: &[(&str, &str)] = &[("coordinates", "statistic_long_name statistic_unit")];
+const WITH_ERRORS: &[(&str, &str)] = &[
+    PER_STATISTIC[0],
+    ("ancillary_variables", "standard_error interval_low interval_high bias bias_uncertainty bias_order"),
+];
 
 table! {
     STATISTIC = variable("statistic", &["statistic"], Unit::None, "name of the statistic");
     STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "what the statistic is");
     STATISTIC_UNIT = variable("statistic_unit", &["statistic"], Unit::None, "unit of the statistic");
-    ESTIMATE = variable("estimate", &["statistic"], Unit::None, "estimate").with(PER_STATISTIC);
+    ESTIMATE = variable("estimate", &["statistic"], Unit::None, "estimate").with(WITH_ERRORS);
     STANDARD_ERROR = variable("standard_error", &["statistic"], Unit::None,
         "standard error of the estimate, the path being the independent unit").with(PER_STATISTIC);
     INTERVAL_LOW = variable("interval_low", &["statistic"], Unit::None,
@@ -89,7 +93,7 @@ table! {
     ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", &["statistic"], Unit::None,
         "upper end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
 
-    TIME = variable("time", &["time"], Unit::TIME, "time").with(&[("axis", "T")]);
+    TIME = variable("time", &["time"], Unit::TIME, "time");
     QUANTILE = variable("quantile", &["quantile"], Unit::ONE, "quantile level");
 
     SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
@@ -153,7 +157,7 @@ table! {
     PART_STATE = variable("part_state", &["part_state"], Unit::None,
         "state of a part of a run, from which mc merge joins it to the others");
 
-    PATH = variable("path", &["path"], Unit::ONE, "path number");
+    PATH = variable("path", &["path"], Unit::ONE, "path number").with(&[("standard_name", "realization")]);
     EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);
     TRAJECTORY_BEARING = variable("trajectory_bearing_displacement", &["trajectory", "time"], Unit::LENGTH,
         "displacement that a sensor at the bearing shows");

@@ -127,10 +127,11 @@ fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve
     let mut curves = Vec::new();
     for (i, (file, sweep)) in sweeps.iter().enumerate() {
         let scheme = sweep.question.scenario.scheme;
+        let varies_step = sweep.question.design.axes().iter().any(|axis| axis.key == "time.step");
         let name = match (are_distinct, scheme.step()) {
             (false, _) => file.clone(),
-            (true, Some(h)) => format!("{}, step {h}", scheme.name()),
-            (true, None) => scheme.name().to_string(),
+            (true, Some(h)) if !varies_step => format!("{}, step {h}", scheme.name()),
+            (true, _) => scheme.name().to_string(),
         };
         let design = &sweep.question.design;
         let length = design.axes()[0].values.len();

@@ -15,6 +15,10 @@
 //! Bensoussan, Brouste, Cartiaux, Mathey, Mertz, *Mathematical formulation of a dynamical system
 //! with dry friction subjected to external forces*, equations (friction1), (engapp), (shaw).
 
+/// The paper in which the model and the scheme `discrete-vi` were published.
+pub const PAPER: &str = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a \
+                         dynamical system with dry friction subjected to external forces.";
+
 mod cascade;
 mod complex;
 mod force;

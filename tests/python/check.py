@@ -20,7 +20,7 @@ import netCDF4
 import numpy as np
 import xarray as xr
 
-ROOT_ATTRIBUTES = """Conventions title format_name format_version program_version git_hash scheme seed generator paths
+ROOT_ATTRIBUTES = """Conventions title format_name format_version references source program_version git_hash scheme seed generator paths
     block_size status completed_paths diverged_paths scenario""".split()
 
 # Names, flags and mixed arrays have no unit.

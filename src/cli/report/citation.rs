@@ -2,12 +2,9 @@
 
 use crate::cli::document::sha256;
 use crate::cli::numbers::{counted, grouped};
+use stick_slip::model::PAPER;
 use stick_slip::numbers::short;
 use stick_slip::store::Stored;
-
-/// The paper in which the model and the scheme `discrete-vi` were published.
-const PAPER: &str = "A. Bensoussan, A. Brouste, F. B. Cartiaux, C. Mathey, L. Mertz, Mathematical formulation of a \
-                     dynamical system with dry friction subjected to external forces.";
 
 /// The number of digits of the hash of the scenario that are printed: enough to distinguish
 /// scenarios.

@@ -15,7 +15,7 @@ use std::path::Path;
 
 /// Attributes that name the program. They are not compared, because a file of another program is
 /// told apart before it is compared.
-const OF_PROGRAM: [&str; 2] = ["program_version", "git_hash"];
+const OF_PROGRAM: [&str; 3] = ["program_version", "git_hash", "source"];
 
 /// Attributes that another version may write otherwise although every number is the same: the
 /// version of the format, and the text of the scenario.
