@@ -18,7 +18,8 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
 
     let sticks = data.array::<u32>("path_sticks").ok_or("no path_sticks")?.mapv(f64::from);
     let distance = data.array::<f64>("path_displacement_end").ok_or("no path_displacement_end")?.mapv(f64::abs);
-    let correlation = stack(Axis(0), &[sticks.view(), distance.view()])?.into_dimensionality()?.pearson_correlation()?;
+    let correlation =
+        stack(Axis(0), &[sticks.view(), distance.view()])?.into_dimensionality()?.pearson_correlation()?;
     println!("most sticks of a path: {}; correlation with its distance: {:.3}", sticks.max()?, correlation[[0, 1]]);
     Ok(())
 }

@@ -79,13 +79,17 @@ fn of_key(key: &str) -> String {
 }
 
 /// Options of other programs, and what does the same here.
-const OPTIONS: [(&str, &str); 6] = [
+const OPTIONS: [(&str, &str); 7] = [
     ("-n", "`--paths` is the number of paths"),
     ("--n", "`--paths` is the number of paths"),
     ("--samples", "`--paths` is the number of paths"),
-    ("--stats", "`mc show FILE` prints all statistics, and `--csv` and `--json` print them for programs"),
-    ("--latex", "`mc show FILE --csv` or `--json` prints the numbers for a table"),
-    ("--format", "`--json` and `--csv` print for programs, and the ending of the name after -o chooses a format"),
+    ("--stats", "`mc show FILE` prints all statistics, and `--format csv` and `--json` print them for programs"),
+    ("--latex", "`mc show FILE --format latex` prints a table for a paper"),
+    ("--csv", "`mc show FILE --format csv` prints comma-separated values"),
+    (
+        "--format",
+        "`mc show FILE --format csv|markdown|latex` prints a table; elsewhere the ending of the name after -o chooses a format",
+    ),
 ];
 
 fn no_option(option: &str) -> Option<Failure> {

@@ -70,12 +70,9 @@ pub fn wrapped(sentence: &str, indent: &str) -> String {
     broken(sentence, indent, columns().map_or(LINE, |columns| columns.clamp(SHORTEST, LINE)))
 }
 
-/// Like [`wrapped`], but the sentence is broken only if the terminal is too narrow for it.
+/// Like [`wrapped`], but as wide as the terminal, or the 80 columns of a page where there is none.
 pub fn fitted(sentence: &str, indent: &str) -> String {
-    match columns() {
-        Some(columns) if columns < sentence.chars().count() => broken(sentence, indent, columns.max(SHORTEST)),
-        _ => format!("{sentence}\n"),
-    }
+    broken(sentence, indent, columns().unwrap_or(80).max(SHORTEST))
 }
 
 fn broken(sentence: &str, indent: &str, most: usize) -> String {

@@ -52,9 +52,11 @@ pub fn check_path(stored: &Stored, path: u64) -> Result<(), Failure> {
 }
 
 /// Prints the warnings of a scenario on standard error. The warnings that only estimate the bias of
-/// the step are left out where the run measures that bias.
-pub fn warn(scenario: &Scenario, measures_bias: bool) {
-    scenario.warnings_of_run(measures_bias).iter().for_each(failure::warn);
+/// the step are left out where the run measures that bias, and that of few periods where a table
+/// will say it at the drift.
+pub fn warn(scenario: &Scenario, measures_bias: bool, has_table: bool) {
+    let due = scenario.warnings_of_run(measures_bias);
+    due.iter().filter(|warning| !(has_table && warning.name() == "few-periods")).for_each(failure::warn);
 }
 
 /// All warnings about results: those of the scenario and those that follow from the statistics.
@@ -62,17 +64,12 @@ pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarni
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
     let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
     let found = [
-        ("dominating-bias", report::dominating_bias(summary)),
+        ("dominating-bias", report::dominating_bias(summary).map(|words| format!("bias of the step: {words}"))),
         ("unsettled", report::unsettled(summary)),
         ("too-few-events", report::too_few(summary)),
     ];
     let all = due.chain(found);
     all.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
-}
-
-/// Prints a warning if the bias of the step is larger than the statistical interval suggests.
-pub fn warn_of_bias(summary: &Summary) {
-    report::dominating_bias(summary).iter().for_each(failure::warn);
 }
 
 impl From<RunError> for Failure {

@@ -92,7 +92,8 @@ impl Run {
             note(&super::check::report(&scenario));
             note(&format!("kernel: {}", scenario.plan().simulation.kernel()));
         }
-        results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok());
+        let has_table = !self.options.json && !self.options.quiet;
+        results::warn(&scenario, !self.no_bias && scenario.bias_plan(paths).is_ok(), has_table);
 
         let accuracy_goal = decision.map(|decision| decision.accuracy_goal());
         let note = accuracy_goal.map_or_else(String::new, |accuracy_goal| accuracy_goal.to_string());

@@ -5,8 +5,9 @@ use super::failure::{Failure, note, print, print_data};
 use super::files;
 use super::report::{self, Csv, RunInfo};
 use super::results;
+use super::table::{Row, comma_separated, latex, markdown};
 use super::terminal::Letters;
-use super::{calibrate, sweep, sweep_report, trade_report};
+use super::{calibrate, calibrate_report, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{LimitCycle, Provenance};
@@ -21,7 +22,8 @@ Examples:
   mc show rho025.h5 --json | jq .statistics
   mc show rho025.h5 --scenario > again.toml   the scenario that was run
   mc show coarse.h5 fine.h5                 one table, with differences from the first file
-  mc show rho025.h5 rho025-sweep.h5 --csv   one line for each statistic
+  mc show rho025.h5 rho025-sweep.h5 --format csv   one line for each statistic
+  mc show rho025.h5 --format latex          a table for a paper
   mc show rho025.h5 --fit slip              laws fitted to slip durations, if record.laws was set
   mc show rho025.h5 --cite                  what to write in a paper";
 
@@ -37,32 +39,37 @@ pub struct Show {
     json: bool,
     /// Add histograms of stick durations and of sub-phases, and the share of sticks that last
     /// longer than each duration, drawn with letters
-    #[arg(long, conflicts_with_all = ["json", "csv"])]
+    #[arg(long, conflicts_with_all = ["json", "format"])]
     plot: bool,
-    /// Print comma-separated values instead: a line for each statistic of each file or point
-    #[arg(long, conflicts_with = "json")]
-    csv: bool,
+    /// Print a table for other programs instead: comma-separated values with all digits, a line for
+    /// each statistic of each file or point; or a table for a paper, with the digits that the error
+    /// supports
+    #[arg(long, value_name = "csv|markdown|latex", conflicts_with = "json", hide_possible_values = true)]
+    format: Option<Format>,
     /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
     /// the model
-    #[arg(long, conflicts_with_all = ["json", "plot", "csv"])]
+    #[arg(long, conflicts_with_all = ["json", "plot", "format"])]
     cite: bool,
     /// Fit laws to a distribution of a run with `record.laws`, by maximum likelihood: exponential,
     /// Weibull and lognormal
-    #[arg(long, value_name = "stick|slip|jump|recurrence", value_parser = law, conflicts_with_all = ["csv", "plot", "cite"])]
+    #[arg(long, value_name = "stick|slip|jump|recurrence", value_parser = law, conflicts_with_all = ["format", "plot", "cite"])]
     fit: Option<PhaseLaw>,
     /// Fit only what values exceed this by, to see how a tail falls
     #[arg(long, value_name = "VALUE", requires = "fit")]
     beyond: Option<f64>,
     /// Print the scenario that the file was made with instead, with every default written out: a
     /// file for mc run
-    #[arg(long, conflicts_with_all = ["json", "csv", "plot", "cite"])]
+    #[arg(long, conflicts_with_all = ["json", "format", "plot", "cite"])]
     scenario: bool,
 }
 
 impl Show {
     pub fn call(&self) -> Result<(), Failure> {
-        if self.csv {
-            return self.print_csv();
+        match self.format {
+            Some(Format::Csv) => return self.print_csv(),
+            Some(Format::Markdown) => return print_data(&markdown(&self.rows()?)),
+            Some(Format::Latex) => return print_data(&latex(&self.rows()?)),
+            None => {}
         }
         if self.cite {
             return self.print_citations();
@@ -121,9 +128,8 @@ impl Show {
         let scenario = results::scenario("scenario", stored, &[]).ok();
         let info = info(file, stored, scenario.as_ref());
         if let Some(scenario) = &scenario {
-            results::warn(scenario, stored.summary.has_bias());
+            results::warn(scenario, stored.summary.has_bias(), !self.json);
         }
-        results::warn_of_bias(&stored.summary);
         if let Some(unfinished) = &stored.unfinished {
             note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
         }
@@ -143,7 +149,7 @@ impl Show {
     fn print_several(&self, files: &[PathBuf]) -> Result<(), Failure> {
         if let Some(file) = files.iter().find(|file| is_sweep(file)) {
             let problem = format!("{} is a sweep, whose points are many runs", file.display());
-            return Err(Failure::usage(problem, "show it alone, or several files with --csv"));
+            return Err(Failure::usage(problem, "show it alone, or several files with --format csv"));
         }
         let runs = files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
         let infos: Vec<RunInfo> = files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
@@ -191,7 +197,26 @@ impl Show {
         print(&lines.map(|line| line + "\n").collect::<String>())
     }
 
+    /// The table of one file of any kind, or of several runs beside each other, headings first.
+    fn rows(&self) -> Result<Vec<Row>, Failure> {
+        let [file] = self.files.as_slice() else {
+            let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
+            return Ok(report::compared(&runs.iter().map(|run| &run.summary).collect::<Vec<_>>()));
+        };
+        Ok(match files::read(file, store::content)? {
+            Content::Run(run) => report::rows(&run.summary, &run.header.units),
+            Content::Calibration(stored) => calibrate_report::quantities(&stored.calibration),
+            Content::Trade(trade) => trade_report::stored_rows(&trade),
+            Content::Sweep(stored) => sweep_report::rows(&sweep::stored(file, *stored)?),
+        })
+    }
+
     fn print_csv(&self) -> Result<(), Failure> {
+        if let [file] = self.files.as_slice()
+            && let Ok(Some(FileKind::Calibration | FileKind::Trade)) = files::read(file, store::kind)
+        {
+            return print_data(&comma_separated(&self.rows()?));
+        }
         let mut table = Csv::default();
         for file in &self.files {
             let name = file.display().to_string();
@@ -204,6 +229,14 @@ impl Show {
         }
         print_data(&table.text())
     }
+}
+
+/// A format of a table for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum Format {
+    Csv,
+    Markdown,
+    Latex,
 }
 
 /// The law of this name.

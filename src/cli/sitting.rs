@@ -167,11 +167,11 @@ impl<'a> Sitting<'a> {
             print(&report::table(summary, &info))?;
         }
         // The table has these lines as remarks.
-        let remarks = [report::lost(summary, &info), report::unsettled(summary), report::too_few(summary)];
+        let bias = report::dominating_bias(summary).map(|words| format!("bias of the step: {words}"));
+        let remarks = [report::lost(summary, &info), report::unsettled(summary), report::too_few(summary), bias];
         for line in remarks.into_iter().flatten().filter(|_| json || quiet) {
             note(&format!("warning: {line}"));
         }
-        results::warn_of_bias(summary);
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
         let broken =
             self.accuracy_goal.and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));

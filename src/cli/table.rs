@@ -47,9 +47,101 @@ pub fn aligned(rows: &[Row], gap: &str) -> String {
     text
 }
 
+/// The rows as comma-separated values (RFC 4180), headings first; numbers are not grouped.
+pub fn comma_separated(rows: &[Row]) -> String {
+    let cell = |cell: &String| {
+        let is_number = cell.chars().all(|letter| letter.is_ascii_digit() || letter == ' ');
+        if is_number { cell.replace(' ', "") } else { quoted(cell) }
+    };
+    let line = |cells: &Vec<String>| cells.iter().map(cell).collect::<Vec<_>>().join(",") + "\n";
+    full(rows).iter().map(line).collect()
+}
+
+/// A text as one cell of comma-separated values.
+pub fn quoted(text: &str) -> String {
+    let is_plain = !text.contains([',', '"', '\n', '\r']);
+    if is_plain { text.to_string() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+}
+
+/// The rows as a table of Markdown, headings first.
+pub fn markdown(rows: &[Row]) -> String {
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
+        format!("| {} |\n", cells.join(" | "))
+    };
+    let rows = full(rows);
+    let Some((headings, rest)) = rows.split_first() else { return String::new() };
+    let rule = format!("|---|{}\n", "---:|".repeat(headings.len().saturating_sub(1)));
+    line(headings) + &rule + &rest.iter().map(|row| line(row)).collect::<String>()
+}
+
+/// The rows as a `tabular` of LaTeX, headings first, which needs no package.
+pub fn latex(rows: &[Row]) -> String {
+    let line = |cells: &[String]| {
+        let cells: Vec<String> = cells.iter().map(|cell| latex_cell(cell)).collect();
+        format!("{} \\\\\n", cells.join(" & "))
+    };
+    let rows = full(rows);
+    let Some((headings, rest)) = rows.split_first() else { return String::new() };
+    let columns = "r".repeat(headings.len().saturating_sub(1));
+    let body: String = rest.iter().map(|row| line(row)).collect();
+    format!("\\begin{{tabular}}{{l{columns}}}\n\\hline\n{}\\hline\n{body}\\hline\n\\end{{tabular}}\n", line(headings))
+}
+
+/// A number as mathematics, and anything else as text.
+fn latex_cell(cell: &str) -> String {
+    if cell == "+-" {
+        return "$\\pm$".into();
+    }
+    if cell.parse::<f64>().is_ok_and(f64::is_finite) {
+        return match cell.split_once('e') {
+            Some((digits, power)) => format!("${digits}\\times10^{{{power}}}$"),
+            None => format!("${cell}$"),
+        };
+    }
+    let mut text = String::new();
+    for letter in cell.chars() {
+        match letter {
+            '_' | '%' | '&' | '#' | '$' | '{' | '}' => text.extend(['\\', letter]),
+            '\\' => text.push_str("\\textbackslash{}"),
+            '^' => text.push_str("\\^{}"),
+            '~' => text.push_str("\\~{}"),
+            _ => text.push(letter),
+        }
+    }
+    text
+}
+
+/// Cells and notes of all rows, in as many columns as are in use.
+fn full(rows: &[Row]) -> Vec<Vec<String>> {
+    let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
+    let has_notes = rows.iter().any(|row| !row.note.is_empty());
+    let filled = |row: &Row| {
+        let mut cells = row.cells.clone();
+        cells.resize(columns, String::new());
+        cells.extend(has_notes.then(|| row.note.clone()));
+        cells
+    };
+    rows.iter().map(filled).collect()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn a_table_for_a_paper_has_numbers_as_mathematics_and_text_escaped() {
+        let rows = [Row::labelled("a_b", ["95 % from", "+-"]).noted("unit"), Row::labelled("x|y", ["-0.9e-4", "none"])];
+        assert_eq!(
+            markdown(&rows),
+            "| a_b | 95 % from | +- | unit |\n|---|---:|---:|---:|\n| x\\|y | -0.9e-4 | none |  |\n"
+        );
+        assert_eq!(
+            latex(&rows),
+            "\\begin{tabular}{lrrr}\n\\hline\na\\_b & 95 \\% from & $\\pm$ & unit \\\\\n\\hline\n\
+             x|y & $-0.9\\times10^{-4}$ & none &  \\\\\n\\hline\n\\end{tabular}\n"
+        );
+    }
 
     #[test]
     fn cells_stand_under_each_other_and_lines_end_without_spaces() {

@@ -31,7 +31,7 @@ const MISTAKES: [Mistake; 89] = [
     mistake("stick_duration_mean done.h5", &["it is a statistic", "mc show"]),
     mistake("run scene.toml --rho 0.3", &["no option `--rho`", "--set temperature.noise.intensity=..."]),
     mistake("run scene.toml -n 1000", &["no option `-n`", "`--paths`"]),
-    mistake("show done.h5 --latex", &["no option `--latex`", "--csv"]),
+    mistake("show done.h5 --latex", &["no option `--latex`", "--format latex"]),
     mistake("show done.h5 --zebra", &["no option `--zebra`", "--help"]),
     mistake("run scene.toml other.toml", &["'other.toml'", "Usage: mc run"]),
     mistake("run scene.toml --path 10", &["'--path'", "'--paths'"]),

@@ -391,7 +391,7 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
     assert_eq!(out(&shown), out(&printed));
     assert_eq!(out(&mc(here, &["show", "s.h5", "--json"])), out(&sweep(here, &["-o", "s.h5", "--json"])));
     done(&mc(here, &["run", SCENARIO, "--paths", "300", "-o", "run.h5"]));
-    let csv = out(&mc(here, &["show", "s.h5", "run.h5", "--csv"]));
+    let csv = out(&mc(here, &["show", "s.h5", "run.h5", "--format", "csv"]));
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 1 + 21 * 7);
     assert!(lines[0].starts_with("file,temperature.noise.intensity,statistic,unit,estimate,"), "{}", lines[0]);

@@ -339,7 +339,7 @@ fn every_verb_says_that_a_file_has_no_checksum() {
     for verb in [
         &["show", "a.h5"][..],
         &["show", "a.h5", "part.h5"],
-        &["show", "a.h5", "--csv"],
+        &["show", "a.h5", "--format", "csv"],
         &["show", "a.h5", "--cite"],
         &["show", "a.h5", "--scenario"],
         &["show", "sweep.h5"],

@@ -4,4 +4,4 @@ mod json;
 mod table;
 
 pub use json::json;
-pub use table::{sources, table};
+pub use table::{quantities, sources, table};

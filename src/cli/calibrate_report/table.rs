@@ -8,14 +8,19 @@ const GAP: &str = "  ";
 
 /// The table, with the remarks below it.
 pub fn table(title: &str, calibration: &Calibration) -> String {
-    let level = percent(calibration.question.level);
-    let mut rows = vec![Row::labelled("", ["", "estimate", &format!("{level} from"), "to"])];
-    rows.extend(Quantity::ALL.iter().map(|quantity| row(*quantity, calibration.estimate(*quantity))));
-    let mut parts = vec![format!("{title}\n"), aligned(&rows, GAP), sources(calibration)];
+    let mut parts = vec![format!("{title}\n"), aligned(&quantities(calibration), GAP), sources(calibration)];
     if !calibration.starts.is_empty() {
         parts.push(starts(calibration));
     }
     parts.join("\n")
+}
+
+/// The rows of what was calibrated, headings first.
+pub fn quantities(calibration: &Calibration) -> Vec<Row> {
+    let level = percent(calibration.question.level);
+    let headings = Row::labelled("", ["", "estimate", &format!("{level} from"), "to"]);
+    let rows = Quantity::ALL.iter().map(|quantity| row(*quantity, calibration.estimate(*quantity)));
+    std::iter::once(headings).chain(rows).collect()
 }
 
 fn row(quantity: Quantity, ParameterEstimate { estimate, low, high }: ParameterEstimate) -> Row {

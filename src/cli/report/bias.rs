@@ -1,6 +1,6 @@
 //! The bias of the step in a report.
 
-use crate::cli::numbers::{Digits, significant, with_error};
+use crate::cli::numbers::{Digits, with_error};
 use stick_slip::stats::{Bias, Estimate, Summary};
 
 /// A bias and its uncertainty, to two digits of the uncertainty; `none` where the bias is not
@@ -28,17 +28,13 @@ const NORMAL_REACH: f64 = 1.96;
 /// interval suggests, and what to do. None if there is no such statistic.
 pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
-    let surest = dominated.first()?;
-    let [bias, uncertainty] = bias_cells(surest.bias);
-    Some(format!(
-        "the step shifts {} of {} statistics by more than their intervals allow for, most clearly {}: its \
-         bias is {bias} +- {uncertainty}, its interval +- {}. A smaller `--step` reduces the bias, more \
-         paths do not; `--scheme event-driven` has no step",
-        dominated.len(),
-        summary.asked.len(),
-        surest.statistic.name(),
-        significant(surest.half_width(), 2)
-    ))
+    (!dominated.is_empty()).then(|| {
+        format!(
+            "beyond the interval in {} of {} statistics; scheme `event-driven` has none",
+            dominated.len(),
+            summary.asked.len(),
+        )
+    })
 }
 
 #[cfg(test)]
@@ -47,7 +43,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_bias_beyond_the_interval_is_told_with_the_surest_statistic() {
+    fn a_bias_beyond_the_interval_is_told() {
         let bias = |estimate, uncertainty| Some(Bias { estimate, uncertainty, order: None });
         let mut summary = summary();
         assert_eq!(dominating_bias(&summary), None);
@@ -59,9 +55,6 @@ mod tests {
         summary.estimates[0].bias = bias(0.0955, 0.0311);
         summary.estimates[1].bias = bias(0.5, 0.1);
         let line = dominating_bias(&summary).expect("two are dominated");
-        assert!(
-            line.contains("2 of 21") && line.contains("stick_duration_sd") && line.contains("0.50 +- 0.10"),
-            "{line}"
-        );
+        assert!(line.contains("in 2 of 21"), "{line}");
     }
 }

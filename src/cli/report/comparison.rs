@@ -21,6 +21,14 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
         let paths = counted(*paths, "path");
         let _ = writeln!(text, "{letter:<3}{}: {scheme}{step}, seed {seed}, {paths}", info.file);
     }
+    let _ = writeln!(text, "\n{}", aligned(&compared(summaries), "  "));
+    text.push_str(&wrapped(&legend(infos, &letters), ""));
+    text
+}
+
+/// The rows of the table, headings first. The files have the letters a, b, c, ...
+pub fn compared(summaries: &[&Summary]) -> Vec<Row> {
+    let letters: Vec<String> = (0..summaries.len()).map(letter).collect();
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {
         let difference = format!("{letter} - {}", letters[0]);
@@ -42,9 +50,7 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
         }
         rows.push(Row::labelled(statistic.name(), cells));
     }
-    let _ = writeln!(text, "\n{}", aligned(&rows, "  "));
-    text.push_str(&wrapped(&legend(infos, &letters), ""));
-    text
+    rows
 }
 
 /// The label of file i: a, b, ..., z, then numbers.

@@ -1,6 +1,7 @@
 //! Statistics as comma-separated values (RFC 4180): a line for each statistic of each file, or of
 //! each point of a sweep.
 
+use crate::cli::table::quoted;
 use stick_slip::scenario::Units;
 use stick_slip::stats::Estimate;
 use stick_slip::study::sweep::Sweep;
@@ -98,11 +99,6 @@ fn number(x: f64) -> String {
 
 fn line(cells: impl Iterator<Item = String>) -> String {
     cells.map(|cell| quoted(&cell)).collect::<Vec<_>>().join(",") + "\n"
-}
-
-fn quoted(cell: &str) -> String {
-    let is_plain = !cell.contains([',', '"', '\n', '\r']);
-    if is_plain { cell.to_string() } else { format!("\"{}\"", cell.replace('"', "\"\"")) }
 }
 
 #[cfg(test)]

@@ -8,7 +8,7 @@ use stick_slip::stats::{Family, Fit, PhaseLaw};
 
 /// The table: a row for each parameter.
 pub fn fits_table(law: PhaseLaw, from: f64, unit: &str, fits: &[Fit]) -> String {
-    let headings = ["parameter", "estimate", "95 % interval", "", "distance"];
+    let headings = ["parameter", "estimate", "95 % from", "to", "distance"];
     let mut rows = vec![Row::labelled("law", headings).noted(if unit.is_empty() { "" } else { "unit" })];
     for fit in fits {
         for (i, (name, [value, low, high])) in fit.family.parameters().iter().zip(&fit.parameters).enumerate() {

@@ -28,14 +28,14 @@ mod statistics;
 
 pub use bias::{bias_cells, dominating_bias};
 pub use citation::citation;
-pub use comparison::comparison;
+pub use comparison::{compared, comparison};
 pub use csv::Csv;
 pub use fits::{fits_json, fits_table};
 pub use info::RunInfo;
 pub use json::json;
 pub use plots::plots;
 pub use remarks::{lost, remarks, too_few, unsettled};
-pub use statistics::cells;
+pub use statistics::{cells, rows};
 
 use super::numbers::{counted, fitted};
 use statistics::statistics;

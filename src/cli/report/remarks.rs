@@ -1,6 +1,8 @@
 //! The remarks below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
+use super::bias::dominating_bias;
+use super::statistics::absent;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
 use stick_slip::engine::{LimitCycle, Status};
@@ -9,7 +11,8 @@ use stick_slip::stats::{Dimension, Estimate, Statistic, SubPhaseCounts, Summary,
 
 /// Everything below the table, as labels and lines.
 pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
-    let mut remarks = vec![("sticks", sticks(summary))];
+    let mut remarks: Vec<(&str, String)> = absent(summary).map(|line| ("none", line)).into_iter().collect();
+    remarks.push(("sticks", sticks(summary)));
     remarks.extend(multiples(summary).map(|line| ("", line)));
     remarks.push(("slips", slips(summary)));
     remarks.extend(long_slips(summary).map(|line| ("", line)));
@@ -31,7 +34,7 @@ pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)>
 fn sticks(summary: &Summary) -> String {
     let sticks = &summary.stick_durations;
     format!(
-        "{} ended, {} still running at the end (censored); of the first ones, {} ended and {} were running",
+        "{} ended, {} still running (censored); first ones {} and {}",
         grouped(sticks.completed),
         grouped(sticks.censored),
         grouped(summary.first_sticks.completed),
@@ -49,7 +52,7 @@ fn multiples(summary: &Summary) -> Option<String> {
 
 fn slips(summary: &Summary) -> String {
     let SubPhaseCounts { counts, censored, .. } = &summary.sub_phases;
-    format!("{} ended, {} still running at the end (censored)", grouped(counts.iter().sum()), grouped(*censored))
+    format!("{} ended, {} still running (censored)", grouped(counts.iter().sum()), grouped(*censored))
 }
 
 /// Censored slips are not mentioned below this share of all slips.
@@ -61,9 +64,7 @@ fn long_slips(summary: &Summary) -> Option<String> {
     let SubPhaseCounts { counts, censored, .. } = &summary.sub_phases;
     let completed: u64 = counts.iter().sum();
     let share = *censored as f64 / (completed + censored) as f64;
-    (share > SMALL_SHARE).then(|| {
-        "sub_phases_* and jump_* count only slips that ended, and long ones are missing most often; compare with a later `time.end`".into()
-    })
+    (share > SMALL_SHARE).then(|| "sub_phases_* and jump_* are of slips that ended; try a later `time.end`".into())
 }
 
 /// Says what the path of a scene without noise does in the end.
@@ -146,7 +147,7 @@ fn few_periods(summary: &Summary) -> Option<String> {
     let plural = if periods == 1 { "" } else { "s" };
     is_few.then(|| {
         format!(
-            "of {periods} whole period{plural}; with fewer than {} a drift cannot be told from a transient",
+            "of {periods} whole period{plural}; below {} it may be a transient (`mc check` says more)",
             Timeline::FEWEST_PERIODS
         )
     })
@@ -174,11 +175,8 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
 /// Says what the columns of the bias mean, or why there are none.
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
-        return Some(
-            "of the step: the estimate minus its value at zero step, +- at 95 %; `corrected` subtracts it if it \
-             exceeds +-, and a part of it if it is close to +-"
-                .into(),
-        );
+        let meaning = "of the step, +- at 95 %; `corrected` subtracts it where it exceeds +-";
+        return Some(dominating_bias(summary).map_or(meaning.into(), |words| format!("{meaning}; {words}")));
     }
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
 }
@@ -225,13 +223,13 @@ fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
         let _ = write!(line, " on {}", counted(threads as u64, "thread"));
     }
     if let Some(us) = info.us_per_path(summary.completed_paths) {
-        let _ = write!(line, ", {} us per path", significant(us, 3));
+        let _ = write!(line, ", {} us a path", significant(us, 3));
     }
     if let Some(ns) = info.ns_per_path_step(summary.completed_paths) {
-        let _ = write!(line, ", {} ns per path-step", significant(ns, 3));
+        let _ = write!(line, ", {} ns a path-step", significant(ns, 3));
     }
     if let Some(seconds) = info.bias_seconds.filter(|_| summary.has_bias()) {
-        let _ = write!(line, "; the bias took {} s of it", significant(seconds, 2));
+        let _ = write!(line, ", bias {} s", significant(seconds, 2));
     }
     Some(line)
 }
@@ -265,7 +263,7 @@ mod tests {
     #[test]
     fn the_table_says_how_long_and_where() {
         let table = table(&summary(), &info());
-        assert!(table.contains("0.60 s on 2 threads, 60 us per path, 10 ns per path-step"), "{table}");
+        assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running at the end (censored)"), "{table}");
     }
 

@@ -13,17 +13,42 @@ pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
     lines.map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
 }
 
-/// The table as text, at most as wide as the terminal.
+/// The rows of the statistics that exist, headings first.
+pub fn rows(summary: &Summary, units: &Units) -> Vec<Row> {
+    let lines = table(summary, units).into_iter().filter(|line| !line.is_absent);
+    lines.map(Line::with_reason).collect()
+}
+
+/// The table as text, at most as wide as the terminal. Statistics that do not exist are left out
+/// ([`absent`]), and so are standard errors, which intervals show.
 pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
-    let lines = table(summary, units);
+    let mut lines = table(summary, units);
+    lines.retain(|line| !line.is_absent);
+    for line in &mut lines {
+        line.row.cells.remove(STANDARD_ERROR);
+    }
     let columns = columns();
     let full: Vec<Row> = lines.iter().cloned().map(Line::with_reason).collect();
     let is_narrow = columns.is_some_and(|columns| columns < width(&full));
     let (rows, reasons) = footnotes(lines, is_narrow);
     match columns {
         Some(columns) => narrowed(rows, columns) + &reasons,
-        None => aligned(&rows, GAP) + &reasons,
+        None => aligned(&rows, if width(&rows) > LINE { " " } else { GAP }) + &reasons,
     }
+}
+
+/// The statistics that do not exist, in groups with the reason of each.
+pub(super) fn absent(summary: &Summary) -> Option<String> {
+    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
+    for e in summary.reported().filter(|e| e.estimate.is_nan()) {
+        let reason = summary.absence(e).unwrap_or_default();
+        match groups.iter_mut().find(|(known, _)| *known == reason) {
+            Some((_, names)) => names.push(e.statistic.name()),
+            None => groups.push((reason, vec![e.statistic.name()])),
+        }
+    }
+    let words = groups.iter().map(|(reason, names)| format!("{} ({reason})", names.join(", ")));
+    (!groups.is_empty()).then(|| words.collect::<Vec<_>>().join("; "))
 }
 
 /// A row whose note is a unit, and the reason why a number in it is missing.
@@ -31,6 +56,8 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
 struct Line {
     row: Row,
     reason: Option<&'static str>,
+    /// Whether there is no such number.
+    is_absent: bool,
 }
 
 impl Line {
@@ -79,7 +106,13 @@ const GAP: &str = "  ";
 
 /// The columns that are left out of a table that is too wide, in this order. Their numbers follow
 /// from the columns that stay.
-const SPARE: [&str; 2] = ["std. error", "corrected"];
+const SPARE: [&str; 1] = ["corrected"];
+
+/// The place of the standard error in a row.
+const STANDARD_ERROR: usize = 2;
+
+/// The longest line where there is no terminal, in characters, if narrow gaps make it fit.
+const LINE: usize = 80;
 
 /// The length of the longest line of a table.
 fn width(table: &[Row]) -> usize {
@@ -108,16 +141,20 @@ fn table(summary: &Summary, units: &Units) -> Vec<Line> {
     let has_bias = summary.has_bias();
     let labels: Vec<String> = summary.reported().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note)| Line { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
+    let of = |(e, note)| Line {
+        row: row(e, has_bias).noted(note),
+        reason: summary.absence(e),
+        is_absent: e.estimate.is_nan(),
+    };
     let lines = summary.reported().zip(labels).map(of);
-    std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
+    std::iter::once(Line { row: headings, reason: None, is_absent: false }).chain(lines).collect()
 }
 
-/// The headings. The interval has one heading for its two columns, which are its ends.
+/// The headings.
 fn headings(has_bias: bool, has_unit: bool) -> Row {
     let headings: &[&str] = match has_bias {
-        true => &["estimate", "std. error", "95 % interval", "", "bias", "+-", "corrected"],
-        false => &["estimate", "std. error", "95 % interval", ""],
+        true => &["estimate", "std. error", "95 % from", "to", "bias", "+-", "corrected"],
+        false => &["estimate", "std. error", "95 % from", "to"],
     };
     Row::labelled("statistic", headings.iter().copied()).noted(if has_unit { "unit" } else { "" })
 }

@@ -4,4 +4,4 @@ mod json;
 mod table;
 
 pub use json::json;
-pub use table::{remarks, table};
+pub use table::{remarks, rows, table};

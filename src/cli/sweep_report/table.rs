@@ -33,16 +33,18 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
         let _ = write!(text, ", {} at each point", counted(first, "path"));
     }
     let _ = writeln!(text, ", {} seeds", sweep.question.seeds.name());
-    match &sweep.question.design {
-        Design::Star { keys, .. } => shown.iter().for_each(|statistic| {
-            text.push_str(&elasticities(sweep, keys, *statistic));
-        }),
-        Design::Grid(_) | Design::Zip(_) => {
-            shown.iter().for_each(|statistic| text.push_str(&points(sweep, *statistic)));
-            if sweep.question.seeds == Seeds::Common {
-                text.push_str(&gains(sweep));
-            }
+    let is_star = matches!(sweep.question.design, Design::Star { .. });
+    for (statistic, mut rows) in tables(sweep, shown) {
+        let more = if is_star { 0 } else { rows.len().saturating_sub(1 + MOST_ROWS) };
+        rows.truncate(rows.len() - more);
+        let name = if is_star { String::new() } else { format!("{}\n", statistic.name()) };
+        let _ = write!(text, "\n{name}{}", aligned(&rows, GAP));
+        if more > 0 {
+            let _ = writeln!(text, "... and {} more points in the file", grouped(more as u64));
         }
+    }
+    if !is_star && sweep.question.seeds == Seeds::Common {
+        text.push_str(&gains(sweep));
     }
     let seconds: f64 = sweep.points.iter().flatten().map(|point| point.seconds).sum();
     let _ = writeln!(text, "\ntime    {} of CPU for {} points", duration(seconds), grouped(sweep.done() as u64));
@@ -50,14 +52,35 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
     text
 }
 
+/// The rows of a table for each of these statistics, headings first.
+fn tables(sweep: &Sweep, shown: &[Statistic]) -> Vec<(Statistic, Vec<Row>)> {
+    let rows = |statistic: Statistic| match &sweep.question.design {
+        Design::Star { keys, .. } => elasticities(sweep, keys, statistic),
+        Design::Grid(_) | Design::Zip(_) => points(sweep, statistic),
+    };
+    shown.iter().map(|statistic| (*statistic, rows(*statistic))).collect()
+}
+
+/// The rows of the usual statistics as one table, headings first. The first column names the
+/// statistic.
+pub fn rows(sweep: &Sweep) -> Vec<Row> {
+    let named = |(n, (statistic, mut rows)): (usize, (Statistic, Vec<Row>))| {
+        for (i, row) in rows.iter_mut().enumerate() {
+            row.cells.insert(0, if i == 0 { "statistic".into() } else { statistic.name().to_string() });
+        }
+        rows.into_iter().skip(usize::from(n > 0))
+    };
+    tables(sweep, &USUAL).into_iter().enumerate().flat_map(named).collect()
+}
+
 /// One statistic at every point and, if the points form a line, its difference to the next point.
-fn points(sweep: &Sweep, statistic: Statistic) -> String {
+fn points(sweep: &Sweep, statistic: Statistic) -> Vec<Row> {
     let design = &sweep.question.design;
     let is_line = design.along().len() == 1;
     let names = design.axes().iter().map(|axis| axis.name.clone());
     let has_bias = sweep.points.iter().flatten().any(|point| point.estimates[statistic.index()].bias.is_some());
     let mut headings: Vec<String> = names.collect();
-    headings.extend(["estimate", "std. error", "95 % interval", ""].map(String::from));
+    headings.extend(["estimate", "std. error", "95 % from", "to"].map(String::from));
     if has_bias {
         headings.extend(["bias", "+-"].map(String::from));
     }
@@ -65,7 +88,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> String {
         headings.extend(["to the next", "std. error", "gain"].map(String::from));
     }
     let mut rows = vec![Row { cells: headings, ..Row::default() }];
-    for (p, point) in sweep.points.iter().enumerate().take(MOST_ROWS) {
+    for (p, point) in sweep.points.iter().enumerate() {
         let mut cells: Vec<String> = design.settings(p).iter().map(|setting| significant(setting.value, 12)).collect();
         match point {
             None => cells.push("missing".into()),
@@ -76,11 +99,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> String {
         }
         rows.push(Row { cells, ..Row::default() });
     }
-    let mut text = format!("\n{}\n{}", statistic.name(), aligned(&rows, GAP));
-    if sweep.points.len() > MOST_ROWS {
-        let _ = writeln!(text, "... and {} more points in the file", grouped((sweep.points.len() - MOST_ROWS) as u64));
-    }
-    text
+    rows
 }
 
 fn estimate_cells(e: &Estimate, has_bias: bool) -> Vec<String> {
@@ -126,8 +145,8 @@ fn gains(sweep: &Sweep) -> String {
 }
 
 /// The elasticities of one statistic, sorted from the largest to the smallest.
-fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> String {
-    let headings = ["value", "elasticity", "std. error", "95 % interval", "", "gain"];
+fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> Vec<Row> {
+    let headings = ["value", "elasticity", "std. error", "95 % from", "to", "gain"];
     let mut rows = vec![Row::labelled(statistic.name(), headings)];
     let paired = |key: usize| sweep.elasticity(key, statistic).unwrap_or(Paired::NOTHING);
     let mut order: Vec<(usize, Paired)> = (0..keys.len()).map(|key| (key, paired(key))).collect();
@@ -144,7 +163,7 @@ fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> 
         let note = if m.estimate.is_nan() { "(the statistic does not exist, or may be zero)" } else { "" };
         rows.push(Row::labelled(name, cells).noted(note));
     }
-    format!("\n{}", aligned(&rows, GAP))
+    rows
 }
 
 /// Remarks that a reader should know before relying on the numbers.

@@ -9,6 +9,13 @@ use stick_slip::store::{Cheapest, CheapestRun, StoredTrade};
 
 /// The table for people: the cheapest run for each statistic and target.
 pub fn stored_table(trade: &StoredTrade) -> String {
+    let legend = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are\n\
+                  antithetic pairs. `none`: no run that was measured or predicted reaches it.";
+    format!("{}\n\n{}\n{legend}\n", trade.title, aligned(&stored_rows(trade), "  "))
+}
+
+/// The rows of the table, headings first.
+pub fn stored_rows(trade: &StoredTrade) -> Vec<Row> {
     let mut rows = vec![Row::labelled("statistic", ["error", "scheme", "step or tolerance", "paths", "CPU time"])];
     let mut last = None;
     for Cheapest { statistic, target, run } in &trade.cheapest {
@@ -28,9 +35,7 @@ pub fn stored_table(trade: &StoredTrade) -> String {
         rows.push(Row::labelled(name, std::iter::once(percent(*target)).chain(cells)));
         last = Some(statistic);
     }
-    let legend = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are\n\
-                  antithetic pairs. `none`: no run that was measured or predicted reaches it.";
-    format!("{}\n\n{}\n{legend}\n", trade.title, aligned(&rows, "  "))
+    rows
 }
 
 /// The JSON object for programs.
