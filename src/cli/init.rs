@@ -2,8 +2,9 @@
 
 use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
+use clap::builder::PossibleValue;
 use std::path::{Path, PathBuf};
-use stick_slip::config::{Override, SHIPPED, shipped};
+use stick_slip::config::{Override, SHIPPED, Shipped, shipped};
 use stick_slip::store;
 
 const EXAMPLES: &str = "\
@@ -11,7 +12,7 @@ Examples:
   mc init                                       rho025.toml here
   mc init --rho 0.4 --omega 0.5 -o mine.toml    another noise, another forcing
   mc init --f-s 1.4 --f-d 0.9 --scheme event-driven -o mine.toml
-  mc init --from shaw -o mine.toml
+  mc init --from belt -o mine.toml              a belt, or a spring that is pulled; also incline, building
   mc init --from bridge -o -                    to standard output
 
 Every key of a scenario is written, with what it means; parts that are not used are comments.";
@@ -22,7 +23,7 @@ Every key of a scenario is written, with what it means; parts that are not used 
 pub struct Init {
     /// The shipped scenario to start from
     #[arg(long, value_name = "NAME", default_value = "rho025",
-          value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
+          value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.iter().map(named)))]
     from: String,
     /// What the scenario asks, in one line; sets the key `title`
     #[arg(long, value_name = "TEXT")]
@@ -53,6 +54,12 @@ pub struct Init {
     /// Overwrite the file if it exists
     #[arg(long)]
     force: bool,
+}
+
+/// The name of a shipped scenario, with its title.
+fn named(scenario: &'static Shipped) -> PossibleValue {
+    let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
+    PossibleValue::new(scenario.name).help(title.unwrap_or_default().trim_matches('"'))
 }
 
 impl Init {

@@ -24,7 +24,7 @@ macro_rules! shipped {
 }
 
 /// Every shipped scenario. The same files are in `scenarios/`.
-pub const SHIPPED: [Shipped; 13] = shipped![
+pub const SHIPPED: [Shipped; 15] = shipped![
     "shaw",
     "shaw-as-printed",
     "rho025",
@@ -34,6 +34,8 @@ pub const SHIPPED: [Shipped; 13] = shipped![
     "never-slips",
     "belt",
     "stribeck-belt",
+    "incline",
+    "building",
     "duffing",
     "self-excited",
     "viaduct",
