@@ -49,12 +49,9 @@ impl Axis {
         Axis { scale: Scale::Linear, low, high, title, unit, whole: false, open: false, names: Vec::new() }
     }
 
-    /// A linear axis over the finite ones of these values, with some space beyond them. It ends at
-    /// marks.
+    /// A linear axis over the finite ones of these values that ends at marks.
     pub fn around(values: impl IntoIterator<Item = f64>, title: Label, unit: &str) -> Self {
-        let [low, high] = widened(range_of(values));
-        let room = ROOM * (high - low);
-        Axis { open: true, ..Axis::linear([low - room, high + room], title, unit) }
+        Axis { open: true, ..Axis::linear(range_of(values), title, unit) }
     }
 
     /// A linear axis from zero to the first mark that is not below this number.
@@ -86,7 +83,8 @@ impl Axis {
     }
 
     /// The two ends of the axis.
-    pub fn range(&self) -> [f64; 2] {
+    #[cfg(test)]
+    fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
@@ -238,8 +236,6 @@ impl Axis {
 const FEW_DECADES: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
 /// The space that a whole number of one or two digits needs.
 const WHOLE_ROOM: f64 = 13.0;
-/// The space beyond the values, as a share of their range.
-const ROOM: f64 = 0.02;
 /// A position farther out than anything that is visible.
 const FAR: f64 = 50.0;
 /// The rounding error that is allowed, as a share of a step.
@@ -353,7 +349,7 @@ mod tests {
     fn an_empty_range_is_widened() {
         assert_eq!(axis(2.0, 2.0).range(), [1.0, 3.0]);
         assert_eq!(axis(0.0, 0.0).range(), [-1.0, 1.0]);
-        assert_eq!(Axis::around([], Label::new(""), "").range(), [-1.04, 1.04]);
+        assert_eq!(Axis::around([], Label::new(""), "").range(), [-1.0, 1.0]);
     }
 
     /// The ends of an axis over data are marks, and the data are between them.

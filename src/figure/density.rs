@@ -34,7 +34,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         };
         let floor = if is_log { least / 10.0 } else { 0.0 };
         let mut panel = Panel::new(horizontal, vertical, 66.0);
-        let bin = |(i, density): (usize, &f64)| ([curve.edges[i], curve.edges[i + 1]], *density, curve.ends.at(i));
+        let bin = |(i, density): (usize, &f64)| {
+            let ends = if *density > 0.0 { curve.ends.at(i) } else { [0.0; 2] };
+            ([curve.edges[i], curve.edges[i + 1]], *density, ends)
+        };
         let steps: Vec<Step> = curve.density.iter().enumerate().map(bin).collect();
         steps::draw(&steps, floor, palette, &mut panel);
         panel

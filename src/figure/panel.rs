@@ -82,7 +82,7 @@ const TICK: f64 = 3.0;
 const GAP: f64 = 2.0;
 /// The space along an axis for one number.
 const X_ROOM: f64 = 26.0;
-const Y_ROOM: f64 = 17.0;
+const Y_ROOM: f64 = 13.0;
 /// Half the length of the bars at the ends of an interval.
 const CAP: f64 = 1.8;
 /// Points of a curve that are closer than this to the line between their neighbours are left out.

@@ -19,7 +19,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
     let time = calendar::time([0.0, days], record.start);
     let millimetres = Axis::around(left.iter().map(|point| point[1]), Label::new("measured − model"), "mm");
-    let mut against_time = Panel::new(time, millimetres, 70.0);
+    let mut against_time = Panel::new(time, millimetres, 84.0);
     against_time.line(left, Stroke::solid(palette.first, 0.4));
     against_time.level(0.0, Stroke::solid(palette.faint, 0.4));
 
@@ -43,7 +43,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let ends = [1e3 * chosen.low, 1e3 * chosen.high];
         let x = Axis::around(ways.iter().copied().chain(ends), Label::new("*f*_{s}/*K*"), "mm");
         let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), Label::new("err above best"), "%");
-        let mut starts = Panel::new(x, y, 50.0);
+        let mut starts = Panel::new(x, y, 74.0);
         ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
         starts.interval_across(0.1, ends, palette.first);
         panels.push(starts);

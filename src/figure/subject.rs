@@ -61,7 +61,7 @@ impl<'a> Subject<'a> {
             }
             Subject::Run { scenario, summary, path } => {
                 let paths = counted(summary.completed_paths);
-                (scenario.title.clone(), format!("{}, {paths}; one path: {path}", origin(scenario)))
+                (scenario.title.clone(), format!("{}, {paths}, of which path {path} is drawn", origin(scenario)))
             }
             Subject::Trade(prices) => {
                 let origin = format!("biases against {}, seed {}", prices.reference.replace("--", ""), prices.seed);
@@ -121,18 +121,19 @@ fn counted(paths: u64) -> String {
     format!("{} path{}", grouped(paths), if paths == 1 { "" } else { "s" })
 }
 
-/// The schemes, and what sweeps have in common or what each of them has.
+/// What sweeps have in common, or what each of them has.
 fn origin_of_sweeps(all: &[&Scenario]) -> String {
     let rest = |scenario: &&Scenario| {
         format!("{} at each point, seed {}", counted(scenario.ensemble.paths), scenario.ensemble.seed)
     };
     let rests: Vec<String> = all.iter().map(rest).collect();
-    let schemes = all.iter().map(|scenario| setting(&scenario.scheme));
-    match rests.first() {
-        Some(first) if rests.iter().all(|other| other == first) => {
-            schemes.chain([first.clone()]).collect::<Vec<_>>().join(", ")
+    match &rests[..] {
+        // The legend names the schemes of several sweeps.
+        [first, _, ..] if rests.iter().all(|other| other == first) => first.clone(),
+        _ => {
+            let each = all.iter().zip(&rests).map(|(scenario, rest)| format!("{}, {rest}", setting(&scenario.scheme)));
+            each.collect::<Vec<_>>().join("; ")
         }
-        _ => schemes.zip(&rests).map(|(scheme, rest)| format!("{scheme}, {rest}")).collect::<Vec<_>>().join("; "),
     }
 }
 

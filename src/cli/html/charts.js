@@ -18,6 +18,13 @@
   // A number as an axis shows it.
   const short = (x) => typeof x === 'string' ? x : (x !== 0 && Math.abs(x) < 1e-3 ? x.toExponential(0) : String(Number(x.toPrecision(4)))).replace('-', '\u2212');
 
+  // A number at a logarithmic axis: a power of ten as such.
+  const raised = (n) => String(n).replace(/./g, (c) => '\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'['-0123456789'.indexOf(c)]);
+  const power = (x) => {
+    const n = Math.round(Math.log10(x));
+    return Math.abs(x / 10 ** n - 1) > 1e-9 ? short(x) : n >= -1 && n <= 2 ? short(10 ** n) : `10${raised(n)}`;
+  };
+
   // An area between two curves, drawn in one piece.
   const band = (name, colour, x, low, high) => ({
     name, type: 'custom', silent: true, clip: true, z: 1, itemStyle: { color: colour },
@@ -111,8 +118,10 @@
   const drawn = [];
   const draw = (chart, state) => {
     const c = colours();
-    const axis = (title) => ({
-      name: title, nameLocation: 'middle', nameGap: 30, axisLine: { show: true, lineStyle: { color: c.ink } }, axisLabel: { color: c.ink, showMinLabel: chart.category, showMaxLabel: chart.category, formatter: short },
+    const narrow = state.box.clientWidth < 500;
+    const axis = (title, isLog) => ({
+      name: title, nameLocation: 'middle', nameGap: 30, axisLine: { show: true, lineStyle: { color: c.ink } }, axisLabel: { color: c.ink, showMinLabel: chart.category, showMaxLabel: chart.category, formatter: isLog ? power : short, hideOverlap: true },
+      minorTick: { show: isLog, splitNumber: 9 },
       nameTextStyle: { color: c.ink }, splitLine: { lineStyle: { color: c.grid } }, minorSplitLine: { show: false },
     });
     const all = chart.columns[chart.x];
@@ -120,16 +129,16 @@
     const least = Math.min(...columns.flatMap((name) => chart.columns[name]).filter((v) => v !== null && v > 0));
     state.chart.setOption({
       animation: false, aria: { enabled: true }, backgroundColor: c.sheet, textStyle: { color: c.ink, fontFamily: 'system-ui, sans-serif' },
-      grid: { left: 70, right: 24, top: 40, bottom: 70 },
-      legend: { top: 4, textStyle: { color: c.ink } },
+      grid: { left: narrow ? 62 : 70, right: narrow ? 12 : 24, top: 40, bottom: 70 },
+      legend: { top: 4, left: narrow ? 8 : 'center', right: narrow ? 70 : 'auto', type: narrow ? 'scroll' : 'plain', textStyle: { color: c.ink } },
       toolbox: { right: 8, top: 0, iconStyle: { borderColor: c.faint }, feature: { dataZoom: { filterMode: 'none', brushStyle: { color: c.wide } }, restore: {} } },
       dataZoom: [{ type: 'inside', filterMode: 'none', zoomOnMouseWheel: 'ctrl' }, { type: 'slider', filterMode: 'none', height: 14, bottom: 8, showDetail: false, showDataShadow: false }],
       tooltip: {
         trigger: 'axis', confine: true, renderMode: 'richText', backgroundColor: c.sheet, borderColor: c.grid, textStyle: { color: c.ink, fontSize: 12 },
         formatter: (items) => told(chart, items[0].dataIndex),
       },
-      xAxis: { ...axis(chart.xName), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
-      yAxis: { ...axis(chart.yName), nameGap: 48, type: state.log ? 'log' : 'value', scale: !chart.positive, min: state.log ? Math.pow(10, Math.floor(Math.log10(least))) : chart.positive ? 0 : null },
+      xAxis: { ...axis(chart.xName, chart.log === 'x'), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
+      yAxis: { ...axis(chart.yName, state.log), nameGap: 48, type: state.log ? 'log' : 'value', scale: !chart.positive, min: state.log ? Math.pow(10, Math.floor(Math.log10(least))) : chart.positive ? 0 : null },
       series: chart.series(c),
     }, true);
   };
@@ -191,7 +200,7 @@
     });
   }
   const again = () => drawn.forEach(([chart, state]) => draw(chart, state));
-  addEventListener('resize', () => drawn.forEach(([, state]) => state.chart.resize()));
+  addEventListener('resize', () => drawn.forEach(([chart, state]) => { state.chart.resize(); draw(chart, state); }));
   addEventListener('beforeprint', () => drawn.forEach(([, state]) => state.chart.resize()));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
   document.getElementById('theme').addEventListener('click', () => {
