@@ -127,15 +127,14 @@ fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) -> P
     };
     let scene = match only {
         Some(name) => {
-            let unknown = |problem: String| errors::of_argument(py, "only", &name, &problem, "as `mc plot --help` says");
+            let unknown =
+                |problem: String| errors::of_argument(py, "only", &name, &problem, "as `mc plot --help` says");
             let only = Only::named(&name).map_err(unknown)?;
             only.draw(subject, &style).map_err(|absent| refused(&name, absent))?
         }
         None => figure::page(subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => refused(figure.name, absent),
-            NoPage::Empty => {
-                errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run")
-            }
+            NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
         })?,
     };
     Ok(Picture(scene))

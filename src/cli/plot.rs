@@ -159,7 +159,7 @@ impl Plot {
         let Some(Only { figure, .. }) = self.only else { return Ok(()) };
         let options = [
             ("--until", self.until.is_some(), &["path", "overview"][..]),
-            ("--log", self.log, &["sticks", "sub-phases", "sweep"]),
+            ("--log", self.log, &["sticks", "sub-phases", "laws", "density", "sweep"]),
         ];
         match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name)) {
             None => Ok(()),

@@ -170,8 +170,7 @@ impl Axis {
         let decades = high - low;
         let ends = |set: &[f64]| {
             let powers = low.floor() as i32 - 1..=high.ceil() as i32;
-            let numbers: Vec<f64> =
-                powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n))).collect();
+            let numbers: Vec<f64> = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n))).collect();
             let below = |x: &&f64| x.log10() <= low + SLACK;
             let first = numbers.iter().filter(below).count() - 1;
             let last = numbers.partition_point(|x| x.log10() < high - SLACK).min(numbers.len() - 1);
@@ -212,7 +211,8 @@ impl Axis {
                 let numbers = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n)));
                 numbers.filter(|x| (first..=last).contains(&x.log10())).collect()
             };
-            let chosen = FEW_DECADES.iter().map(|set| all(set)).find(|all| all.len() as f64 <= most).unwrap_or_default();
+            let chosen =
+                FEW_DECADES.iter().map(|set| all(set)).find(|all| all.len() as f64 <= most).unwrap_or_default();
             ticks.extend(chosen.into_iter().map(|x| Tick { at: self.place(x), label: Some(plain(x)) }));
             return ticks;
         }

@@ -224,7 +224,9 @@ impl Panel {
             items.push(Item::words(across.title(), at, Align::Middle, LETTERS, palette.ink));
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
-        let at = [x, frame.y + frame.height / 2.0];
+        // A title that is longer than the frame extends below it, because the letter is above it.
+        let length = LETTERS * self.y.title().width();
+        let at = [x, frame.y + frame.height.max(length) / 2.0];
         items.push(Item::words_upwards(self.y.title(), at, Align::Middle, LETTERS, palette.ink));
     }
 

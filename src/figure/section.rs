@@ -35,8 +35,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     );
     states().for_each(|point| section.mark(point, Mark::Disc, palette.first));
     let [_, most] = range_of(cycles.iter().map(|(_, cycle)| cycle.amplitude));
-    let mut amplitude =
-        Panel::new(horizontal(axis), Axis::from_zero(most, Label::new("amplitude"), &unit), 84.0);
+    let mut amplitude = Panel::new(horizontal(axis), Axis::from_zero(most, Label::new("amplitude"), &unit), 84.0);
     let mut curve: Vec<[f64; 2]> = cycles.iter().map(|(at, cycle)| [*at, cycle.amplitude]).collect();
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     for point in &curve {

@@ -1,8 +1,8 @@
 //! How long sticks last: the density of their durations on a logarithmic axis, and the share of
 //! sticks that last longer than a duration.
 
-use super::theme::Palette;
 use super::steps::{self, Step};
+use super::theme::Palette;
 use super::words::grouped;
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, Distribution};

@@ -36,7 +36,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         panel.line(points.clone(), stroke.clone());
         points.iter().for_each(|point| panel.mark(*point, mark, stroke.colour));
         if !points.is_empty() || !curve.biases.is_empty() {
-            legend.push(LegendEntry { mark: Some((mark, stroke.colour)), ..LegendEntry::line(stroke, curve.scheme.name()) });
+            legend.push(LegendEntry {
+                mark: Some((mark, stroke.colour)),
+                ..LegendEntry::line(stroke, curve.scheme.name())
+            });
         }
     }
     let panels = std::iter::once(panel).chain(biases(prices, style));

@@ -81,17 +81,21 @@
     const total = s.count.reduce((sum, n) => sum + n, 0);
     // Where durations are multiples of a step, the edges of a bin are moved to half a step beyond the multiples in it. Some bins hold no multiple.
     const edge = (x) => data.step === null ? x : (Math.max(Math.ceil(x / data.step - 1e-6), 1) - 0.5) * data.step;
+    // The axis begins where one stick in two hundred is shorter.
+    let shorter = 0;
+    const first = s.count.findIndex((n) => (shorter += n) > total / 200);
+    const from = s.lower[first] > 0 ? s.lower[first] : s.duration[first];
     const density = s.count.map((n, i) => {
       const [low, high] = [edge(s.lower[i]), edge(s.duration[i])];
       return low > 0 && high > low ? n / total / Math.log10(high / low) : null;
     });
     charts.push({
-      name: 'survival', heading: 'Stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'share longer', log: 'x', positive: true, canLog: true,
+      name: 'survival', heading: 'Stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'share longer', log: 'x', from, positive: true, canLog: true,
       note: data.sticks,
       series: (c) => [band('95 % interval', c.narrow, s.duration, s.survival_low, s.survival_high),
         line('Kaplan\u2013Meier', c.first, s.duration, s.survival)],
     }, {
-      name: 'durations', heading: 'Density of stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'density per decade', log: 'x', positive: true, canLog: true,
+      name: 'durations', heading: 'Density of stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'density per decade', log: 'x', from, positive: true, canLog: true,
       note: 'Completed sticks per decade of the duration, as a share of all, in the bins of the file, by the upper edge of the bin.',
       series: (c) => [{ ...line('completed sticks', c.first, s.duration, density), step: 'start', connectNulls: true, areaStyle: { color: c.wide, opacity: 1 } }],
     });
@@ -120,7 +124,7 @@
     const c = colours();
     const narrow = state.box.clientWidth < 500;
     const axis = (title, isLog) => ({
-      name: title, nameLocation: 'middle', nameGap: 30, axisLine: { show: true, lineStyle: { color: c.ink } }, axisLabel: { color: c.ink, showMinLabel: chart.category, showMaxLabel: chart.category, formatter: isLog ? power : short, hideOverlap: true },
+      name: title, nameLocation: 'middle', nameGap: 30, axisLine: { show: true, lineStyle: { color: c.ink } }, axisLabel: { color: c.ink, showMinLabel: isLog ? false : chart.category, showMaxLabel: isLog ? false : chart.category, formatter: isLog ? power : short, hideOverlap: true },
       minorTick: { show: isLog, splitNumber: 9 },
       nameTextStyle: { color: c.ink }, splitLine: { lineStyle: { color: c.grid } }, minorSplitLine: { show: false },
     });
@@ -137,7 +141,7 @@
         trigger: 'axis', confine: true, renderMode: 'richText', backgroundColor: c.sheet, borderColor: c.grid, textStyle: { color: c.ink, fontSize: 12 },
         formatter: (items) => told(chart, items[0].dataIndex),
       },
-      xAxis: { ...axis(chart.xName, chart.log === 'x'), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
+      xAxis: { ...axis(chart.xName, chart.log === 'x'), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? chart.from ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
       yAxis: { ...axis(chart.yName, state.log), nameGap: 48, type: state.log ? 'log' : 'value', scale: !chart.positive, min: state.log ? Math.pow(10, Math.floor(Math.log10(least))) : chart.positive ? 0 : null },
       series: chart.series(c),
     }, true);

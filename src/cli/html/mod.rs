@@ -183,9 +183,15 @@ fn list_of_warnings(warnings: &[JsonWarning]) -> String {
     format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
 }
 
-/// A text as HTML: what stands between back-ticks in letters for code, and a true plus-minus sign.
+/// A text as HTML: the names of statistics in words, what stands between back-ticks in letters for
+/// code, and a true plus-minus sign.
 fn marked(text: &str) -> String {
-    let escaped = escaped(&text.replace("+-", "\u{b1}"));
+    let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let words = text.split_inclusive(|c| !is_of_name(c)).map(|word| {
+        let name = word.trim_end_matches(|c| !is_of_name(c));
+        Statistic::from_name(name).map_or(word.to_string(), |statistic| word.replacen(name, statistic.words(), 1))
+    });
+    let escaped = escaped(&words.collect::<String>().replace("+-", "\u{b1}"));
     let parts: Vec<&str> = escaped.split('`').collect();
     // A back-tick without a partner stays.
     let pairs = (parts.len() - 1) / 2 * 2;
@@ -212,7 +218,7 @@ fn path(stored: &Stored, scenario: &Scenario) -> Option<String> {
     let subject = Subject::Run { scenario, summary: &stored.summary, path: 0 };
     let drawing = Only::named("path").ok()?.draw(&subject, &Style::default()).ok()?;
     let picture = Part::Picture(drawing).html();
-    Some(format!("<section id=\"path\"><h2>The path with the number 0</h2>{picture}</section>"))
+    Some(format!("<section id=\"path\"><h2>One path, the one with number 0</h2>{picture}</section>"))
 }
 
 /// The rows of the table as HTML. The first row holds the headings.
@@ -259,8 +265,8 @@ mod tests {
 
     #[test]
     fn marks_of_code_come_in_pairs() {
-        let code = marked("raise `a<b` or `c` by 1 +- 2");
-        assert_eq!(code, "raise <code>a&lt;b</code> or <code>c</code> by 1 \u{b1} 2");
+        let code = marked("raise `a<b` or `c` by 1 +- 2, drift_velocity");
+        assert_eq!(code, "raise <code>a&lt;b</code> or <code>c</code> by 1 \u{b1} 2, drift velocity");
         assert_eq!([marked("a`b"), marked("`a` b`c")], ["a`b", "<code>a</code> b`c"]);
     }
 
