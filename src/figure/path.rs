@@ -349,8 +349,10 @@ fn phase_plane(
     velocity_unit: &str,
     (force, force_unit): (Label, &str),
 ) -> Panel {
-    let seen = trace.samples().map(|s| s.velocity);
-    let x = Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), velocity_unit);
+    // Sticks, which have the velocity zero, must not be on the edge.
+    let [low, high] = range_of(trace.samples().map(|s| s.velocity));
+    let room = 0.04 * (high - low);
+    let x = Axis::around([low - room, high + room], Label::new("velocity *ẋ*(*t*)"), velocity_unit);
     let seen = trace.samples().map(|s| s.spring).chain([-friction, friction]);
     let y = Axis::around(seen, force, force_unit);
     let mut panel = Panel::new(x, y, 124.0);

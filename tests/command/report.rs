@@ -70,7 +70,7 @@ fn every_file_has_a_page() {
     let of_bearing =
         ["slips were seen", "2015-08-13 to 2016-06-07", "friction force at which the bearing slips", "Traffic"];
     for (page, says) in [
-        ("sweep.html", &["stick_duration_mean"][..]),
+        ("sweep.html", &["mean stick duration"][..]),
         ("trade.html", &["Cheapest runs"]),
         ("fit.html", &of_bearing),
         ("year.html", &[&of_bearing[..], &["sliding path", "What a year brings"]].concat()),

@@ -84,7 +84,7 @@ impl Report {
         let table = sweep_report::table(&sweep, &[], &self.file);
         let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
         let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
-        let parts = std::iter::once(Part::Lines("Results", rest.trim().to_string()));
+        let parts = std::iter::once(Part::Lines("Results", in_words(rest.trim())));
         let page = StudyPage {
             title,
             about: about.to_string(),
@@ -136,7 +136,7 @@ fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String 
         ("style", STYLE.to_string()),
         ("about", escaped(&about)),
         ("warnings", list_of_warnings(&results::warnings(summary, scenario))),
-        ("statistics", rows(&in_words(report::cells(summary, &info.provenance.units)))),
+        ("statistics", rows(&report::cells(summary, &info.provenance.units))),
         ("path", scenario.and_then(|scenario| path(stored, scenario)).unwrap_or_default()),
         ("scenario", escaped(&header.scenario_text)),
         ("provenance", provenance(stored, info)),
@@ -183,15 +183,20 @@ fn list_of_warnings(warnings: &[JsonWarning]) -> String {
     format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
 }
 
-/// A text as HTML: the names of statistics in words, what stands between back-ticks in letters for
-/// code, and a true plus-minus sign.
-fn marked(text: &str) -> String {
+/// A text with the names of statistics in words.
+fn in_words(text: &str) -> String {
     let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
     let words = text.split_inclusive(|c| !is_of_name(c)).map(|word| {
         let name = word.trim_end_matches(|c| !is_of_name(c));
         Statistic::from_name(name).map_or(word.to_string(), |statistic| word.replacen(name, statistic.words(), 1))
     });
-    let escaped = escaped(&words.collect::<String>().replace("+-", "\u{b1}"));
+    words.collect()
+}
+
+/// A text as HTML: the names of statistics in words, what stands between back-ticks in letters for
+/// code, and a true plus-minus sign.
+fn marked(text: &str) -> String {
+    let escaped = escaped(&in_words(text).replace("+-", "\u{b1}"));
     let parts: Vec<&str> = escaped.split('`').collect();
     // A back-tick without a partner stays.
     let pairs = (parts.len() - 1) / 2 * 2;
@@ -201,16 +206,6 @@ fn marked(text: &str) -> String {
         _ => "</code>",
     };
     parts.iter().enumerate().map(|(i, part)| format!("{part}{}", tag(i))).collect()
-}
-
-/// The rows of the table of statistics, with the names of statistics in words.
-fn in_words(mut cells: Vec<Vec<String>>) -> Vec<Vec<String>> {
-    for name in cells.iter_mut().filter_map(|row| row.first_mut()) {
-        if let Some(statistic) = Statistic::from_name(name) {
-            *name = statistic.words().to_string();
-        }
-    }
-    cells
 }
 
 /// The first path of the run, simulated again; none if it was lost.
@@ -228,7 +223,8 @@ fn rows(cells: &[Vec<String>]) -> String {
             Ok(_) => cell.replace('-', "\u{2212}"),
             Err(_) => cell.replace("+-", "\u{b1}"),
         };
-        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&sign(cell)))).collect();
+        let cells: String =
+            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&in_words(&sign(cell))))).collect();
         format!("<tr>{cells}</tr>")
     };
     let Some((head, body)) = cells.split_first() else { return String::new() };
