@@ -7,7 +7,7 @@ use crate::studies::statistic;
 use pyo3::prelude::*;
 use stick_slip::config::Override;
 use stick_slip::dataset::StoredSweep;
-use stick_slip::figure::{self, Absent, Drawing, FIGURES, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, Drawing, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Setting, Sweep};
@@ -36,7 +36,7 @@ impl Picture {
     }
 }
 
-/// How a picture is drawn: the name of its only figure (none for all figures), whether it is dark,
+/// How a picture is drawn: the name of its only figure or panel (none for all figures), whether it is dark,
 /// the width of a figure in millimetres, and whether vertical axes are logarithmic.
 type Drawn = (Option<String>, bool, f64, bool);
 
@@ -50,14 +50,11 @@ pub fn plot_scenario(
     drawn: Drawn,
 ) -> PyResult<Picture> {
     let scenario = &scenario.checked;
-    let scheme = scenario.scheme.to_string().replace("--scheme ", "").replace("--", "");
-    let line = format!("{scheme}, seed {}", scenario.ensemble.seed);
     let Some(run) = run else {
-        return draw(py, &Subject::Scenario { scenario, path }, drawn, &scenario.title, &line);
+        return draw(py, &Subject::Scenario { scenario, path }, drawn);
     };
     let summary = from_python(run)?.summary(scenario.scheme.step()).map_err(|error| damaged(py, &error))?;
-    let line = format!("{line}, {} paths", summary.completed_paths);
-    draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn, &scenario.title, &line)
+    draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn)
 }
 
 /// Draws a trade.
@@ -66,7 +63,7 @@ pub fn plot_trade(py: Python<'_>, trade: Handed<'_>, of: Option<&str>, drawn: Dr
     let of = of.map(|name| statistic(py, name)).transpose()?;
     let prices = from_python(trade)?.prices(of).map_err(|error| damaged(py, &error))?;
     let prices = prices.ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
-    draw(py, &Subject::Trade(&prices), drawn, &prices.title, "what accuracy costs")
+    draw(py, &Subject::Trade(&prices), drawn)
 }
 
 /// Draws sweeps over the same key, each with its name.
@@ -84,16 +81,14 @@ pub fn plot_sweeps(
     };
     let sweeps = sweeps.into_iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
     let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
-    let title = named.first().map_or("", |(_, sweep)| &sweep.question.scenario.title);
-    draw(py, &Subject::Sweep { sweeps: &named, statistics: &of }, drawn, title, "")
+    draw(py, &Subject::Sweep { sweeps: &named, statistics: &of }, drawn)
 }
 
 /// Draws a calibration.
 #[pyfunction]
 pub fn plot_calibration(py: Python<'_>, calibration: Handed<'_>, drawn: Drawn) -> PyResult<Picture> {
     let stored = from_python(calibration)?.calibration().map_err(|error| damaged(py, &error))?;
-    let subject = Subject::Calibration { title: &stored.title, calibration: &stored.calibration };
-    draw(py, &subject, drawn, &stored.title, "")
+    draw(py, &Subject::Calibration { title: &stored.title, calibration: &stored.calibration }, drawn)
 }
 
 /// A sweep from a data set, with the scenarios of its points made again.
@@ -111,13 +106,7 @@ fn damaged(py: Python<'_>, problem: &str) -> PyErr {
     errors::of_argument(py, "subject", "a data set", problem, remedy)
 }
 
-fn draw(
-    py: Python<'_>,
-    subject: &Subject,
-    (only, dark, width, log): Drawn,
-    heading: &str,
-    line: &str,
-) -> PyResult<Picture> {
+fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) -> PyResult<Picture> {
     if !(60.0..=400.0).contains(&width) {
         let value = width.to_string();
         return Err(errors::of_argument(
@@ -130,25 +119,23 @@ fn draw(
     }
     let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log };
     let refused = |name: &str, absent: Absent| {
-        errors::of_argument(py, "only", name, &absent.to_string(), "choose another figure or another path")
+        let remedy = match absent {
+            Absent::Panel(..) => "choose one of them, or leave the letter out for all",
+            _ => "choose another figure or another path",
+        };
+        errors::of_argument(py, "only", name, &absent.to_string(), remedy)
     };
-    let nothing = || errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run");
-    let scene = match (only, subject) {
-        (Some(name), _) => {
-            let names: Vec<&str> = FIGURES.iter().map(|figure| figure.name).collect();
-            let unknown = || errors::of_argument(py, "only", &name, "there is no such figure", &names.join(", "));
-            figure::named(&name).ok_or_else(unknown)?.draw(subject, &style).map_err(|absent| refused(&name, absent))?
+    let scene = match only {
+        Some(name) => {
+            let unknown =
+                |problem: String| errors::of_argument(py, "only", &name, &problem, "as `mc plot --help` says");
+            let only = Only::named(&name).map_err(unknown)?;
+            only.draw(subject, &style).map_err(|absent| refused(&name, absent))?
         }
-        // These subjects have one figure each, so they need no page around it.
-        (None, Subject::Scenario { .. } | Subject::Trade(_) | Subject::Sweep { .. }) => {
-            let mut drawn = FIGURES.iter().map(|figure| (figure.name, figure.draw(subject, &style)));
-            let (name, drawn) =
-                drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_)))).ok_or_else(nothing)?;
-            drawn.map_err(|absent| refused(name, absent))?
-        }
-        (None, Subject::Run { .. } | Subject::Calibration { .. }) => {
-            figure::page(subject, &style, heading, line).ok_or_else(nothing)?
-        }
+        None => figure::page(subject, &style).map_err(|no| match no {
+            NoPage::Without(figure, absent) => refused(figure.name, absent),
+            NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
+        })?,
     };
     Ok(Picture(scene))
 }

@@ -84,16 +84,17 @@ def plot(
 ) -> Picture:
     """Draw a path of a scenario, a run, a trade, sweeps or a calibration, like `mc plot`.
 
-    Without `only`, a run or a calibration has all its figures except `overview` on one page, and
-    every other subject has the one figure that belongs to it.
+    Without `only`, all figures of the subject except `overview` and `section` are on one page, which
+    has a heading.
 
     Args:
         subject: a scenario as for `run`, of which one path is drawn; a data set that `run`,
             `merge`, `trade`, `sweep` or `calibrate` returned, or `load` of a file of them; or
             several data sets of sweeps over the same key, as a dictionary by name.
-        only: the name of one figure. Of a scenario: "path". Of a run: "overview", "path", "fan",
-            "sticks", "sub-phases" or "drift". Of a trade: "trade". Of sweeps: "sweep", or "tornado"
-            for elasticities. Of a calibration: "calibration", "loops" or "residuals".
+        only: the name of one figure, or of one of its panels by its letter, e.g. "sticks.B". Of a
+            scenario: "path". Of a run: "overview", "path", "fan", "sticks", "sub-phases" or
+            "drift". Of a trade: "trade". Of sweeps: "sweep", or "tornado" for elasticities. Of a
+            calibration: "calibration", "loops" or "residuals".
         path: number of the path that is drawn, from 0, of a scenario or a run.
         until: time at which the path of a scenario ends, in its unit of time. It has no effect on a
             data set.

@@ -92,7 +92,7 @@ def test_trade(mc, tmp_path):
 def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_path):
     mc("run", RHO025, "--paths", 300, "--quiet", "-o", "rho025.h5")
     run = ss.run(RHO025, paths=300)
-    for only in (None, "fan", "sticks", "sub-phases", "path"):
+    for only in (None, "fan", "sticks", "sticks.B", "sub-phases", "path"):
         mc("plot", "rho025.h5", *(["--only", only] if only else []), "-o", "run.svg", "--force")
         assert ss.plot(run, only=only).svg == (tmp_path / "run.svg").read_text(), only
     mc(
@@ -114,6 +114,8 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
     )
     with pytest.raises(ss.ArgumentError, match="no such figure"):
         ss.plot("shaw", only="fann")
+    with pytest.raises(ss.ArgumentError, match="no panel C, but A to B"):
+        ss.plot(run, only="sticks.C")
     with pytest.raises(ss.ArgumentError, match="only = trade"):
         ss.plot(run, only="trade")
 

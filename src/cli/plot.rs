@@ -7,7 +7,7 @@ use super::overrides::settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::Override;
-use stick_slip::figure::{self, Absent, COLUMN, Drawing, FIGURES, Figure, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, COLUMN, Drawing, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, FileKind, Stored};
@@ -17,6 +17,7 @@ const EXAMPLES: &str = "\
 Examples:
   mc plot rho025.h5                                 all that the file holds, on one page: rho025.svg
   mc plot rho025.h5 --only fan -o fan.pdf
+  mc plot rho025.h5 --only sticks.B -o survival.pdf one panel of a figure
   mc plot rho025.h5 --only path --path 41 --until 30
   mc plot scenarios/shaw.toml --until 28            the path of a scenario, simulated on the spot
   mc plot rho025.h5 --only sticks --log --theme dark --width 120 -o sticks.png
@@ -41,8 +42,9 @@ pub struct Plot {
     /// NAME.svg in the current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
-    #[arg(long, value_name = "NAME", value_parser = figure_of_name, help = format!("One figure: {}", names().join(", ")))]
-    only: Option<&'static Figure>,
+    #[arg(long, value_name = "NAME", value_parser = Only::named,
+          help = format!("One figure: {}; or one of its panels by its letter, e.g. sticks.B", Only::names()))]
+    only: Option<Only>,
     /// The number of the path to draw
     #[arg(long, value_name = "N", default_value_t = 0)]
     path: u64,
@@ -104,11 +106,7 @@ impl Plot {
                 overrides.extend(self.until());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
                 writable(output, self.force, results::inputs(&self.subject, &scenario))?;
-                self.draw(
-                    &Subject::Scenario { scenario: &scenario, path: self.path },
-                    &scenario.title,
-                    &about(&scenario),
-                )
+                self.draw(&Subject::Scenario { scenario: &scenario, path: self.path })
             }
             kind if !self.beside.is_empty() && kind != Some(FileKind::Sweep) => {
                 let problem = format!("{} is no sweep", self.subject.display());
@@ -122,12 +120,11 @@ impl Plot {
             Some(FileKind::Sweep) => self.scene_of_sweeps(),
             Some(FileKind::Calibration) => {
                 let stored = files::read(&self.subject, store::read_calibration)?;
-                let subject = Subject::Calibration { title: &stored.title, calibration: &stored.calibration };
-                self.draw(&subject, &stored.title, "")
+                self.draw(&Subject::Calibration { title: &stored.title, calibration: &stored.calibration })
             }
             Some(FileKind::Trade) => {
                 let prices = files::read(&self.subject, |path| store::read_prices(path, self.statistic))?;
-                self.draw(&Subject::Trade(&prices), &prices.title, "what accuracy costs")
+                self.draw(&Subject::Trade(&prices))
             }
         }
     }
@@ -140,8 +137,7 @@ impl Plot {
         let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
         let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
         let statistics: Vec<Statistic> = self.statistic.into_iter().collect();
-        let title = &files[0].1.question.scenario.title;
-        self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics }, title, "")
+        self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics })
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Drawing, Failure> {
@@ -151,9 +147,7 @@ impl Plot {
         // the longer one.
         let until: Vec<Override> = self.until().into_iter().collect();
         let scenario = results::scenario(&name, stored, &until)?;
-        let (summary, path) = (&stored.summary, self.path);
-        let line = format!("{}, {}", about(&scenario), counted(stored.completed_paths, "path"));
-        self.draw(&Subject::Run { scenario: &scenario, summary, path }, &scenario.title, &line)
+        self.draw(&Subject::Run { scenario: &scenario, summary: &stored.summary, path: self.path })
     }
 
     fn until(&self) -> Option<Override> {
@@ -162,10 +156,10 @@ impl Plot {
 
     /// Refuses an option that would change nothing in the one figure that is asked for.
     fn check_only(&self) -> Result<(), Failure> {
-        let Some(figure) = self.only else { return Ok(()) };
+        let Some(Only { figure, .. }) = self.only else { return Ok(()) };
         let options = [
             ("--until", self.until.is_some(), &["path", "overview"][..]),
-            ("--log", self.log, &["sticks", "sub-phases", "sweep"]),
+            ("--log", self.log, &["sticks", "sub-phases", "laws", "density", "sweep"]),
         ];
         match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name)) {
             None => Ok(()),
@@ -176,47 +170,36 @@ impl Plot {
         }
     }
 
-    fn draw(&self, subject: &Subject, heading: &str, line: &str) -> Result<Drawing, Failure> {
+    fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
         self.check_only()?;
         let style = Style { theme: self.theme, width: self.width, log: self.log };
-        match (self.only, subject) {
-            (Some(figure), _) => figure.draw(subject, &style).map_err(|absent| self.refused(figure, &absent)),
-            // These subjects have one figure each, so they need no page around it.
-            (None, Subject::Scenario { .. } | Subject::Trade(_) | Subject::Sweep { .. }) => {
-                let mut drawn = FIGURES.iter().map(|figure| (figure, figure.draw(subject, &style)));
-                let only = drawn.find(|(_, drawn)| !matches!(drawn, Err(Absent::Elsewhere(_))));
-                only.map_or(Err(nothing()), |(figure, drawn)| drawn.map_err(|absent| self.refused(figure, &absent)))
-            }
-            (None, Subject::Run { .. } | Subject::Calibration { .. }) => {
-                figure::page(subject, &style, heading, line).ok_or_else(nothing)
-            }
+        match self.only {
+            Some(only) => only.draw(subject, &style).map_err(|absent| self.refused(only.figure.name, &absent)),
+            None => figure::page(subject, &style).map_err(|no| match no {
+                NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
+                NoPage::Empty => Failure::Run("there is nothing to draw: every path was lost".to_string()),
+            }),
         }
     }
 
-    fn refused(&self, figure: &Figure, absent: &Absent) -> Failure {
-        let problem = format!("no figure {} of {}: {absent}", figure.name, self.subject.display());
+    fn refused(&self, figure: &str, absent: &Absent) -> Failure {
+        let problem = format!("no figure {figure} of {}: {absent}", self.subject.display());
         match absent {
             Absent::Elsewhere(_) => Failure::usage(problem, "run it first, or choose another figure with --only"),
             Absent::Nothing(_) => Failure::Run(problem),
+            Absent::Panel(..) => Failure::usage(
+                format!("{}: {absent}", self.only.map_or_else(String::new, |only| only.to_string())),
+                "choose one of them, or leave the letter out for all",
+            ),
             Absent::Lost(_) => Failure::usage(problem, "choose another path with --path"),
         }
     }
 
     /// `NAME.svg`, or `NAME-FIGURE.svg`, in the current directory.
     fn default_output(&self) -> PathBuf {
-        let figure = self.only.map_or_else(String::new, |figure| format!("-{}", figure.name));
+        let figure = self.only.map_or_else(String::new, |only| format!("-{only}"));
         results::default_output(&self.subject, &format!("{figure}.svg"))
     }
-}
-
-fn nothing() -> Failure {
-    Failure::Run("there is nothing to draw: every path was lost".to_string())
-}
-
-/// Scheme and seed in one line.
-fn about(scenario: &Scenario) -> String {
-    let scheme = scenario.scheme.to_string().replace("--scheme ", "").replace("--", "");
-    format!("{scheme}, seed {}", scenario.ensemble.seed)
 }
 
 /// Width and height in words.
@@ -253,14 +236,6 @@ pub fn write(scene: &Drawing, format: Format, output: &Path, force: bool) -> Res
         Format::Pdf => figure::pdf(scene).ok_or_else(|| Failure::Run("a flaw in the program: no PDF".to_string()))?,
     };
     Ok(store::write_whole(output, &bytes, force)?)
-}
-
-fn names() -> Vec<&'static str> {
-    FIGURES.iter().map(|figure| figure.name).collect()
-}
-
-fn figure_of_name(name: &str) -> Result<&'static Figure, String> {
-    figure::named(name).ok_or_else(|| format!("there is no such figure; write one of {}", names().join(", ")))
 }
 
 fn theme(name: &str) -> Result<Theme, String> {

@@ -12,7 +12,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::{LimitCycle, Provenance};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Family, Fit, FitError, PhaseLaw, Summary};
+use stick_slip::stats::{Family, Fit, FitError, PhaseLaw, Statistic, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
 
 const EXAMPLES: &str = "\
@@ -206,7 +206,7 @@ impl Show {
         Ok(match files::read(file, store::content)? {
             Content::Run(run) => report::rows(&run.summary, &run.header.units),
             Content::Calibration(stored) => calibrate_report::quantities(&stored.calibration),
-            Content::Trade(trade) => trade_report::stored_rows(&trade),
+            Content::Trade(trade) => trade_report::stored_rows(&trade, Statistic::name),
             Content::Sweep(stored) => sweep_report::rows(&sweep::stored(file, *stored)?),
         })
     }

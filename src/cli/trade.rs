@@ -105,8 +105,8 @@ impl Trade {
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_trade(output, &Provenance::of(scenario), trade, self.force)?;
-        let prices = shown.map(|statistic| Prices::of(trade, statistic, &scenario.title));
-        let draw = |prices: &Prices| figure::named("trade")?.draw(&Subject::Trade(prices), &Style::default()).ok();
+        let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
+        let draw = |prices: &Prices| figure::page(&Subject::Trade(prices), &Style::default()).ok();
         let Some(scene) = prices.as_ref().and_then(draw) else {
             let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());
             warn(format!("no picture: {why}"));

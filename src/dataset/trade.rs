@@ -10,7 +10,7 @@ use crate::engine::Provenance;
 use crate::scenario::Scenario;
 use crate::scheme::{Kind, Scheme};
 use crate::stats::Statistic;
-use crate::study::trade::{Choice, Cost, Number, Pairing, Prices, Rung, TARGETS, Trade};
+use crate::study::trade::{Choice, Cost, Number, Pairing, PriceCurve, Prices, Rung, TARGETS, Trade};
 
 /// The attribute `format_name` of a trade.
 pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
@@ -176,22 +176,44 @@ pub(crate) fn read<S: Source>(from: &S, scenario: &Scenario) -> Result<Trade, S:
 
 /// The prices of accuracy in a trade, for each statistic.
 fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
-    let title: String = read_attribute(from, "title")?;
+    let (title, reference): (String, String) = (read_attribute(from, "title")?, read_attribute(from, "reference")?);
+    let seed: u64 = read_attribute(from, "seed")?;
     let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
     let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
     let targets: Vec<f64> = read_or_empty(from, &TARGET)?;
-    let seconds: Vec<f64> = read_or_empty(from, &PREDICTED_SECONDS)?;
-    if seconds.len() != schemes.len() * statistics.len() * targets.len() {
-        return Err(format!("{} has {} values", PREDICTED_SECONDS.name, seconds.len()).into());
-    }
-    let curve = |(i, scheme): (usize, &String), j: usize| {
-        let first = (i * statistics.len() + j) * targets.len();
-        let points = seconds[first..].iter().zip(&targets).map(|(seconds, target)| [*seconds, *target]);
-        Some((Kind::from_name(scheme)?, points.filter(|[seconds, _]| seconds.is_finite()).collect()))
+    let names: Vec<String> = read_or_empty(from, &RUNG_SCHEME)?;
+    let (count, per_scheme, per_rung) =
+        (statistics.len(), schemes.len() * statistics.len(), names.len() * statistics.len());
+    let sized = |variable: &Variable, length: usize| -> Result<Vec<f64>, S::Error> {
+        let values: Vec<f64> = read_or_empty(from, variable)?;
+        match values.len() == length {
+            true => Ok(values),
+            false => Err(format!("{} has {} values", variable.name, values.len()).into()),
+        }
+    };
+    let seconds = sized(&PREDICTED_SECONDS, per_scheme * targets.len())?;
+    let (orders, order_errors) = (sized(&SCHEME_ORDER, per_scheme)?, sized(&SCHEME_ORDER_ERROR, per_scheme)?);
+    let (steps, scales) = (sized(&RUNG_STEP, names.len())?, sized(&STATISTIC_SCALE, count)?);
+    let (biases, bias_errors) = (sized(&RUNG_BIAS, per_rung)?, sized(&RUNG_BIAS_ERROR, per_rung)?);
+    let curve = |(i, name): (usize, &String), j: usize| {
+        let at = i * count + j;
+        let costs = seconds[at * targets.len()..].iter().zip(&targets).map(|(seconds, target)| [*seconds, *target]);
+        let rungs = (0..names.len()).filter(|rung| names[*rung] == *name && steps[*rung].is_finite());
+        let bias = |rung: usize| {
+            let at = rung * count + j;
+            (steps[rung], Number { value: biases[at], error: bias_errors[at] }.relative_to(scales[j]))
+        };
+        Some(PriceCurve {
+            scheme: Kind::from_name(name)?,
+            costs: costs.filter(|[seconds, _]| seconds.is_finite()).collect(),
+            biases: rungs.map(bias).collect(),
+            order: Some(Number { value: orders[at], error: order_errors[at] }).filter(|order| order.value.is_finite()),
+        })
     };
     let of = |(j, name): (usize, &String)| {
         let curves = schemes.iter().enumerate().filter_map(|scheme| curve(scheme, j)).collect();
-        Some(Prices { title: title.clone(), statistic: Statistic::from_name(name)?, curves })
+        let statistic = Statistic::from_name(name)?;
+        Some(Prices { title: title.clone(), seed, reference: reference.clone(), statistic, curves })
     };
     Ok(statistics.iter().enumerate().filter_map(of).collect())
 }

@@ -20,6 +20,8 @@ pub struct Axis {
     title: Label,
     unit: String,
     whole: bool,
+    /// Whether the ends may be moved outwards, to marks.
+    open: bool,
     /// Names that are written at some positions instead of numbers.
     names: Vec<(f64, Label)>,
 }
@@ -43,21 +45,31 @@ impl Axis {
     /// A linear axis over exactly this range.
     pub fn linear(range: [f64; 2], title: Label, unit: &str) -> Self {
         let [low, high] = widened(range);
-        Axis { scale: Scale::Linear, low, high, title, unit: unit.to_string(), whole: false, names: Vec::new() }
+        let unit = unit.to_string();
+        Axis { scale: Scale::Linear, low, high, title, unit, whole: false, open: false, names: Vec::new() }
     }
 
-    /// A linear axis over the finite ones of these values, with some space beyond them.
+    /// A linear axis over the finite ones of these values that ends at marks.
     pub fn around(values: impl IntoIterator<Item = f64>, title: Label, unit: &str) -> Self {
-        let [low, high] = widened(range_of(values));
-        let room = ROOM * (high - low);
-        Axis::linear([low - room, high + room], title, unit)
+        Axis { open: true, ..Axis::linear(range_of(values), title, unit) }
+    }
+
+    /// A linear axis from zero to the first mark that is not below this number.
+    pub fn from_zero(high: f64, title: Label, unit: &str) -> Self {
+        Axis { open: true, ..Axis::linear([0.0, high], title, unit) }
+    }
+
+    /// A logarithmic axis over this range of positive numbers that ends at marks.
+    pub fn log_around(range: [f64; 2], title: Label, unit: &str) -> Self {
+        Axis { open: true, ..Axis::log(range, title, unit) }
     }
 
     /// A logarithmic axis over this range of positive numbers.
     pub fn log(range: [f64; 2], title: Label, unit: &str) -> Self {
         let high = if range[1] > 0.0 && range[1].is_finite() { range[1] } else { 1.0 };
         let low = if range[0] > 0.0 && range[0] < high { range[0] } else { high / 10.0 };
-        Axis { scale: Scale::Log, low, high, title, unit: unit.to_string(), whole: false, names: Vec::new() }
+        let unit = unit.to_string();
+        Axis { scale: Scale::Log, low, high, title, unit, whole: false, open: false, names: Vec::new() }
     }
 
     /// An axis with names at given positions instead of numbers.
@@ -71,7 +83,8 @@ impl Axis {
     }
 
     /// The two ends of the axis.
-    pub fn range(&self) -> [f64; 2] {
+    #[cfg(test)]
+    fn range(&self) -> [f64; 2] {
         [self.low, self.high]
     }
 
@@ -121,12 +134,56 @@ impl Axis {
         }
     }
 
-    fn linear_ticks(&self, most: f64) -> Vec<Tick> {
-        let least = (self.high - self.low) / most;
-        let mut step = nice_at_least(least);
-        if self.whole {
-            step = step.max(1.0).round();
+    /// The same axis with its ends moved outwards to marks, if the ends are not fixed.
+    pub fn ending_at_marks(mut self, length: f64, room: f64) -> Self {
+        if self.open {
+            let most = (length / room).max(2.0);
+            [self.low, self.high] = match self.scale {
+                Scale::Linear => self.linear_ends(most),
+                Scale::Log => self.log_ends(most),
+            };
         }
+        self
+    }
+
+    /// The distance of two marks, of which an axis of this range has at most so many.
+    fn step(&self, most: f64) -> f64 {
+        let step = nice_at_least((self.high - self.low) / most);
+        if self.whole { step.max(1.0).round() } else { step }
+    }
+
+    fn linear_ends(&self, most: f64) -> [f64; 2] {
+        let mut step = self.step(most);
+        loop {
+            let [low, high] = [(self.low / step + SLACK).floor(), (self.high / step - SLACK).ceil()];
+            if high - low <= most {
+                return [low * step, high * step];
+            }
+            step = nice_at_least(1.01 * step);
+        }
+    }
+
+    /// The closest ends of a logarithmic axis at which it has marks.
+    fn log_ends(&self, most: f64) -> [f64; 2] {
+        let [low, high] = [self.low.log10(), self.high.log10()];
+        let ends = |set: &[f64]| {
+            let powers = low.floor() as i32 - 1..=high.ceil() as i32;
+            let numbers: Vec<f64> = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n))).collect();
+            let first = numbers.iter().filter(|x| x.log10() <= low + SLACK).count() - 1;
+            let last = numbers.partition_point(|x| x.log10() < high - SLACK).min(numbers.len() - 1);
+            [numbers[first], numbers[last]]
+        };
+        let has_marks = |[low, high]: &[f64; 2]| {
+            let ticks = Axis { low: *low, high: *high, ..self.clone() }.log_ticks(most);
+            [0.0, 1.0].iter().all(|end| ticks.iter().any(|tick| (tick.at - end).abs() < SLACK))
+        };
+        let [many, some, powers] = FEW_DECADES;
+        let digits = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
+        [many, &digits, some].into_iter().map(ends).find(has_marks).unwrap_or_else(|| ends(powers))
+    }
+
+    fn linear_ticks(&self, most: f64) -> Vec<Tick> {
+        let step = self.step(most);
         let factor = 10f64.powi(self.power());
         let decimals = (-(step / factor).log10().floor()).clamp(0.0, 12.0) as usize;
         // A step of 2.5 needs one more digit than its size suggests.
@@ -146,13 +203,16 @@ impl Axis {
         if decades < 3 {
             // With few powers of ten on the axis, the marks are plain numbers: all in this list, or
             // 1, 2 and 5 times each power of ten, or only the powers, whichever fits.
-            let sets: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
             let all = |set: &[f64]| -> Vec<f64> {
                 let powers = first.floor() as i32..=last.ceil() as i32;
                 let numbers = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n)));
                 numbers.filter(|x| (first..=last).contains(&x.log10())).collect()
             };
-            let chosen = sets.iter().map(|set| all(set)).find(|all| all.len() as f64 <= most).unwrap_or_default();
+            let chosen = FEW_DECADES
+                .iter()
+                .map(|set| all(set))
+                .find(|all| all.len() as f64 <= most)
+                .unwrap_or_else(|| all(&[1.0]));
             ticks.extend(chosen.into_iter().map(|x| Tick { at: self.place(x), label: Some(plain(x)) }));
             return ticks;
         }
@@ -172,10 +232,10 @@ impl Axis {
     }
 }
 
+/// The digits of the numbers at a logarithmic axis with few powers of ten on it.
+const FEW_DECADES: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
 /// The space that a whole number of one or two digits needs.
 const WHOLE_ROOM: f64 = 13.0;
-/// The space beyond the values, as a share of their range.
-const ROOM: f64 = 0.06;
 /// A position farther out than anything that is visible.
 const FAR: f64 = 50.0;
 /// The rounding error that is allowed, as a share of a step.
@@ -289,7 +349,29 @@ mod tests {
     fn an_empty_range_is_widened() {
         assert_eq!(axis(2.0, 2.0).range(), [1.0, 3.0]);
         assert_eq!(axis(0.0, 0.0).range(), [-1.0, 1.0]);
-        assert_eq!(Axis::around([], Label::new(""), "").range(), [-1.12, 1.12]);
+        assert_eq!(Axis::around([], Label::new(""), "").range(), [-1.0, 1.0]);
+    }
+
+    /// The ends of an axis over data are marks, and the data are between them.
+    #[test]
+    fn an_open_axis_ends_at_marks() {
+        for (low, high) in [(-6.3, 6.2), (0.0, 1.77), (-7.0, 0.2), (3.0, 3.1), (1e-7, 4e-7), (0.0, 0.05)] {
+            for length in [40.0, 84.0, 150.0, 400.0] {
+                let linear = Axis { open: true, ..axis(low, high) };
+                let log = Axis::log_around([high / 40.0, high], Label::new(""), "");
+                let long = Axis::log_around([high / 4e4, high], Label::new(""), "");
+                for axis in [linear, log, long] {
+                    let [low, high] = axis.range();
+                    let ended = axis.ending_at_marks(length, 17.0);
+                    let ticks = ended.ticks(length, 17.0);
+                    for end in [0.0, 1.0] {
+                        assert!(ticks.iter().any(|tick| (tick.at - end).abs() < 1e-6), "{ended:?} {length}");
+                    }
+                    let slack = 1e-6 * (high - low);
+                    assert!(ended.low <= low + slack && ended.high >= high - slack, "{ended:?}");
+                }
+            }
+        }
     }
 
     #[test]

@@ -3,7 +3,7 @@
 
 use super::theme::THIN;
 use super::{
-    Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, calendar, range_of, sheet,
+    Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of, sheet,
 };
 use crate::bearing::calibration::Calibration;
 use std::ops::Range;
@@ -21,7 +21,7 @@ const POINTS: usize = 8_000;
 /// days.
 const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let days = calibration.record.times.last().copied().unwrap_or(0.0) / DAY;
@@ -37,7 +37,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         LegendEntry::line(Stroke::solid(palette.second, 1.0), "model"),
         LegendEntry::mark(Mark::Triangle, palette.third, "slip that was seen"),
     ];
-    Ok(sheet(style, &format!("Calibration: {title}"), &legend, &panels))
+    Ok(sheet(&format!("Calibration: {title}"), legend, panels))
 }
 
 /// Two panels, displacement above temperature, between two days.
@@ -51,8 +51,9 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     let time = || calendar::time(days, record.start);
     let (measured, modelled) = (curve(&record.readings, 1e3), curve(&calibration.modelled, 1e3));
     let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
-    let room = 0.12 * (high - low);
-    let mut above = Panel::new(time(), Axis::linear([low - room, high + room], Label::new("*z*"), "mm"), height);
+    // The marks of slips are below the curves.
+    let mark = low - 0.08 * (high - low);
+    let mut above = Panel::new(time(), Axis::around([mark, high], Label::new("*z*"), "mm"), height);
     above.line(measured, Stroke::solid(palette.first, THIN));
     above.line(modelled, Stroke::solid(palette.second, THIN));
     // In a stretch of this length the marks of slips are separate; in a longer one they would merge
@@ -60,7 +61,7 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     if days[1] - days[0] <= CLOSER.1 {
         let seen = calibration.slips.iter().filter(|slip| (days[0]..days[1]).contains(&(slip.time / DAY)));
         for slip in seen {
-            above.mark([slip.time / DAY, low - 0.5 * room], Mark::Triangle, palette.third);
+            above.mark([slip.time / DAY, mark], Mark::Triangle, palette.third);
         }
     }
     let warmth = curve(&record.temperatures, 1.0);

@@ -1,7 +1,8 @@
 //! Where in its phase plane the body spends its time: the density of x\u{2032} on a linear and on a
 //! logarithmic axis, that of x, and that of both as cells of a plane.
 
-use super::{Absent, Axis, Colour, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
+use super::steps::{self, Step};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{DensityCurve, Dimension};
 
 /// The figure.
@@ -11,7 +12,7 @@ pub const FIGURE: Figure =
 /// Levels of the joint density, as parts of its largest value, from the outermost on.
 const LEVELS: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 0.6];
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let Some(densities) = &summary.densities else {
         return Err(Absent::Nothing("the run has no densities: set record.density = true"));
@@ -28,16 +29,17 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let [_, most] = range_of(curve.density.iter().copied());
         let [least, _] = range_of(curve.density.iter().copied().filter(|density| *density > 0.0));
         let vertical = match is_log {
-            true => Axis::log([least / 1.5, 1.5 * most], Label::new(title), unit),
-            false => Axis::linear([0.0, 1.06 * most], Label::new(title), unit),
+            true => Axis::log_around([least, most], Label::new(title), unit),
+            false => Axis::from_zero(most, Label::new(title), unit),
         };
-        let floor = if is_log { least / 1.5 } else { 0.0 };
+        let floor = if is_log { least / 10.0 } else { 0.0 };
         let mut panel = Panel::new(horizontal, vertical, 66.0);
-        for (i, density) in curve.density.iter().enumerate().filter(|(_, density)| **density > floor) {
-            let [low, high] = curve.ends.at(i);
-            panel.bar([curve.edges[i], low.max(floor)], [curve.edges[i + 1], high], palette.narrow);
-            panel.line(vec![[curve.edges[i], *density], [curve.edges[i + 1], *density]], solid(palette.first));
-        }
+        let bin = |(i, density): (usize, &f64)| {
+            let ends = if *density > 0.0 { curve.ends.at(i) } else { [0.0; 2] };
+            ([curve.edges[i], curve.edges[i + 1]], *density, ends)
+        };
+        let steps: Vec<Step> = curve.density.iter().enumerate().map(bin).collect();
+        steps::draw(&steps, floor, palette, &mut panel);
         panel
     };
     let velocity = |is_log| {
@@ -54,19 +56,20 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         96.0,
     );
     let [_, most] = range_of(densities.joint.iter().copied());
-    for ((i, j), density) in densities.joint.indexed_iter() {
-        let reached = LEVELS.iter().filter(|level| *density >= **level * most).count();
-        if reached > 0 {
-            let share = reached as f64 / LEVELS.len() as f64;
-            plane.bar([rows[i], columns[j]], [rows[i + 1], columns[j + 1]], Colour { opacity: share, ..palette.first });
-        }
+    // From the outermost level on, each over the one before it.
+    for (n, level) in LEVELS.iter().enumerate() {
+        let reached = densities.joint.indexed_iter().filter(|(_, density)| **density >= level * most);
+        let cell = |((i, j), _): ((usize, usize), &f64)| [[rows[i], columns[j]], [rows[i + 1], columns[j + 1]]];
+        let share = (n + 1) as f64 / LEVELS.len() as f64;
+        plane.bars(reached.map(cell).collect(), palette.background.mixed(palette.first, share));
     }
     let rest = crate::numbers::significant(100.0 * densities.at_rest, 3);
     let legend = [
         LegendEntry::words(Label::verbatim(&format!("in motion; at rest {rest} % of the time"))),
+        LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
-        LegendEntry::words(Label::verbatim("plane: 0.3, 1, 3, 10, 30, 60 % of the highest density")),
     ];
-    let panels = [velocity(false).above_another(), velocity(true), displacement, plane];
-    Ok(sheet(style, &format!("Densities: {}", scenario.title), &legend, &panels))
+    let levels = LegendEntry::words(Label::verbatim("0.3, 1, 3, 10, 30 and 60 % of the highest density"));
+    let panels = [velocity(false).above_another(), velocity(true), displacement, plane.keyed([levels])];
+    Ok(sheet(&format!("Densities: {}", scenario.title), legend, panels))
 }

@@ -3,14 +3,14 @@
 
 use super::axis::plain;
 use super::theme::{DASHES, LINE};
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::stats::{Dimension, Statistic, Summary};
 use crate::sums::Ends;
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "drift", shows: "whether x wanders from period to period", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let periods = &summary.periods;
     if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {
@@ -54,7 +54,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         legend.push(LegendEntry::area(palette.grid, "left out"));
     }
     legend.extend(reported(summary).into_iter().map(LegendEntry::words));
-    Ok(sheet(style, &format!("Wandering: {}", scenario.title), &legend, &[mean.above_another(), variance]))
+    Ok(sheet(&format!("Wandering: {}", scenario.title), legend, [mean.above_another(), variance]))
 }
 
 /// The line with this slope through the mean of the points that are counted, from the first of them

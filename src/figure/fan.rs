@@ -1,7 +1,7 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Bands, Dimension, QUANTILE_LEVELS};
 use crate::sums::Ends;
 
@@ -9,7 +9,7 @@ use crate::sums::Ends;
 pub const FIGURE: Figure =
     Figure { name: "fan", shows: "quantiles of x, and the probability of being static", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let bands = &summary.bands;
     let (time, x) = (&bands.time, &bands.displacement);
@@ -28,8 +28,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
 
     let Ends { low, high } = &bands.static_probability_ends;
     let [_, top] = range_of(high.iter().chain(&bands.static_probability).copied());
-    let top = if top > 0.0 { (1.04 * top).min(1.0) } else { 1.0 };
-    let mut share = Panel::new(time_axis(), Axis::linear([0.0, top], Label::new("*P*(static)"), ""), 62.0);
+    let top = if top > 0.0 { top } else { 1.0 };
+    let mut share = Panel::new(time_axis(), Axis::from_zero(top, Label::new("*P*(static)"), ""), 62.0);
     share.band(between(time, low, high), palette.narrow);
     share.line(along(time, &bands.static_probability), solid(palette.first));
 
@@ -44,7 +44,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];
-    Ok(sheet(style, &format!("Displacement of the paths: {}", scenario.title), &[], &panels))
+    Ok(sheet(&format!("Displacement of the paths: {}", scenario.title), [], panels))
 }
 
 /// The lowest and the highest quantile of x at each time.

@@ -2,7 +2,7 @@
 
 use super::sticks::survival;
 use super::words::grouped;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Distribution, PhaseLaw};
 
 /// The figure.
@@ -19,7 +19,7 @@ const DRAWN: [(PhaseLaw, &str); 3] = [
 /// The share of values that may lie below the axis.
 const NEXT_TO_NONE: f64 = 1e-3;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     if summary.laws.is_none() {
         return Err(Absent::Nothing("the run has no laws: set record.laws = true"));
@@ -33,8 +33,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let unit = law.dimension().label(&scenario.units);
         let shares = || distribution.survival.iter().copied().filter(|share| *share > 0.0);
         let (vertical, title) = match style.log {
-            true => (Axis::log([range_of(shares())[0] / 1.2, 1.2], Label::new("share beyond"), ""), title),
-            false => (Axis::linear([0.0, 1.05], Label::new("share beyond"), ""), title),
+            true => (Axis::log_around([range_of(shares())[0], 1.0], Label::new("share beyond"), ""), title),
+            false => (Axis::from_zero(1.0, Label::new("share beyond"), ""), title),
         };
         let mut panel = Panel::new(Axis::log([least, most], Label::new(title), &unit), vertical, 60.0);
         survival(distribution).draw(palette, &mut panel);
@@ -49,7 +49,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         LegendEntry::line(solid(palette.first), "Kaplan\u{2013}Meier"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
-    Ok(sheet(style, &format!("Laws: {}", scenario.title), &legend, &panels))
+    Ok(sheet(&format!("Laws: {}", scenario.title), legend, panels))
 }
 
 /// From where all but next to none of the values lie, to the largest one.

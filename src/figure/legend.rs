@@ -18,6 +18,9 @@ pub struct LegendEntry {
 }
 
 impl LegendEntry {
+    /// The height of a row of a legend.
+    pub const ROW: f64 = 11.5;
+
     /// The entry of a curve.
     pub fn line(stroke: Stroke, label: &str) -> Self {
         LegendEntry { stroke: Some(stroke), fill: None, mark: None, label: Label::new(label) }
@@ -55,8 +58,7 @@ impl LegendEntry {
 
 /// The space between entries of a legend.
 const BETWEEN: f64 = 12.0;
-/// The height of a row of a legend.
-const ROW: f64 = 11.5;
+
 /// Draws the legend in as many rows as it needs, and returns its height.
 pub fn draw_legend(legend: &[LegendEntry], [x, y]: [f64; 2], width: f64, style: &Style, items: &mut Vec<Item>) -> f64 {
     let palette = style.palette();
@@ -71,7 +73,7 @@ pub fn draw_legend(legend: &[LegendEntry], [x, y]: [f64; 2], width: f64, style: 
         rows.last_mut().expect("there is a row by now").push(entry);
     }
     for (n, row) in rows.iter().enumerate() {
-        let middle = y + (n as f64 + 0.5) * ROW;
+        let middle = y + (n as f64 + 0.5) * LegendEntry::ROW;
         let mut at = x;
         for entry in row {
             let (from, to) = (at, at + entry.sample() - 4.0);
@@ -90,5 +92,5 @@ pub fn draw_legend(legend: &[LegendEntry], [x, y]: [f64; 2], width: f64, style: 
             at += entry.width() + BETWEEN;
         }
     }
-    rows.len() as f64 * ROW
+    rows.len() as f64 * LegendEntry::ROW
 }

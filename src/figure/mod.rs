@@ -5,9 +5,8 @@
 //! Subject     what a picture shows: a scenario, a run, a trade, sweeps, a calibration
 //!   -> FIGURES    one file each: what it takes from its subject, and its layout
 //!        Axis, Panel   numbers to positions; curves, bands, bars, marks, notes without overlap
-//!        sheet         a legend above panels that are aligned below each other
-//!   -> Scene      a picture as data (kit)
-//!        page          all figures of a subject on one sheet
+//!   -> Sheet      a legend above panels that are aligned below each other
+//!   -> Drawing    a picture as data (kit): one figure or panel (only), or all on a page (page)
 //!   -> svg, png, pdf
 //! ```
 //!
@@ -24,6 +23,7 @@ mod kit;
 mod laws;
 mod legend;
 mod mark;
+mod only;
 mod overview;
 mod page;
 mod panel;
@@ -32,6 +32,7 @@ mod residuals;
 mod section;
 mod sheet;
 mod spectrum;
+mod steps;
 mod sticks;
 mod sub_phases;
 mod subject;
@@ -42,7 +43,8 @@ mod trade;
 mod words;
 
 pub use kit::{Drawing, escaped, pdf, png, svg};
-pub use page::page;
+pub use only::Only;
+pub use page::{NoPage, page};
 pub use subject::{Absent, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
 
@@ -52,7 +54,7 @@ use kit::{Colour, Label, Stroke};
 use legend::LegendEntry;
 use mark::Mark;
 use panel::Panel;
-use sheet::{sheet, solid};
+use sheet::{Sheet, sheet, solid};
 
 /// Every figure, in the order in which a page shows them.
 pub const FIGURES: &[Figure] = &[
@@ -73,8 +75,3 @@ pub const FIGURES: &[Figure] = &[
     residuals::FIGURE,
     overview::FIGURE,
 ];
-
-/// The figure with this name; none if there is no such figure.
-pub fn named(name: &str) -> Option<&'static Figure> {
-    FIGURES.iter().find(|figure| figure.name == name)
-}

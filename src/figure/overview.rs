@@ -2,7 +2,7 @@
 //! durations of sticks.
 
 use super::path::PathTrace;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, fan, sheet, solid, sticks};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
 use crate::engine::Replay;
 use crate::stats::Dimension;
 
@@ -10,7 +10,7 @@ use crate::stats::Dimension;
 pub const FIGURE: Figure =
     Figure { name: "overview", shows: "a path with its sticks, the quantiles of all, and the sticks", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let (_, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
@@ -38,14 +38,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     fan::quantiles(&summary.bands, palette, &mut all);
 
     let durations = Axis::log(range, Label::new("stick duration *D*"), &time_unit);
-    let mut outlasting = Panel::new(durations, Axis::linear([0.0, 1.0], Label::new("share longer than *D*"), ""), 84.0);
+    let mut outlasting = Panel::new(durations, Axis::from_zero(1.0, Label::new("share longer than *D*"), ""), 84.0);
     sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
 
-    let legend = [
-        LegendEntry::area(palette.wide, "**A**: stick; **B**: 5–95 %"),
-        LegendEntry::area(palette.narrow, "**B**: 25–75 %; **C**: 95 % interval"),
-        LegendEntry::line(solid(palette.first), "**A**: path; **B**: median; **C**: share"),
+    let curve = |words: &str| LegendEntry::line(solid(palette.first), words);
+    let area = LegendEntry::area;
+    let all = all.keyed([curve("median"), area(palette.narrow, "25–75 %"), area(palette.wide, "5–95 % of the paths")]);
+    let panels = [
+        one.above_another().keyed([curve(&format!("path {number}")), area(palette.wide, "stick")]),
+        all,
+        outlasting.keyed([curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]),
     ];
-    let panels = [one.lettered('A').above_another(), all.lettered('B'), outlasting.lettered('C')];
-    Ok(sheet(style, &format!("Overview: {}", scenario.title), &legend, &panels))
+    Ok(sheet(&format!("Overview: {}", scenario.title), [], panels))
 }

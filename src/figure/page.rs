@@ -1,31 +1,60 @@
-//! All figures of a subject on one sheet, in two columns.
+//! All figures of a subject on one page, in two columns of the same height.
 
 use super::kit::{Align, Drawing, Item, Label};
-use super::subject::Subject;
+use super::sheet::Sheet;
+use super::subject::{Absent, Figure, Subject};
 use super::theme::{LETTERS, SMALL, Style};
-use super::{FIGURES, overview};
+use super::{FIGURES, overview, section};
 
 /// The space between figures.
 const GAP: f64 = 14.0;
-/// The space at the edge of the sheet.
+/// The space at the edge of the page.
 const EDGE: f64 = 8.0;
 /// The size of the letters of the heading.
 const HEADING: f64 = 11.0;
+/// The frames of the shorter column become at most this many times as high.
+const MOST_STRETCH: f64 = 2.0;
 
-/// The sheet, with a heading and a line of text below it. None if no figure of the subject can be
-/// drawn.
-pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Option<Drawing> {
-    let figures = FIGURES.iter().filter(|figure| figure.name != overview::FIGURE.name);
-    let scenes: Vec<Drawing> = figures.filter_map(|figure| figure.draw(subject, style).ok()).collect();
-    let columns = scenes.len().min(2);
-    if columns == 0 {
-        return None;
+/// The figures that no page has: the panels of an overview are in the other figures, and a section
+/// simulates every point of a sweep again.
+const APART: [&str; 2] = [overview::FIGURE.name, section::FIGURE.name];
+
+/// Why there is no page.
+#[derive(Clone, Debug)]
+pub enum NoPage {
+    /// The figure that belongs to the subject cannot be drawn from it.
+    Without(&'static Figure, Absent),
+    /// Nothing belongs to the subject.
+    Empty,
+}
+
+/// The page, with a heading and a line of text below it. The letters of panels run through it,
+/// down the first column and then down the second.
+///
+/// # Errors
+///
+/// No figure of the subject can be drawn.
+pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
+    let figures = FIGURES.iter().filter(|figure| !APART.contains(&figure.name));
+    let mut sheets = Vec::new();
+    let mut without = NoPage::Empty;
+    for figure in figures {
+        match (figure.draws)(subject, style) {
+            Ok(sheet) => sheets.push(sheet),
+            Err(Absent::Elsewhere(_)) => {}
+            Err(absent) => without = NoPage::Without(figure, absent),
+        }
     }
+    if sheets.is_empty() {
+        return Err(without);
+    }
+    let columns = columns(sheets, style);
     let palette = style.palette();
-    let width = columns as f64 * style.points() + (columns as f64 - 1.0) * GAP + 2.0 * EDGE;
+    let width = columns.len() as f64 * (style.points() + GAP) - GAP + 2.0 * EDGE;
+    let (heading, line) = subject.heading();
     let mut items = Vec::new();
     let mut top = EDGE;
-    for (words, size, is_bold) in [(heading, HEADING, true), (line, SMALL, false)] {
+    for (words, size, is_bold) in [(&heading, HEADING, true), (&line, SMALL, false)] {
         let label = |text: &str| if is_bold { Label::bold(text) } else { Label::verbatim(text) };
         for row in wrapped(words, |text| size * label(text).width() <= width - 2.0 * EDGE) {
             top += 1.3 * size;
@@ -33,16 +62,56 @@ pub fn page(subject: &Subject, style: &Style, heading: &str, line: &str) -> Opti
         }
     }
     top += LETTERS;
-    let mut ends = [top; 2];
-    let left_out = scenes.iter().map(|scene| scene.left_out).sum();
-    for scene in scenes {
-        let column = usize::from(columns > 1 && ends[1] < ends[0]);
-        let by = [EDGE + column as f64 * (style.points() + GAP), ends[column]];
-        ends[column] += scene.height + GAP;
-        items.push(Item::Moved { by, items: scene.items });
+    let several = columns.iter().flat_map(|column| &column.sheets).map(Sheet::len).sum::<usize>() > 1;
+    let full = columns.iter().map(|column| column.height).fold(0.0, f64::max);
+    let (mut height, mut letter, mut left_out) = (0.0, 0, 0);
+    for (number, column) in columns.iter().enumerate() {
+        let stretch = 1.0 + (full - column.height) / column.frames.max(1.0);
+        let mut end = top;
+        for sheet in &column.sheets {
+            let drawn = sheet.draw(style, several.then_some(letter), stretch.min(MOST_STRETCH));
+            letter += sheet.len();
+            left_out += drawn.left_out;
+            let by = [EDGE + number as f64 * (style.points() + GAP), end];
+            items.push(Item::Moved { by, items: drawn.items });
+            end += drawn.height + GAP;
+        }
+        height = f64::max(height, end - GAP + EDGE);
     }
-    let height = ends[0].max(ends[1]) - GAP + EDGE;
-    Some(Drawing { width, height, background: palette.background, title: heading.to_string(), items, left_out })
+    Ok(Drawing { width, height, background: palette.background, title: heading, items, left_out })
+}
+
+/// Figures below each other.
+#[derive(Default)]
+struct Column {
+    sheets: Vec<Sheet>,
+    /// The height, and the part of it that frames take.
+    height: f64,
+    frames: f64,
+}
+
+/// The figures in the two columns that are most alike in height, or a single figure in one.
+fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<Column> {
+    let height = |sheet: &Sheet| sheet.draw(style, Some(0), 1.0).height + GAP;
+    let heights: Vec<f64> = sheets.iter().map(height).collect();
+    let is_second = |choice: u32, number: usize| choice >> number & 1 == 1;
+    // The bits of a choice say which figures the second column has; the first figure is never among
+    // them.
+    let longest = |choice: &u32| {
+        let of = |second: bool| (0..heights.len()).filter(move |n| is_second(*choice, *n) == second);
+        let sum = |second: bool| of(second).map(|number| heights[number]).sum::<f64>();
+        sum(false).max(sum(true))
+    };
+    let choices = (0..1u32 << sheets.len()).filter(|choice| choice & 1 == 0);
+    let best = choices.min_by(|one, other| longest(one).total_cmp(&longest(other))).unwrap_or(0);
+    let mut columns = [Column::default(), Column::default()];
+    for (number, (sheet, height)) in sheets.into_iter().zip(&heights).enumerate() {
+        let column = &mut columns[usize::from(is_second(best, number))];
+        column.height += height;
+        column.frames += sheet.frames();
+        column.sheets.push(sheet);
+    }
+    columns.into_iter().filter(|column| !column.sheets.is_empty()).collect()
 }
 
 /// The words in rows that fit. A word that is too long for a row has a row of its own.

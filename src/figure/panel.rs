@@ -11,7 +11,7 @@ use super::theme::{LETTERS, MARK, Palette, SMALL, THIN};
 enum Layer {
     Line { points: Vec<[f64; 2]>, stroke: Stroke },
     Band { points: Vec<[f64; 3]>, fill: Colour },
-    Bar { from: [f64; 2], to: [f64; 2], fill: Colour },
+    Bars { corners: Vec<[[f64; 2]; 2]>, fill: Colour },
     Interval { at: f64, ends: [f64; 2], is_across: bool, colour: Colour },
     Mark { at: [f64; 2], mark: Mark, colour: Colour },
     Level { at: f64, stroke: Stroke },
@@ -62,8 +62,6 @@ pub struct Panel {
     /// Whether the horizontal axis has numbers and a title. If not, it shares those of the panel
     /// below.
     pub is_labelled: bool,
-    /// A bold letter at the corner of the panel.
-    pub letter: Option<char>,
     /// What its curves and areas are, where panels differ in it.
     pub key: Vec<LegendEntry>,
     layers: Vec<Layer>,
@@ -84,7 +82,7 @@ const TICK: f64 = 3.0;
 const GAP: f64 = 2.0;
 /// The space along an axis for one number.
 const X_ROOM: f64 = 26.0;
-const Y_ROOM: f64 = 17.0;
+const Y_ROOM: f64 = 13.0;
 /// Half the length of the bars at the ends of an interval.
 const CAP: f64 = 1.8;
 /// Points of a curve that are closer than this to the line between their neighbours are left out.
@@ -93,7 +91,7 @@ const TOLERANCE: f64 = 0.03;
 impl Panel {
     /// A panel without elements.
     pub fn new(x: Axis, y: Axis, height: f64) -> Self {
-        Panel { x, y, height, is_labelled: true, letter: None, key: Vec::new(), layers: Vec::new(), notes: Vec::new() }
+        Panel { x, y, height, is_labelled: true, key: Vec::new(), layers: Vec::new(), notes: Vec::new() }
     }
 
     /// The same panel with a legend of its own above it.
@@ -101,9 +99,10 @@ impl Panel {
         Panel { key: key.into_iter().collect(), ..self }
     }
 
-    /// The same panel with a letter at its corner.
-    pub fn lettered(self, letter: char) -> Self {
-        Panel { letter: Some(letter), ..self }
+    /// The same panel with a frame that is `factor` times as high, and a vertical axis for it.
+    pub fn stretched(&self, factor: f64) -> Self {
+        let height = factor * self.height;
+        Panel { height, y: self.y.clone().ending_at_marks(height, Y_ROOM), ..self.clone() }
     }
 
     /// The same panel without numbers at its horizontal axis, because the panel below has them.
@@ -123,7 +122,12 @@ impl Panel {
 
     /// Adds a filled rectangle.
     pub fn bar(&mut self, from: [f64; 2], to: [f64; 2], fill: Colour) {
-        self.layers.push(Layer::Bar { from, to, fill });
+        self.bars(vec![[from, to]], fill);
+    }
+
+    /// Adds filled rectangles as one shape, so that no hairline separates those that touch.
+    pub fn bars(&mut self, corners: Vec<[[f64; 2]; 2]>, fill: Colour) {
+        self.layers.push(Layer::Bars { corners, fill });
     }
 
     /// Adds a vertical interval.
@@ -173,13 +177,14 @@ impl Panel {
 
     /// Draws the panel with its frame at this place.
     pub fn draw(&self, frame: Rect, palette: &Palette) -> Drawn {
+        let across = self.x.clone().ending_at_marks(frame.width, X_ROOM);
         let mut items = Vec::new();
         let place = |[x, y]: [f64; 2]| {
-            [frame.x + frame.width * self.x.place(x), frame.bottom() - frame.height * self.y.place(y)]
+            [frame.x + frame.width * across.place(x), frame.bottom() - frame.height * self.y.place(y)]
         };
         let behind: Vec<Item> = self.layers.iter().flat_map(|layer| layer.draw(&place, frame)).collect();
         items.push(Item::Clipped { inside: frame, items: behind });
-        self.draw_axes(frame, palette, &mut items);
+        self.draw_axes(frame, &across, palette, &mut items);
         let is_seen = |at: &[f64; 2]| frame.grown(0.01).holds(*at);
         for layer in &self.layers {
             if let Layer::Mark { at, mark, colour } = layer
@@ -192,11 +197,11 @@ impl Panel {
         Drawn { items, left_out }
     }
 
-    fn draw_axes(&self, frame: Rect, palette: &Palette, items: &mut Vec<Item>) {
+    fn draw_axes(&self, frame: Rect, across: &Axis, palette: &Palette, items: &mut Vec<Item>) {
         let pen = || Stroke::solid(palette.ink, THIN);
         let corners = [[frame.x, frame.y], [frame.x, frame.bottom()], [frame.right(), frame.bottom()]];
         items.push(Item::stroked(Outline::line(&corners), pen()));
-        for tick in self.x.ticks(frame.width, X_ROOM) {
+        for tick in across.ticks(frame.width, X_ROOM) {
             let x = frame.x + tick.at * frame.width;
             items
                 .push(Item::stroked(Outline::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]), pen()));
@@ -216,15 +221,13 @@ impl Panel {
         }
         if self.is_labelled {
             let at = [frame.x + frame.width / 2.0, frame.bottom() + self.footing() - 0.25 * LETTERS];
-            items.push(Item::words(self.x.title(), at, Align::Middle, LETTERS, palette.ink));
+            items.push(Item::words(across.title(), at, Align::Middle, LETTERS, palette.ink));
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
-        let at = [x, frame.y + frame.height / 2.0];
+        // A title that is longer than the frame extends below it, because the letter is above it.
+        let length = LETTERS * self.y.title().width();
+        let at = [x, frame.y + frame.height.max(length) / 2.0];
         items.push(Item::words_upwards(self.y.title(), at, Align::Middle, LETTERS, palette.ink));
-        if let Some(letter) = self.letter {
-            let at = [frame.x + 3.0, frame.y + 0.2 * LETTERS];
-            items.push(Item::words(Label::bold(&letter.to_string()), at, Align::Start, LETTERS * 1.1, palette.ink));
-        }
     }
 
     /// Places the notes where they overlap nothing, and returns how many of them found no such
@@ -248,13 +251,12 @@ impl Panel {
                 _ => {}
             }
         }
-        if self.letter.is_some() {
-            taken.push(Rect { x: frame.x, y: frame.y - LETTERS, width: 1.6 * LETTERS, height: 1.6 * LETTERS });
-        }
         taken.extend(marks.iter().map(|mark| around(*mark, MARK + 0.4)));
         let mut left_out = 0;
         for note in &self.notes {
-            let point = place(note.at);
+            // A note at infinity is at the edge.
+            let [x, y] = place(note.at);
+            let point = [x.clamp(frame.x, frame.right()), y];
             let free = note.places.iter().find_map(|beside| {
                 let (at, needed) = beside.at(point, &note.label);
                 let across = needed.x >= frame.x - 1.0 && needed.right() <= frame.right() + ASIDE;
@@ -329,10 +331,13 @@ impl Layer {
                 let around: Vec<[f64; 2]> = edge(1).into_iter().chain(edge(2).into_iter().rev()).collect();
                 if around.len() < 3 { Vec::new() } else { vec![Item::filled(Outline::polygon(&around), *fill)] }
             }
-            Layer::Bar { from, to, fill } => {
-                let ([ax, ay], [bx, by]) = (place(*from), place(*to));
-                let corners = [[ax, ay], [bx, ay], [bx, by], [ax, by]];
-                vec![Item::filled(Outline::polygon(&corners), *fill)]
+            Layer::Bars { corners, fill } => {
+                // All run the same way round, so that no two of them cancel where they overlap.
+                let bar = |[from, to]: &[[f64; 2]; 2]| {
+                    let ([ax, ay], [bx, by]) = (place(*from), place(*to));
+                    Outline::polygon(&[[ax, ay], [bx, ay], [bx, by], [ax, by]]).0
+                };
+                vec![Item::filled(Outline(corners.iter().flat_map(bar).collect()), *fill)]
             }
             Layer::Interval { ends: [low, high], .. } if low.is_nan() || high.is_nan() => Vec::new(),
             Layer::Interval { at, ends, is_across, colour } => {

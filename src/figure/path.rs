@@ -8,7 +8,7 @@ use super::panel::{Beside, Note};
 use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
 use super::words::grouped;
 use super::{
-    Absent, Axis, Colour, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet,
+    Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
     solid,
 };
 use crate::engine::Replay;
@@ -196,7 +196,7 @@ const MARGIN: f64 = 0.025;
 /// Curves whose sizes differ by more than this factor do not share an axis.
 const ALIKE: f64 = 8.0;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, number) = subject.path()?;
     let replay = Replay::of(scenario, number);
     let trace = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
@@ -225,12 +225,12 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*), force"), ""), 104.0);
         forces(&mut panel);
         velocities(&trace, palette, &mut panel);
-        middle.push(panel.lettered('B'));
+        middle.push(panel);
     } else {
         let seen = trace.samples().map(|s| s.velocity);
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), &velocity_unit), 76.0);
         velocities(&trace, palette, &mut panel);
-        middle.push(panel.lettered('B').above_another());
+        middle.push(panel.above_another());
         let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("force"), &force_unit), 76.0);
         forces(&mut panel);
@@ -256,12 +256,12 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let words = format!("{} events, too close to be marked", grouped(trace.moments.len() as u64));
         legend.push(LegendEntry::words(Label::verbatim(&words)));
     }
-    if trace.in_full().len() < trace.pieces.len() {
-        legend.push(LegendEntry::words(Label::new("**C**: the longest slip; others thin")));
-    }
-    let panels: Vec<Panel> =
-        [vec![displacement.lettered('A').above_another()], middle, vec![plane.lettered('C')]].concat();
-    Ok(sheet(style, &format!("Path {number}: {}", scenario.title), &legend, &panels))
+    let plane = match trace.in_full().len() < trace.pieces.len() {
+        true => plane.keyed([LegendEntry::words(Label::verbatim("the longest slip in full, the others thin"))]),
+        false => plane,
+    };
+    let panels: Vec<Panel> = [vec![displacement.above_another()], middle, vec![plane]].concat();
+    Ok(sheet(&format!("Path {number}: {}", scenario.title), legend, panels))
 }
 
 /// The colour of sub-phase k of a slip.
@@ -280,7 +280,7 @@ fn stroke(piece: &Piece, palette: &Palette) -> Stroke {
     }
 }
 
-/// Panel A: x over time. A line leads from each event to the axis, where the event is named.
+/// The first panel: x over time. A line leads from each event to the axis, where the event is named.
 fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Panel {
     let [low, high] = range_of(trace.samples().map(|s| s.displacement));
     // Where x is far from zero, the events are marked at the lower edge instead of at zero.
@@ -326,7 +326,7 @@ impl Moment {
     }
 }
 
-/// Panel B: the velocity, with a mark at each event.
+/// The velocity, with a mark at each event.
 fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
     trace.draw(|s| [s.time, s.velocity], palette, panel);
@@ -340,7 +340,7 @@ fn friction_force(trace: &PathTrace, dynamic: f64) -> Vec<[f64; 2]> {
     trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
 }
 
-/// Panel C: the force of the spring against the velocity. With many events, only the longest
+/// The last panel: the force of the spring against the velocity. With many events, only the longest
 /// complete slip is shown in full and the rest faintly.
 fn phase_plane(
     trace: &PathTrace,
@@ -349,11 +349,12 @@ fn phase_plane(
     velocity_unit: &str,
     (force, force_unit): (Label, &str),
 ) -> Panel {
-    let seen = trace.samples().map(|s| s.velocity);
-    let x = Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), velocity_unit);
+    // Sticks, which have the velocity zero, must not be on the edge.
+    let [low, high] = range_of(trace.samples().map(|s| s.velocity));
+    let room = 0.04 * (high - low);
+    let x = Axis::around([low - room, high + room], Label::new("velocity *ẋ*(*t*)"), velocity_unit);
     let seen = trace.samples().map(|s| s.spring).chain([-friction, friction]);
     let y = Axis::around(seen, force, force_unit);
-    let right = x.range()[1];
     let mut panel = Panel::new(x, y, 124.0);
     for level in [-friction, friction] {
         panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
@@ -375,7 +376,7 @@ fn phase_plane(
     for (level, name) in [(friction, "*f*_{s}"), (-friction, "−*f*_{s}")] {
         if friction > 0.0 {
             let places = &[Beside::AboveLeft, Beside::BelowLeft];
-            panel.note(Note { at: [right, level], label: Label::new(name), places });
+            panel.note(Note { at: [f64::INFINITY, level], label: Label::new(name), places });
         }
     }
     for moment in moments() {

@@ -3,14 +3,14 @@
 
 use super::calibration::{DAY, thinned};
 use super::theme::THIN;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, calendar, sheet};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet};
 use crate::bearing::calibration::Quantity;
 
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "residuals", shows: "what the calibrated model leaves, and the starts of its search", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let record = &calibration.record;
@@ -19,15 +19,15 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
     let time = calendar::time([0.0, days], record.start);
     let millimetres = Axis::around(left.iter().map(|point| point[1]), Label::new("measured − model"), "mm");
-    let mut against_time = Panel::new(time, millimetres, 70.0).lettered('a');
+    let mut against_time = Panel::new(time, millimetres, 84.0);
     against_time.line(left, Stroke::solid(palette.first, 0.4));
     against_time.level(0.0, Stroke::solid(palette.faint, 0.4));
 
     let correlation: Vec<[f64; 2]> =
         calibration.residuals.autocorrelation.iter().map(|(hours, r)| [hours / 24.0, *r]).collect();
     let delay = Axis::linear([0.0, 5.2], Label::new("delay"), "d");
-    let range = [correlation.iter().map(|point| point[1]).fold(-0.1, f64::min), 1.05];
-    let mut memory = Panel::new(delay, Axis::linear(range, Label::new("autocorrelation"), ""), 60.0).lettered('b');
+    let axis = Axis::around(correlation.iter().map(|point| point[1]).chain([0.0]), Label::new("autocorrelation"), "");
+    let mut memory = Panel::new(delay, axis, 60.0);
     memory.level(0.0, Stroke::solid(palette.faint, 0.4));
     correlation.iter().for_each(|point| memory.mark(*point, Mark::Disc, palette.first));
     memory.line(correlation, Stroke::solid(palette.first, THIN));
@@ -43,12 +43,12 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let ends = [1e3 * chosen.low, 1e3 * chosen.high];
         let x = Axis::around(ways.iter().copied().chain(ends), Label::new("*f*_{s}/*K*"), "mm");
         let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), Label::new("err above best"), "%");
-        let mut starts = Panel::new(x, y, 50.0).lettered('c');
+        let mut starts = Panel::new(x, y, 74.0);
         ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
         starts.interval_across(0.1, ends, palette.first);
         panels.push(starts);
         legend.push(LegendEntry::mark(Mark::Circle, palette.second, "a start of the least squares"));
         legend.push(LegendEntry::line(Stroke::solid(palette.first, 1.0), "interval of the estimate"));
     }
-    Ok(sheet(style, &format!("Residuals: {title}"), &legend, &panels))
+    Ok(sheet(&format!("Residuals: {title}"), legend, panels))
 }

@@ -2,7 +2,7 @@
 //! periods (the bifurcation diagram), and the amplitude.
 
 use super::sweep::horizontal;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Mark, Panel, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::engine::LimitCycle;
 use crate::stats::Dimension;
 use crate::study::sweep::Sweep;
@@ -11,7 +11,7 @@ use crate::study::sweep::Sweep;
 pub const FIGURE: Figure =
     Figure { name: "section", shows: "x at phase zero, and the amplitude, of a sweep without noise", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, _) = subject.sweeps()?;
     let one = |(_, sweep): &(String, &Sweep)| sweep.question.design.axes().len() == 1;
     let [(_, sweep)] = sweeps else { return Err(Absent::Elsewhere("one sweep over one key (--vary)")) };
@@ -35,8 +35,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     );
     states().for_each(|point| section.mark(point, Mark::Disc, palette.first));
     let [_, most] = range_of(cycles.iter().map(|(_, cycle)| cycle.amplitude));
-    let mut amplitude =
-        Panel::new(horizontal(axis), Axis::linear([0.0, 1.06 * most], Label::new("amplitude"), &unit), 84.0);
+    let mut amplitude = Panel::new(horizontal(axis), Axis::from_zero(most, Label::new("amplitude"), &unit), 84.0);
     let mut curve: Vec<[f64; 2]> = cycles.iter().map(|(at, cycle)| [*at, cycle.amplitude]).collect();
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     for point in &curve {
@@ -45,7 +44,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     amplitude.line(curve, solid(palette.second));
     let legend = [LegendEntry::words(Label::verbatim("the last periods of one path at each point"))];
     let title = format!("Section: {}", sweep.question.scenario.title);
-    Ok(sheet(style, &title, &legend, &[section.above_another(), amplitude]))
+    Ok(sheet(&title, legend, [section.above_another(), amplitude]))
 }
 
 /// The states that are drawn: those of one cycle if there is one, since the others are the same.

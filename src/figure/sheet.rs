@@ -1,51 +1,131 @@
-//! A sheet: a legend, and panels below each other with their frames aligned.
+//! A sheet: panels below each other with their frames aligned, under a legend for all of them.
 
-use super::kit::{Colour, Drawing, Rect, Stroke};
+use super::Absent;
+use super::kit::{Align, Colour, Drawing, Item, Label, Rect, Stroke};
 use super::legend::{LegendEntry, draw_legend};
 use super::panel::Panel;
-use super::theme::{LINE, Style};
+use super::theme::{LETTERS, LINE, Style};
+
+/// A figure before it is drawn.
+#[derive(Clone, Debug)]
+pub struct Sheet {
+    title: String,
+    legend: Vec<LegendEntry>,
+    panels: Vec<Panel>,
+}
 
 /// The space at the edge of a sheet.
 const EDGE: f64 = 4.0;
 /// The space between panels that share an axis (`CLOSE`), and between other panels (`APART`).
-const CLOSE: f64 = 9.0;
+const CLOSE: f64 = 10.0;
 const APART: f64 = 13.0;
+/// The space between a legend and the frame below it.
+const UNDER: f64 = 4.0;
+/// The size of the letter of a panel, and the space between its foot and the frame.
+const LETTER: f64 = 1.1 * LETTERS;
+const FOOT: f64 = 3.0;
 
-/// The sheet, with a legend for all panels and those of single panels. It counts the notes of the panels
-/// that found no space.
-pub fn sheet(style: &Style, title: &str, legend: &[LegendEntry], panels: &[Panel]) -> Drawing {
-    let palette = style.palette();
-    let width = style.points();
-    let mut items = Vec::new();
-    let left = panels.iter().map(Panel::margin).fold(0.0, f64::max) + EDGE;
-    let right = EDGE + 6.0;
-    let mut y = EDGE;
-    let put = |key: &[LegendEntry], y: f64, items: &mut Vec<_>| {
-        draw_legend(key, [left.min(30.0), y], width - left.min(30.0) - EDGE, style, items)
-    };
-    y += put(legend, y, &mut items);
-    y += if panels.iter().any(|panel| panel.letter.is_some()) { 9.0 } else { 6.0 };
-    let mut missing = 0;
-    for panel in panels {
-        y += put(&panel.key, y, &mut items);
-        let frame = Rect { x: left, y, width: (width - left - right).max(20.0), height: panel.height };
-        let drawn = panel.draw(frame, palette);
-        items.extend(drawn.items);
-        missing += drawn.left_out;
-        y = frame.bottom() + panel.footing() + if panel.is_labelled { APART } else { CLOSE };
+/// A sheet with a legend for all panels.
+pub fn sheet(title: &str, legend: impl Into<Vec<LegendEntry>>, panels: impl Into<Vec<Panel>>) -> Sheet {
+    Sheet { title: title.to_string(), legend: legend.into(), panels: panels.into() }
+}
+
+/// The letter of the panel with this number, counted from 0; none behind Z.
+fn letter(number: usize) -> Option<char> {
+    (b'A'..=b'Z').nth(number).map(char::from)
+}
+
+impl Sheet {
+    /// The number of panels.
+    pub fn len(&self) -> usize {
+        self.panels.len()
     }
-    y -= APART;
-    Drawing {
-        width,
-        height: y + EDGE,
-        background: palette.background,
-        title: title.to_string(),
-        items,
-        left_out: missing,
+
+    /// The sheet with one of its panels alone, without a letter. Fails if it has no such panel.
+    pub fn only(mut self, asked: char) -> Result<Sheet, Absent> {
+        let number = (0..self.len()).find(|number| letter(*number) == Some(asked));
+        let Some(number) = number else {
+            let last = letter(self.len() - 1).unwrap_or('Z');
+            return Err(Absent::Panel(asked, if last == 'A' { "A".to_string() } else { format!("A to {last}") }));
+        };
+        let mut panel = self.panels.swap_remove(number);
+        panel.is_labelled = true;
+        self.panels = vec![panel];
+        Ok(self)
+    }
+
+    /// The sum of the heights of the frames.
+    pub fn frames(&self) -> f64 {
+        self.panels.iter().map(|panel| panel.height).sum()
+    }
+
+    /// The sheet by itself. Its panels have letters if there are several.
+    pub fn alone(&self, style: &Style) -> Drawing {
+        self.draw(style, (self.len() > 1).then_some(0), 1.0)
+    }
+
+    /// The sheet with frames that are `stretch` times as high, and with letters from this number
+    /// on. It counts the notes of the panels that found no space.
+    pub fn draw(&self, style: &Style, letters: Option<usize>, stretch: f64) -> Drawing {
+        let palette = style.palette();
+        let width = style.points();
+        let panels: Vec<Panel> = self.panels.iter().map(|panel| panel.stretched(stretch)).collect();
+        let mut items = Vec::new();
+        let left = panels.iter().map(Panel::margin).fold(0.0, f64::max) + EDGE;
+        let right = EDGE + 6.0;
+        let mut y = EDGE;
+        let put = |key: &[LegendEntry], y: f64, items: &mut Vec<_>| {
+            draw_legend(key, [left.min(30.0), y], width - left.min(30.0) - EDGE, style, items)
+        };
+        y += put(&self.legend, y, &mut items);
+        // Below a legend of its own, a panel needs no further space for its letter.
+        let is_keyed = panels.first().is_some_and(|panel| !panel.key.is_empty());
+        y += if letters.is_some() && !is_keyed { LETTER } else { UNDER };
+        let mut missing = 0;
+        for (number, panel) in panels.iter().enumerate() {
+            let key = put(&panel.key, y, &mut items);
+            let foot = if key > 0.0 { y + 0.5 * LegendEntry::ROW + 0.36 * LETTERS } else { y - FOOT };
+            if let Some(letter) = letters.and_then(|first| letter(first + number)) {
+                let label = Label::bold(&letter.to_string());
+                items.push(Item::words(label, [EDGE, foot], Align::Start, LETTER, palette.ink));
+            }
+            y += if key > 0.0 { key + UNDER } else { 0.0 };
+            let frame = Rect { x: left, y, width: (width - left - right).max(20.0), height: panel.height };
+            let drawn = panel.draw(frame, palette);
+            items.extend(drawn.items);
+            missing += drawn.left_out;
+            y = frame.bottom() + panel.footing() + if panel.is_labelled { APART } else { CLOSE };
+        }
+        y -= APART;
+        Drawing {
+            width,
+            height: y + EDGE,
+            background: palette.background,
+            title: self.title.clone(),
+            items,
+            left_out: missing,
+        }
     }
 }
 
 /// The stroke of a solid curve in this colour.
 pub fn solid(colour: Colour) -> Stroke {
     Stroke::solid(colour, LINE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Axis;
+    use super::*;
+
+    /// A panel by itself has the numbers of its horizontal axis, even where it shares them.
+    #[test]
+    fn a_panel_is_named_by_its_letter() {
+        let axis = || Axis::linear([0.0, 1.0], Label::new("x"), "");
+        let panels = [84.0, 60.0].map(|height| Panel::new(axis(), axis(), height).above_another());
+        let two = sheet("two", [], panels);
+        let second = two.clone().only('B').expect("there is one");
+        assert!(second.len() == 1 && second.panels[0].is_labelled && second.frames() == 60.0);
+        assert_eq!(two.only('C').map(|_| ()), Err(Absent::Panel('C', "A to B".into())));
+    }
 }

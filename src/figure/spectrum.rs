@@ -1,7 +1,7 @@
 //! The power spectrum of x' on logarithmic axes, with what aliasing may add, and its autocovariance.
 
 use super::theme::{DASHES, LINE};
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::Dimension;
 use crate::sums::Ends;
 
@@ -9,7 +9,7 @@ use crate::sums::Ends;
 pub const FIGURE: Figure =
     Figure { name: "spectrum", shows: "power spectrum and autocovariance of the velocity", draws: draw };
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let Some(spectrum) = &summary.spectrum else {
         return Err(Absent::Nothing("the run has no spectrum: set record.spectrum = true"));
@@ -27,7 +27,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         Label::new("angular frequency *ω*"),
         &unit(-1, 0),
     );
-    let vertical = Axis::log([least / 1.5, most * 1.5], Label::new("power spectrum of *x*\u{2032}"), &unit(-1, 2));
+    let vertical = Axis::log_around([least, most], Label::new("power spectrum of *x*\u{2032}"), &unit(-1, 2));
     let mut power = Panel::new(horizontal, vertical, 96.0);
     let curve = |values: &[f64]| -> Vec<[f64; 2]> {
         frequencies.iter().zip(values).skip(1).map(|(w, s)| [*w, *s]).filter(|point| point[1] > 0.0).collect()
@@ -51,7 +51,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
         LegendEntry::line(dashes, "aliased at most"),
     ];
-    Ok(sheet(style, &format!("Spectrum: {}", scenario.title), &legend, &[power, covariance]))
+    Ok(sheet(&format!("Spectrum: {}", scenario.title), legend, [power, covariance]))
 }
 
 fn band(at: &[f64], ends: &Ends, from: usize) -> Vec<[f64; 3]> {

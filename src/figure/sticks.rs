@@ -1,9 +1,10 @@
 //! How long sticks last: the density of their durations on a logarithmic axis, and the share of
 //! sticks that last longer than a duration.
 
+use super::steps::{self, Step};
 use super::theme::Palette;
 use super::words::grouped;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, Distribution};
 
 /// The figure.
@@ -25,7 +26,7 @@ struct Bin {
     ends: [f64; 2],
 }
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let sticks = &summary.stick_durations;
     let all = bins(sticks);
@@ -40,8 +41,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let vertical = |values: Vec<f64>, title: &str| {
         let [least, most] = range_of(values.iter().copied().filter(|value| *value > 0.0));
         match style.log {
-            true => (Axis::log([least / 1.2, most * 1.2], Label::new(title), ""), least / 1.2),
-            false => (Axis::linear([0.0, 1.05 * most], Label::new(title), ""), 0.0),
+            // The axis ends at a mark, which may be as far below as a power of ten.
+            true => (Axis::log_around([least, most], Label::new(title), ""), least / 10.0),
+            false => (Axis::from_zero(most, Label::new(title), ""), 0.0),
         }
     };
     // The intervals of bins with few sticks are wide, so an axis that showed them whole would
@@ -49,20 +51,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let tops = bins.iter().map(|bin| if bin.count > FEW { bin.ends[1] } else { bin.density });
     let (axis, floor) = vertical(tops.collect(), "density per decade");
     let mut density = Panel::new(durations(), axis, 84.0);
-    // One outline for all bins, because edges that touch would show a hairline.
-    let stepped = |of: &dyn Fn(&Bin) -> [f64; 2]| -> Vec<[f64; 3]> {
-        bins.iter().flat_map(|bin| bin.edges.map(|edge| [edge, of(bin)[0], of(bin)[1]])).collect()
-    };
-    density.band(stepped(&|bin| [floor, bin.density]), palette.wide);
-    density.band(stepped(&|bin| [bin.ends[0].max(floor), bin.ends[1].max(floor)]), palette.narrow);
-    let tops = stepped(&|bin| [bin.density; 2]);
-    density.line(tops.iter().map(|[edge, top, _]| [*edge, *top]).collect(), solid(palette.first));
+    let steps: Vec<Step> = bins.iter().map(|bin| (bin.edges, bin.density, bin.ends)).collect();
+    steps::draw(&steps, floor, palette, &mut density);
 
     let mut curve = survival(sticks);
     let (axis, floor) = vertical(curve.shares.iter().map(|point| point[1]).collect(), "share longer than *D*");
     let mut outlasting = Panel::new(durations(), axis, 84.0);
     if style.log {
-        curve.ends.iter_mut().for_each(|[_, low, _]| *low = low.max(floor / 10.0));
+        curve.ends.iter_mut().for_each(|[_, low, _]| *low = low.max(floor));
     }
     curve.draw(palette, &mut outlasting);
 
@@ -77,7 +73,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         density.above_another().keyed([LegendEntry::line(solid(palette.first), "density"), interval()]),
         outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval()]),
     ];
-    Ok(sheet(style, &format!("Stick durations: {}", scenario.title), &legend, &panels))
+    Ok(sheet(&format!("Stick durations: {}", scenario.title), legend, panels))
 }
 
 /// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to

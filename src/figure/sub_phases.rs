@@ -1,7 +1,7 @@
 //! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
 use super::words::grouped;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet};
 
 /// The figure.
 pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-phases slips consist", draws: draw };
@@ -9,7 +9,7 @@ pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-
 /// Half the width of a bar.
 const HALF: f64 = 0.36;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let counts = &summary.sub_phases;
     let Some(last) = counts.counts.iter().rposition(|count| *count > 0) else {
@@ -25,8 +25,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
     let title = Label::new("share of the slips");
     let floor = if style.log { 10f64.powf((least / 1.5).log10().floor()) } else { 0.0 };
     let vertical = match style.log {
-        true => Axis::log([floor, (1.3 * most).min(1.0)], title, ""),
-        false => Axis::linear([0.0, (1.05 * most).min(1.0)], title, ""),
+        true => Axis::log_around([floor, most], title, ""),
+        false => Axis::from_zero(most, title, ""),
     };
     let mut panel = Panel::new(k, vertical, 100.0);
     for (i, (&share, &[low, high])) in shares.iter().zip(&ends).enumerate() {
@@ -42,5 +42,5 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         LegendEntry::words(Label::verbatim(&words)),
         LegendEntry::area(palette.narrow, "share, with its 95 % interval"),
     ];
-    Ok(sheet(style, &format!("Sub-phases of slips: {}", scenario.title), &legend, &[panel]))
+    Ok(sheet(&format!("Sub-phases of slips: {}", scenario.title), legend, [panel]))
 }

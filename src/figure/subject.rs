@@ -1,9 +1,12 @@
 //! What a picture shows (`Subject`), and a kind of figure (`Figure`).
 
 use super::kit::Drawing;
+use super::sheet::Sheet;
 use super::theme::Style;
+use super::words::grouped;
 use crate::bearing::calibration::Calibration;
 use crate::scenario::Scenario;
+use crate::scheme::Scheme;
 use crate::stats::{Statistic, Summary};
 use crate::study::sweep::Sweep;
 use crate::study::trade::Prices;
@@ -49,6 +52,30 @@ pub enum Subject<'a> {
 type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
 
 impl<'a> Subject<'a> {
+    /// A heading, and a line that says what the numbers come from.
+    pub(super) fn heading(&self) -> (String, String) {
+        let origin = |scenario: &Scenario| format!("{}, seed {}", setting(&scenario.scheme), scenario.ensemble.seed);
+        match self {
+            Subject::Scenario { scenario, path } => {
+                (scenario.title.clone(), format!("{}, path {path}", origin(scenario)))
+            }
+            Subject::Run { scenario, summary, path } => {
+                let paths = counted(summary.completed_paths);
+                (scenario.title.clone(), format!("{}, {paths}, of which path {path} is drawn", origin(scenario)))
+            }
+            Subject::Trade(prices) => {
+                let origin = format!("biases against {}, seed {}", prices.reference.replace("--", ""), prices.seed);
+                (prices.title.clone(), origin.replace("scheme ", ""))
+            }
+            Subject::Sweep { sweeps, .. } => {
+                let title = sweeps.first().map_or_else(String::new, |(_, sweep)| sweep.question.scenario.title.clone());
+                let all: Vec<&Scenario> = sweeps.iter().map(|(_, sweep)| &sweep.question.scenario).collect();
+                (title, origin_of_sweeps(&all))
+            }
+            Subject::Calibration { title, .. } => (title.to_string(), String::new()),
+        }
+    }
+
     /// The scenario, and the number of the path that is drawn.
     pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
         match self {
@@ -84,6 +111,32 @@ impl<'a> Subject<'a> {
     }
 }
 
+/// A scheme with its step or tolerance, e.g. "discrete-vi step 0.01".
+fn setting(scheme: &Scheme) -> String {
+    scheme.to_string().replace("--scheme ", "").replace("--", "")
+}
+
+/// A number of paths in words.
+fn counted(paths: u64) -> String {
+    format!("{} path{}", grouped(paths), if paths == 1 { "" } else { "s" })
+}
+
+/// What sweeps have in common, or what each of them has.
+fn origin_of_sweeps(all: &[&Scenario]) -> String {
+    let rest = |scenario: &&Scenario| {
+        format!("{} at each point, seed {}", counted(scenario.ensemble.paths), scenario.ensemble.seed)
+    };
+    let rests: Vec<String> = all.iter().map(rest).collect();
+    match &rests[..] {
+        // The legend names the schemes of several sweeps.
+        [first, _, ..] if rests.iter().all(|other| other == first) => first.clone(),
+        _ => {
+            let each = all.iter().zip(&rests).map(|(scenario, rest)| format!("{}, {rest}", setting(&scenario.scheme)));
+            each.collect::<Vec<_>>().join("; ")
+        }
+    }
+}
+
 /// Why a figure cannot be drawn from a subject.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Absent {
@@ -93,6 +146,9 @@ pub enum Absent {
     /// The subject lacks what the figure shows; the reason is given.
     #[error("{0}")]
     Nothing(&'static str),
+    /// The figure has no panel with this letter, but those that are named.
+    #[error("it has no panel {0}, but {1}")]
+    Panel(char, String),
     /// The path with this number was lost.
     #[error("path {0} was lost: it diverged or was given up")]
     Lost(u64),
@@ -106,16 +162,16 @@ pub struct Figure {
     /// What it shows, in one line.
     pub shows: &'static str,
     /// The function that draws it.
-    pub(super) draws: fn(&Subject, &Style) -> Result<Drawing, Absent>,
+    pub(super) draws: fn(&Subject, &Style) -> Result<Sheet, Absent>,
 }
 
 impl Figure {
-    /// Draws the figure.
+    /// Draws the figure by itself.
     ///
     /// # Errors
     ///
     /// [`Absent`] says why this subject has no such figure.
     pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
-        (self.draws)(subject, style)
+        Ok((self.draws)(subject, style)?.alone(style))
     }
 }

@@ -6,7 +6,7 @@ use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
 use super::words::{letter, symbol};
 use super::{
-    Absent, Axis, Colour, Drawing, Figure, Label, LegendEntry, Mark, Panel, Stroke, Style, Subject, range_of, sheet,
+    Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
 };
 use crate::stats::{Estimate, Statistic};
 use crate::study::sweep::{self, Design, Sweep};
@@ -50,7 +50,7 @@ impl Curve<'_> {
     }
 }
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, named) = subject.sweeps()?;
     let Some(first) = sweeps.first().map(|(_, sweep)| *sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
     else {
@@ -77,8 +77,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         let title = Label::new(statistic.words());
         let positive = range_of(drawn.iter().flatten().map(|p| p[1]).filter(|y| *y > 0.0));
         let vertical = match style.log && positive[0].is_finite() {
-            true => Axis::log([positive[0] / 1.3, positive[1] * 1.3], title, &unit),
-            false if least >= 0.0 => Axis::linear([0.0, 1.06 * most], title, &unit),
+            true => Axis::log_around(positive, title, &unit),
+            false if least >= 0.0 => Axis::from_zero(most, title, &unit),
             false => Axis::around(numbers(), title, &unit),
         };
         let mut panel = Panel::new(horizontal(axis), vertical, HEIGHT);
@@ -101,7 +101,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
             ..LegendEntry::line(curve.stroke.clone(), "")
         })
         .collect();
-    Ok(sheet(style, &format!("Sweep: {}", first.question.scenario.title), &legend, &panels))
+    Ok(sheet(&format!("Sweep: {}", first.question.scenario.title), legend, panels))
 }
 
 /// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.

@@ -4,7 +4,7 @@
 use super::sweep::USUAL;
 use super::theme::THIN;
 use super::words::letter_of_key;
-use super::{Absent, Axis, Drawing, Figure, Label, LegendEntry, Panel, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::study::sweep::Design;
 
 /// The figure.
@@ -16,7 +16,7 @@ const HALF: f64 = 0.36;
 /// The space for a bar, in points.
 const BAR: f64 = 15.0;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, named) = subject.sweeps()?;
     let Some((sweep, keys)) = sweeps.first().and_then(|(_, sweep)| match &sweep.question.design {
         Design::Star { keys, .. } => Some((sweep, keys)),
@@ -50,5 +50,5 @@ fn draw(subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
         panels.push(panel.keyed([LegendEntry::words(Label::verbatim(statistic.words()))]));
     }
     let legend = [LegendEntry::area(palette.narrow, "elasticity of a statistic, with its 95 % interval")];
-    Ok(sheet(style, &format!("Elasticities: {}", sweep.question.scenario.title), &legend, &panels))
+    Ok(sheet(&format!("Elasticities: {}", sweep.question.scenario.title), legend, panels))
 }

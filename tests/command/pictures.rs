@@ -97,7 +97,7 @@ fn equal_pictures_have_equal_bytes() {
         assert!(read(&names[0]).starts_with(start) && read(&names[0]) == read(&names[1]), "{ending}");
     }
     done(path, &["plot", "run.h5", "--only", "path", "--path", "41", "-o", "file.svg"]);
-    done(path, &["plot", "scenarios/rho025.toml", "--path", "41", "-o", "scenario.svg"]);
+    done(path, &["plot", "scenarios/rho025.toml", "--only", "path", "--path", "41", "-o", "scenario.svg"]);
     let [file, scenario] =
         ["file.svg", "scenario.svg"].map(|name| std::fs::read_to_string(path.join(name)).expect("drawn"));
     assert!(file == scenario, "the path of the ensemble is that of the scenario");
@@ -116,6 +116,8 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         (&["run.h5", "-o", "old.svg"][..], 2, "old.svg exists"),
         (&["run.h5", "-o", "picture.jpg"], 2, ".svg, .png or .pdf"),
         (&["run.h5", "--only", "ventilator"], 2, "path, fan, sticks"),
+        (&["run.h5", "--only", "path.D"], 2, "no panel D, but A to C"),
+        (&["run.h5", "--only", "path.b"], 2, "a panel has a capital letter"),
         (&["run.h5", "--width", "5"], 2, "from 60 to 400"),
         (&["run.h5", "--theme", "pink"], 2, "light or dark"),
         (&["run.h5", "--path", "1"], 2, "the ensemble has 1 path\n"),

@@ -20,8 +20,9 @@ fn a_page_is_whole_and_asks_for_nothing() {
     assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (3, 3));
     assert!(page.contains("default-src 'none'") && page.contains("Warnings") && page.contains("{{data}} &lt;!--"));
     for statistic in stick_slip::stats::Statistic::asked_by(&stick_slip::stats::Record::NOTHING) {
-        assert!(page.contains(&format!("<td>{}</td>", statistic.name())), "{}", statistic.name());
+        assert!(page.contains(&format!("<td>{}</td>", statistic.words())), "{}", statistic.name());
     }
+    assert!(page.contains("<section id=\"path\">") && page.contains("src=\"data:image/svg+xml;base64,"));
     // What hovering shows is read from this data.
     let (_, data) = page.split_once("id=\"data\">").expect("the data");
     let (data, _) = data.split_once("</script>").expect("its end");
@@ -69,7 +70,7 @@ fn every_file_has_a_page() {
     let of_bearing =
         ["slips were seen", "2015-08-13 to 2016-06-07", "friction force at which the bearing slips", "Traffic"];
     for (page, says) in [
-        ("sweep.html", &["stick_duration_mean"][..]),
+        ("sweep.html", &["mean stick duration"][..]),
         ("trade.html", &["Cheapest runs"]),
         ("fit.html", &of_bearing),
         ("year.html", &[&of_bearing[..], &["sliding path", "What a year brings"]].concat()),

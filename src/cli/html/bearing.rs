@@ -8,7 +8,7 @@ use crate::cli::numbers::{Digits, grouped, percent, significant, time};
 use crate::cli::table::Row;
 use stick_slip::bearing::calibration::{Calibration, ParameterEstimate, Quantity};
 use stick_slip::bearing::forecast::YEAR;
-use stick_slip::figure::{Style, Subject, named};
+use stick_slip::figure::{Only, Style, Subject};
 use stick_slip::store::StoredCalibration;
 
 /// What neither fit nor forecast knows of.
@@ -21,7 +21,7 @@ pub fn page(stored: &StoredCalibration, before: Vec<Part>, warnings: Vec<JsonWar
     let own = stored.warnings.iter().map(|(name, text)| JsonWarning { name: name.clone(), text: text.clone() });
     let pictures = ["calibration", "loops"].into_iter().filter_map(|name| {
         let subject = Subject::Calibration { title, calibration };
-        named(name)?.draw(&subject, &Style::default()).ok().map(Part::Picture)
+        Only::named(name).ok()?.draw(&subject, &Style::default()).ok().map(Part::Picture)
     });
     let level = percent(calibration.question.level);
     let meaning = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");

@@ -18,6 +18,13 @@
   // A number as an axis shows it.
   const short = (x) => typeof x === 'string' ? x : (x !== 0 && Math.abs(x) < 1e-3 ? x.toExponential(0) : String(Number(x.toPrecision(4)))).replace('-', '\u2212');
 
+  // A number at a logarithmic axis: a power of ten as such.
+  const raised = (n) => String(n).replace(/./g, (c) => '\u207b\u2070\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079'['-0123456789'.indexOf(c)]);
+  const power = (x) => {
+    const n = Math.round(Math.log10(x));
+    return Math.abs(x / 10 ** n - 1) > 1e-9 ? short(x) : n >= -1 && n <= 2 ? short(10 ** n) : `10${raised(n)}`;
+  };
+
   // An area between two curves, drawn in one piece.
   const band = (name, colour, x, low, high) => ({
     name, type: 'custom', silent: true, clip: true, z: 1, itemStyle: { color: colour },
@@ -74,17 +81,21 @@
     const total = s.count.reduce((sum, n) => sum + n, 0);
     // Where durations are multiples of a step, the edges of a bin are moved to half a step beyond the multiples in it. Some bins hold no multiple.
     const edge = (x) => data.step === null ? x : (Math.max(Math.ceil(x / data.step - 1e-6), 1) - 0.5) * data.step;
+    // The axis begins where one stick in two hundred is shorter.
+    let shorter = 0;
+    const first = s.count.findIndex((n) => (shorter += n) > total / 200);
+    const from = s.lower[first] > 0 ? s.lower[first] : s.duration[first];
     const density = s.count.map((n, i) => {
       const [low, high] = [edge(s.lower[i]), edge(s.duration[i])];
       return low > 0 && high > low ? n / total / Math.log10(high / low) : null;
     });
     charts.push({
-      name: 'survival', heading: 'Stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'share longer', log: 'x', positive: true, canLog: true,
+      name: 'survival', heading: 'Stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'share longer', log: 'x', from, values: s.survival, positive: true, canLog: true,
       note: data.sticks,
       series: (c) => [band('95 % interval', c.narrow, s.duration, s.survival_low, s.survival_high),
         line('Kaplan\u2013Meier', c.first, s.duration, s.survival)],
     }, {
-      name: 'durations', heading: 'Density of stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'density per decade', log: 'x', positive: true, canLog: true,
+      name: 'durations', heading: 'Density of stick durations', columns: s, x: 'duration', xName: data.labels.duration, yName: 'density per decade', log: 'x', from, values: density, positive: true, canLog: true,
       note: 'Completed sticks per decade of the duration, as a share of all, in the bins of the file, by the upper edge of the bin.',
       series: (c) => [{ ...line('completed sticks', c.first, s.duration, density), step: 'start', connectNulls: true, areaStyle: { color: c.wide, opacity: 1 } }],
     });
@@ -92,7 +103,7 @@
   if (data.sub_phases) {
     const k = data.sub_phases;
     charts.push({
-      name: 'sub-phases', heading: 'Sub-phases', columns: k, x: 'k', xName: 'sub-phases k of a slip', yName: 'share of the slips', category: true, positive: true, canLog: true,
+      name: 'sub-phases', heading: 'Sub-phases', columns: k, x: 'k', xName: 'sub-phases k of a slip', yName: 'share of the slips', category: true, values: k.share, positive: true, canLog: true,
       note: 'Share of the completed slips with k sub-phases, with its 95 % interval.',
       series: (c) => [{ name: 'share', type: 'bar', z: 2, itemStyle: { color: c.narrow }, data: k.k.map((n, i) => [String(n), k.share[i]]) },
         intervals(c.ink, k.k.map(String), k.share_low, k.share_high)],
@@ -111,25 +122,27 @@
   const drawn = [];
   const draw = (chart, state) => {
     const c = colours();
-    const axis = (title) => ({
-      name: title, nameLocation: 'middle', nameGap: 30, axisLine: { show: true, lineStyle: { color: c.ink } }, axisLabel: { color: c.ink, showMinLabel: chart.category, showMaxLabel: chart.category, formatter: short },
+    const narrow = state.box.clientWidth < 500;
+    const axis = (title, isLog, hides) => ({
+      name: title, nameLocation: 'middle', nameGap: 30, axisLine: { show: true, lineStyle: { color: c.ink } }, axisLabel: { color: c.ink, showMinLabel: hides ? false : chart.category, showMaxLabel: hides ? false : chart.category, formatter: isLog ? power : short, hideOverlap: true },
+      minorTick: { show: isLog, splitNumber: 9 },
       nameTextStyle: { color: c.ink }, splitLine: { lineStyle: { color: c.grid } }, minorSplitLine: { show: false },
     });
     const all = chart.columns[chart.x];
-    const columns = Object.keys(chart.columns).filter((name) => name !== chart.x);
-    const least = Math.min(...columns.flatMap((name) => chart.columns[name]).filter((v) => v !== null && v > 0));
+    // A logarithmic axis begins at the power of ten below the smallest value.
+    const least = state.log ? 10 ** Math.floor(Math.log10(Math.min(...chart.values.filter((v) => v > 0)))) : 0;
     state.chart.setOption({
       animation: false, aria: { enabled: true }, backgroundColor: c.sheet, textStyle: { color: c.ink, fontFamily: 'system-ui, sans-serif' },
-      grid: { left: 70, right: 24, top: 40, bottom: 70 },
-      legend: { top: 4, textStyle: { color: c.ink } },
-      toolbox: { right: 8, top: 0, iconStyle: { borderColor: c.faint }, feature: { dataZoom: { filterMode: 'none', brushStyle: { color: c.wide } }, restore: {} } },
+      grid: { left: narrow ? 62 : 70, right: narrow ? 12 : 24, top: 40, bottom: 70 },
+      legend: { top: 4, type: narrow ? 'scroll' : 'plain', textStyle: { color: c.ink } },
+      toolbox: { show: !narrow, right: 8, top: 0, iconStyle: { borderColor: c.faint }, feature: { dataZoom: { filterMode: 'none', brushStyle: { color: c.wide } }, restore: {} } },
       dataZoom: [{ type: 'inside', filterMode: 'none', zoomOnMouseWheel: 'ctrl' }, { type: 'slider', filterMode: 'none', height: 14, bottom: 8, showDetail: false, showDataShadow: false }],
       tooltip: {
         trigger: 'axis', confine: true, renderMode: 'richText', backgroundColor: c.sheet, borderColor: c.grid, textStyle: { color: c.ink, fontSize: 12 },
         formatter: (items) => told(chart, items[0].dataIndex),
       },
-      xAxis: { ...axis(chart.xName), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
-      yAxis: { ...axis(chart.yName), nameGap: 48, type: state.log ? 'log' : 'value', scale: !chart.positive, min: state.log ? Math.pow(10, Math.floor(Math.log10(least))) : chart.positive ? 0 : null },
+      xAxis: { ...axis(chart.xName, chart.log === 'x', chart.log === 'x'), type: chart.category ? 'category' : chart.log === 'x' ? 'log' : 'value', ...(chart.category ? { data: all.map(String) } : { min: chart.least ?? chart.from ?? 'dataMin', max: chart.least === undefined ? 'dataMax' : null }) },
+      yAxis: { ...axis(chart.yName, state.log), nameGap: 48, type: state.log ? 'log' : 'value', scale: !chart.positive, min: state.log ? least : chart.positive ? 0 : null, ...(state.log && { startValue: least }) },
       series: chart.series(c),
     }, true);
   };
@@ -191,7 +204,7 @@
     });
   }
   const again = () => drawn.forEach(([chart, state]) => draw(chart, state));
-  addEventListener('resize', () => drawn.forEach(([, state]) => state.chart.resize()));
+  addEventListener('resize', () => drawn.forEach(([chart, state]) => { state.chart.resize(); draw(chart, state); }));
   addEventListener('beforeprint', () => drawn.forEach(([, state]) => state.chart.resize()));
   matchMedia('(prefers-color-scheme: dark)').addEventListener('change', again);
   document.getElementById('theme').addEventListener('click', () => {

@@ -15,7 +15,7 @@ pub(super) fn json(stored: &Stored, info: &RunInfo) -> String {
     let remarks = report::remarks(summary, info);
     let remark = |of: &str| {
         let lines: Vec<&str> = remarks.iter().filter(|(term, _)| *term == of).map(|(_, line)| line.as_str()).collect();
-        lines.join("; ")
+        lines.join("; ").replace("+-", "\u{b1}")
     };
     let labels = json!({
         "time": name("time t", Dimension::TIME),

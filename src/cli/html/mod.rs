@@ -22,8 +22,9 @@ use base64::Engine as _;
 use sha2::{Digest as _, Sha256};
 use std::path::PathBuf;
 use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
-use stick_slip::figure::{FIGURES, Style, Subject, escaped};
+use stick_slip::figure::{FIGURES, Only, Style, Subject, escaped};
 use stick_slip::scenario::Scenario;
+use stick_slip::stats::Statistic;
 use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
 use study::{Part, StudyPage};
 
@@ -83,7 +84,7 @@ impl Report {
         let table = sweep_report::table(&sweep, &[], &self.file);
         let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
         let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
-        let parts = std::iter::once(Part::Lines("Results", rest.trim().to_string()));
+        let parts = std::iter::once(Part::Lines("Results", in_words(rest.trim())));
         let page = StudyPage {
             title,
             about: about.to_string(),
@@ -100,11 +101,10 @@ impl Report {
 
     fn page_of_trade(&self, stored: &StoredTrade) -> Result<String, Failure> {
         let prices = files::read(&self.file, |path| store::read_prices(path, None))?;
-        let table = trade_report::stored_table(stored);
-        let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
-        let parts = std::iter::once(Part::Lines("Cheapest runs", rest.trim().to_string()));
+        let table = trade_report::stored_rows(stored, Statistic::words);
+        let parts = std::iter::once(Part::Table("Cheapest runs", table, trade_report::LEGEND.to_string()));
         let page = StudyPage {
-            title,
+            title: &stored.title,
             about: "what accuracy costs".to_string(),
             warnings: Vec::new(),
             parts: parts.chain(pictures(&Subject::Trade(&prices))).collect(),
@@ -137,6 +137,7 @@ fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String 
         ("about", escaped(&about)),
         ("warnings", list_of_warnings(&results::warnings(summary, scenario))),
         ("statistics", rows(&report::cells(summary, &info.provenance.units))),
+        ("path", scenario.and_then(|scenario| path(stored, scenario)).unwrap_or_default()),
         ("scenario", escaped(&header.scenario_text)),
         ("provenance", provenance(stored, info)),
         ("cite", cite(stored)),
@@ -178,8 +179,41 @@ fn list_of_warnings(warnings: &[JsonWarning]) -> String {
     if warnings.is_empty() {
         return String::new();
     }
-    let items: String = warnings.iter().map(|warning| format!("<li>{}</li>", escaped(&warning.text))).collect();
+    let items: String = warnings.iter().map(|warning| format!("<li>{}</li>", marked(&warning.text))).collect();
     format!("<section class=\"warnings\"><h2>Warnings</h2><ul>{items}</ul></section>")
+}
+
+/// A text with the names of statistics in words.
+fn in_words(text: &str) -> String {
+    let is_of_name = |c: char| c.is_ascii_alphanumeric() || c == '_';
+    let words = text.split_inclusive(|c| !is_of_name(c)).map(|word| {
+        let name = word.trim_end_matches(|c| !is_of_name(c));
+        Statistic::from_name(name).map_or(word.to_string(), |statistic| word.replacen(name, statistic.words(), 1))
+    });
+    words.collect()
+}
+
+/// A text as HTML: the names of statistics in words, what stands between back-ticks in letters for
+/// code, and a true plus-minus sign.
+fn marked(text: &str) -> String {
+    let escaped = escaped(&in_words(text).replace("+-", "\u{b1}"));
+    let parts: Vec<&str> = escaped.split('`').collect();
+    // A back-tick without a partner stays.
+    let pairs = (parts.len() - 1) / 2 * 2;
+    let tag = |i: usize| match i {
+        _ if i >= pairs => ["", "`"][usize::from(i + 1 < parts.len())],
+        _ if i.is_multiple_of(2) => "<code>",
+        _ => "</code>",
+    };
+    parts.iter().enumerate().map(|(i, part)| format!("{part}{}", tag(i))).collect()
+}
+
+/// The first path of the run, simulated again; none if it was lost.
+fn path(stored: &Stored, scenario: &Scenario) -> Option<String> {
+    let subject = Subject::Run { scenario, summary: &stored.summary, path: 0 };
+    let drawing = Only::named("path").ok()?.draw(&subject, &Style::default()).ok()?;
+    let picture = Part::Picture(drawing).html();
+    Some(format!("<section id=\"path\"><h2>One path, the one with number 0</h2>{picture}</section>"))
 }
 
 /// The rows of the table as HTML. The first row holds the headings.
@@ -189,7 +223,8 @@ fn rows(cells: &[Vec<String>]) -> String {
             Ok(_) => cell.replace('-', "\u{2212}"),
             Err(_) => cell.replace("+-", "\u{b1}"),
         };
-        let cells: String = cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&sign(cell)))).collect();
+        let cells: String =
+            cells.iter().map(|cell| format!("<{tag}>{}</{tag}>", escaped(&in_words(&sign(cell))))).collect();
         format!("<tr>{cells}</tr>")
     };
     let Some((head, body)) = cells.split_first() else { return String::new() };
@@ -212,7 +247,7 @@ fn provenance(stored: &Stored, info: &RunInfo) -> String {
 
 /// Terms and what they are, as the inside of a list.
 fn terms(of: &[(&str, String)]) -> String {
-    of.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{}</dd>", escaped(text))).collect()
+    of.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{}</dd>", marked(text))).collect()
 }
 
 /// How to cite the run.
@@ -223,6 +258,13 @@ fn cite(stored: &Stored) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn marks_of_code_come_in_pairs() {
+        let code = marked("raise `a<b` or `c` by 1 +- 2, drift_velocity");
+        assert_eq!(code, "raise <code>a&lt;b</code> or <code>c</code> by 1 \u{b1} 2, drift velocity");
+        assert_eq!([marked("a`b"), marked("`a` b`c")], ["a`b", "<code>a</code> b`c"]);
+    }
 
     #[test]
     fn texts_cannot_end_what_they_stand_in() {

@@ -1,6 +1,6 @@
 //! The page of a study: tables and pictures, without charts that respond.
 
-use super::{STYLE, filled, list_of_warnings, rows, terms};
+use super::{STYLE, filled, list_of_warnings, marked, rows, terms};
 use crate::cli::document::JsonWarning;
 use crate::cli::table::Row;
 use base64::Engine as _;
@@ -50,13 +50,13 @@ impl StudyPage<'_> {
 }
 
 impl Part {
-    fn html(&self) -> String {
+    pub(super) fn html(&self) -> String {
         match self {
             Part::Table(heading, table, below) => {
                 let cells = |row: &Row| row.cells.iter().chain([&row.note]).cloned().collect();
                 let table = rows(&table.iter().map(cells).collect::<Vec<Vec<String>>>());
                 let below =
-                    if below.is_empty() { String::new() } else { format!("<p class=\"note\">{}</p>", escaped(below)) };
+                    if below.is_empty() { String::new() } else { format!("<p class=\"note\">{}</p>", marked(below)) };
                 format!(
                     "<section><h2>{heading}</h2><div class=\"wide\"><table>{table}</table></div>{below}</section>\n"
                 )
@@ -64,7 +64,7 @@ impl Part {
             Part::Lines(heading, text) => {
                 format!("<section><h2>{heading}</h2><pre>{}</pre></section>\n", escaped(text))
             }
-            Part::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", escaped(text)),
+            Part::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", marked(text)),
             Part::Picture(drawing) => {
                 let image = base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
                 let words = escaped(&drawing.title);

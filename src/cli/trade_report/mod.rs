@@ -5,7 +5,7 @@ mod stored;
 mod table;
 
 pub use json::json;
-pub use stored::{stored_json, stored_rows, stored_table};
+pub use stored::{LEGEND, stored_json, stored_rows, stored_table};
 pub use table::table;
 
 use std::path::Path;

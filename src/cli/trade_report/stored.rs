@@ -5,17 +5,20 @@ use crate::cli::document::document;
 use crate::cli::numbers::{grouped, percent, significant, time};
 use crate::cli::table::{Row, aligned};
 use serde_json::{Value, json};
+use stick_slip::stats::Statistic;
 use stick_slip::store::{Cheapest, CheapestRun, StoredTrade};
+
+/// What the columns mean.
+pub const LEGEND: &str = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are\n\
+                          antithetic pairs. `none`: no run that was measured or predicted reaches it.";
 
 /// The table for people: the cheapest run for each statistic and target.
 pub fn stored_table(trade: &StoredTrade) -> String {
-    let legend = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are\n\
-                  antithetic pairs. `none`: no run that was measured or predicted reaches it.";
-    format!("{}\n\n{}\n{legend}\n", trade.title, aligned(&stored_rows(trade), "  "))
+    format!("{}\n\n{}\n{LEGEND}\n", trade.title, aligned(&stored_rows(trade, Statistic::name), "  "))
 }
 
-/// The rows of the table, headings first.
-pub fn stored_rows(trade: &StoredTrade) -> Vec<Row> {
+/// The rows of the table, headings first, with statistics as `named`.
+pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static str) -> Vec<Row> {
     let mut rows = vec![Row::labelled("statistic", ["error", "scheme", "step or tolerance", "paths", "CPU time"])];
     let mut last = None;
     for Cheapest { statistic, target, run } in &trade.cheapest {
@@ -31,7 +34,7 @@ pub fn stored_rows(trade: &StoredTrade) -> Vec<Row> {
             }
             None => ["none", "", "", ""].map(String::from),
         };
-        let name = if last == Some(statistic) { "" } else { statistic.name() };
+        let name = if last == Some(statistic) { "" } else { named(*statistic) };
         rows.push(Row::labelled(name, std::iter::once(percent(*target)).chain(cells)));
         last = Some(statistic);
     }

@@ -35,7 +35,7 @@ pub use law::{Change, Law};
 pub use measure::{Limits, measure, measure_within};
 pub use pairing::Pairing;
 pub use predict::{Choice, Refusal, TARGETS};
-pub use prices::Prices;
+pub use prices::{PriceCurve, Prices};
 pub use rung::{Cost, Rung};
 pub use standing::Standing;
 
@@ -53,6 +53,11 @@ pub struct Number {
 }
 
 impl Number {
+    /// The number and its error as shares of a positive number.
+    pub(crate) fn relative_to(self, scale: f64) -> Number {
+        Number { value: self.value / scale, error: self.error / scale }
+    }
+
     /// An upper bound of the absolute value at one-sided 95 %.
     pub fn bound(self) -> f64 {
         self.value.abs() + ONE_SIDED * self.error

@@ -1,6 +1,7 @@
-//! The cost of accuracy for one statistic, in the form that tables and pictures use.
+//! The cost of accuracy and the biases of one statistic, in the form that pictures use.
 
-use super::{TARGETS, Trade};
+use super::{Number, TARGETS, Trade};
+use crate::scenario::Scenario;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
 
@@ -9,24 +10,56 @@ use crate::stats::Statistic;
 pub struct Prices {
     /// Title of the scenario.
     pub title: String,
+    /// The seed of all paths.
+    pub seed: u64,
+    /// The run that biases are measured against.
+    pub reference: String,
     /// The statistic whose error is meant.
     pub statistic: Statistic,
-    /// For each scheme, pairs of CPU seconds on one thread and the relative error that is reached.
-    pub curves: Vec<(Kind, Vec<[f64; 2]>)>,
+    /// What was found of each scheme.
+    pub curves: Vec<PriceCurve>,
+}
+
+/// The cost of accuracy with one scheme, and its biases.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PriceCurve {
+    /// The scheme.
+    pub scheme: Kind,
+    /// Pairs of CPU seconds on one thread and the relative error that is reached.
+    pub costs: Vec<[f64; 2]>,
+    /// Pairs of a step and the relative bias there; none of a scheme without steps.
+    pub biases: Vec<(f64, Number)>,
+    /// The order p of the bias C h^p, if it was seen.
+    pub order: Option<Number>,
 }
 
 impl Prices {
-    /// The costs that a trade predicts for each of [`TARGETS`].
-    pub fn of(trade: &Trade, statistic: Statistic, title: &str) -> Self {
+    /// What a trade of this scenario has measured, and predicts for each of [`TARGETS`].
+    pub fn of(trade: &Trade, statistic: Statistic, scenario: &Scenario) -> Self {
         let cost =
             |scheme: Kind, target: f64| Some([trade.best(Some(scheme), &[statistic], target).ok()?.seconds, target]);
-        let curve = |scheme: Kind| (scheme, TARGETS.iter().filter_map(|target| cost(scheme, *target)).collect());
-        let curves = trade.schemes().into_iter().map(curve).collect();
-        Prices { title: title.to_string(), statistic, curves }
+        let scale = trade.standing(statistic).scale().unwrap_or(f64::NAN);
+        let biases = |scheme: Kind| {
+            let steps = trade.rungs_of(scheme).filter_map(|rung| Some((rung.scheme.step()?, rung)));
+            steps.map(|(step, rung)| (step, trade.bias(rung, statistic).relative_to(scale))).collect()
+        };
+        let curve = |scheme: Kind| PriceCurve {
+            scheme,
+            costs: TARGETS.iter().filter_map(|target| cost(scheme, *target)).collect(),
+            biases: biases(scheme),
+            order: trade.law(scheme, statistic).map(|law| law.order),
+        };
+        Prices {
+            title: scenario.title.clone(),
+            seed: scenario.ensemble.seed,
+            reference: trade.reference().scheme.to_string(),
+            statistic,
+            curves: trade.schemes().into_iter().map(curve).collect(),
+        }
     }
 
     /// Whether any scheme reaches any target.
     pub fn has_points(&self) -> bool {
-        self.curves.iter().any(|(_, points)| !points.is_empty())
+        self.curves.iter().any(|curve| !curve.costs.is_empty())
     }
 }

@@ -1,0 +1,55 @@
+//! A part that is drawn by itself: a figure, or one of its panels.
+
+use super::{Absent, Drawing, FIGURES, Figure, Style, Subject};
+use std::fmt;
+
+/// A figure, e.g. `sticks`, or one of its panels, e.g. `sticks.B`.
+#[derive(Clone, Copy, Debug)]
+pub struct Only {
+    /// The figure.
+    pub figure: &'static Figure,
+    /// The letter of the panel.
+    panel: Option<char>,
+}
+
+impl Only {
+    /// The names of all figures, separated by commas.
+    pub fn names() -> String {
+        FIGURES.iter().map(|figure| figure.name).collect::<Vec<_>>().join(", ")
+    }
+
+    /// The part with this name.
+    ///
+    /// # Errors
+    ///
+    /// The message says which names there are.
+    pub fn named(text: &str) -> Result<Only, String> {
+        let (name, panel) = text.split_once('.').map_or((text, None), |(name, panel)| (name, Some(panel)));
+        let Some(figure) = FIGURES.iter().find(|figure| figure.name == name) else {
+            return Err(format!("there is no such figure; write one of {}", Only::names()));
+        };
+        let letter = |panel: &str| panel.parse().ok().filter(char::is_ascii_uppercase);
+        match panel.map(letter) {
+            Some(None) => Err(format!("a panel has a capital letter; write e.g. {name}.A")),
+            panel => Ok(Only { figure, panel: panel.flatten() }),
+        }
+    }
+
+    /// Draws the part.
+    ///
+    /// # Errors
+    ///
+    /// [`Absent`] says why this subject has no such figure, or which panels the figure has.
+    pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+        let sheet = (self.figure.draws)(subject, style)?;
+        let sheet = if let Some(letter) = self.panel { sheet.only(letter)? } else { sheet };
+        Ok(sheet.alone(style))
+    }
+}
+
+impl fmt::Display for Only {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.figure.name)?;
+        self.panel.map_or(Ok(()), |letter| write!(f, ".{letter}"))
+    }
+}

@@ -1,0 +1,20 @@
+//! A density in bins, with its intervals, as one outline: bins that were drawn one by one would show
+//! hairlines between them.
+
+use super::theme::Palette;
+use super::{Panel, solid};
+
+/// A bin: its edges, its density, and the interval of the density.
+pub type Step = ([f64; 2], f64, [f64; 2]);
+
+/// Draws the bins above the lower edge of the panel, which is at `floor`.
+pub fn draw(bins: &[Step], floor: f64, palette: &Palette, panel: &mut Panel) {
+    let stepped = |of: &dyn Fn(&Step) -> [f64; 2]| -> Vec<[f64; 3]> {
+        let ends = |bin: &Step| of(bin).map(|end| end.max(floor));
+        bins.iter().flat_map(|bin| bin.0.map(|edge| [edge, ends(bin)[0], ends(bin)[1]])).collect()
+    };
+    panel.band(stepped(&|bin| [floor, bin.1]), palette.wide);
+    panel.band(stepped(&|bin| bin.2), palette.narrow);
+    let tops = bins.iter().flat_map(|(edges, density, _)| edges.map(|edge| [edge, *density]));
+    panel.line(tops.collect(), solid(palette.first));
+}
