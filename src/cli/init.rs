@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
-use clap::builder::PossibleValue;
+use super::table::{Row, aligned};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, SHIPPED, Shipped, shipped};
 use stick_slip::store;
@@ -19,11 +19,12 @@ Every key of a scenario is written, with what it means; parts that are not used 
 
 /// Arguments of `mc init`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = help())]
 pub struct Init {
     /// The shipped scenario to start from
     #[arg(long, value_name = "NAME", default_value = "rho025",
-          value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.iter().map(named)))]
+          hide_possible_values = true,
+          value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
     from: String,
     /// What the scenario asks, in one line; sets the key `title`
     #[arg(long, value_name = "TEXT")]
@@ -56,10 +57,13 @@ pub struct Init {
     force: bool,
 }
 
-/// The name of a shipped scenario, with its title.
-fn named(scenario: &'static Shipped) -> PossibleValue {
-    let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
-    PossibleValue::new(scenario.name).help(title.unwrap_or_default().trim_matches('"'))
+/// The examples, and the shipped scenarios with their titles.
+fn help() -> String {
+    let row = |scenario: &Shipped| {
+        let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
+        Row::labelled(format!("  {}", scenario.name), [""; 0]).noted(title.unwrap_or_default().trim_matches('"'))
+    };
+    format!("{EXAMPLES}\n\nShipped scenarios:\n{}", aligned(&SHIPPED.iter().map(row).collect::<Vec<_>>(), "  "))
 }
 
 impl Init {

@@ -45,7 +45,7 @@ pub struct Show {
     /// each statistic of each file or point; or a table for a paper, with the digits that the error
     /// supports
     #[arg(long, value_name = "csv|markdown|latex", conflicts_with = "json", hide_possible_values = true)]
-    format: Option<Format>,
+    format: Option<TableFormat>,
     /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
     /// the model
     #[arg(long, conflicts_with_all = ["json", "plot", "format"])]
@@ -66,9 +66,9 @@ pub struct Show {
 impl Show {
     pub fn call(&self) -> Result<(), Failure> {
         match self.format {
-            Some(Format::Csv) => return self.print_csv(),
-            Some(Format::Markdown) => return print_data(&markdown(&self.rows()?)),
-            Some(Format::Latex) => return print_data(&latex(&self.rows()?)),
+            Some(TableFormat::Csv) => return self.print_csv(),
+            Some(TableFormat::Markdown) => return print_data(&markdown(&self.rows()?)),
+            Some(TableFormat::Latex) => return print_data(&latex(&self.rows()?)),
             None => {}
         }
         if self.cite {
@@ -233,7 +233,7 @@ impl Show {
 
 /// A format of a table for other programs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
-enum Format {
+enum TableFormat {
     Csv,
     Markdown,
     Latex,

@@ -1,7 +1,7 @@
 //! Where in its phase plane the body spends its time: the density of x\u{2032} on a linear and on a
 //! logarithmic axis, that of x, and that of both as cells of a plane.
 
-use super::steps::{self, Step};
+use super::steps::{self, DensityBin};
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{DensityCurve, Dimension};
 
@@ -38,7 +38,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             let ends = if *density > 0.0 { curve.ends.at(i) } else { [0.0; 2] };
             ([curve.edges[i], curve.edges[i + 1]], *density, ends)
         };
-        let steps: Vec<Step> = curve.density.iter().enumerate().map(bin).collect();
+        let steps: Vec<DensityBin> = curve.density.iter().enumerate().map(bin).collect();
         steps::draw(&steps, floor, palette, &mut panel);
         panel
     };

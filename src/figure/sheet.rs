@@ -1,6 +1,5 @@
 //! A sheet: panels below each other with their frames aligned, under a legend for all of them.
 
-use super::Absent;
 use super::kit::{Align, Colour, Drawing, Item, Label, Rect, Stroke};
 use super::legend::{LegendEntry, draw_legend};
 use super::panel::Panel;
@@ -41,12 +40,13 @@ impl Sheet {
         self.panels.len()
     }
 
-    /// The sheet with one of its panels alone, without a letter. Fails if it has no such panel.
-    pub fn only(mut self, asked: char) -> Result<Sheet, Absent> {
+    /// The sheet with one of its panels alone, without a letter. If it has no such panel, the
+    /// letters of those that it has are returned.
+    pub fn only(mut self, asked: char) -> Result<Sheet, String> {
         let number = (0..self.len()).find(|number| letter(*number) == Some(asked));
         let Some(number) = number else {
             let last = letter(self.len() - 1).unwrap_or('Z');
-            return Err(Absent::Panel(asked, if last == 'A' { "A".to_string() } else { format!("A to {last}") }));
+            return Err(if last == 'A' { "A".to_string() } else { format!("A to {last}") });
         };
         let mut panel = self.panels.swap_remove(number);
         panel.is_labelled = true;
@@ -126,6 +126,6 @@ mod tests {
         let two = sheet("two", [], panels);
         let second = two.clone().only('B').expect("there is one");
         assert!(second.len() == 1 && second.panels[0].is_labelled && second.frames() == 60.0);
-        assert_eq!(two.only('C').map(|_| ()), Err(Absent::Panel('C', "A to B".into())));
+        assert_eq!(two.only('C').map(|_| ()), Err("A to B".to_string()));
     }
 }

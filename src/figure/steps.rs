@@ -5,12 +5,12 @@ use super::theme::Palette;
 use super::{Panel, solid};
 
 /// A bin: its edges, its density, and the interval of the density.
-pub type Step = ([f64; 2], f64, [f64; 2]);
+pub type DensityBin = ([f64; 2], f64, [f64; 2]);
 
 /// Draws the bins above the lower edge of the panel, which is at `floor`.
-pub fn draw(bins: &[Step], floor: f64, palette: &Palette, panel: &mut Panel) {
-    let stepped = |of: &dyn Fn(&Step) -> [f64; 2]| -> Vec<[f64; 3]> {
-        let ends = |bin: &Step| of(bin).map(|end| end.max(floor));
+pub fn draw(bins: &[DensityBin], floor: f64, palette: &Palette, panel: &mut Panel) {
+    let stepped = |of: &dyn Fn(&DensityBin) -> [f64; 2]| -> Vec<[f64; 3]> {
+        let ends = |bin: &DensityBin| of(bin).map(|end| end.max(floor));
         bins.iter().flat_map(|bin| bin.0.map(|edge| [edge, ends(bin)[0], ends(bin)[1]])).collect()
     };
     panel.band(stepped(&|bin| [floor, bin.1]), palette.wide);

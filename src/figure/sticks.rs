@@ -1,7 +1,7 @@
 //! How long sticks last: the density of their durations on a logarithmic axis, and the share of
 //! sticks that last longer than a duration.
 
-use super::steps::{self, Step};
+use super::steps::{self, DensityBin};
 use super::theme::Palette;
 use super::words::grouped;
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
@@ -51,7 +51,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let tops = bins.iter().map(|bin| if bin.count > FEW { bin.ends[1] } else { bin.density });
     let (axis, floor) = vertical(tops.collect(), "density per decade");
     let mut density = Panel::new(durations(), axis, 84.0);
-    let steps: Vec<Step> = bins.iter().map(|bin| (bin.edges, bin.density, bin.ends)).collect();
+    let steps: Vec<DensityBin> = bins.iter().map(|bin| (bin.edges, bin.density, bin.ends)).collect();
     steps::draw(&steps, floor, palette, &mut density);
 
     let mut curve = survival(sticks);

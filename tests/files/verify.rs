@@ -212,7 +212,7 @@ fn not_found(make: &[&str]) -> Vec<String> {
 }
 
 /// Of another program it is only said that it is one.
-const OF_PROGRAM: [&str; 2] = ["attribute program_version", "attribute git_hash"];
+const OF_PROGRAM: [&str; 3] = ["attribute program_version", "attribute git_hash", "attribute source"];
 
 fn sorted(names: &[&str]) -> Vec<String> {
     let mut names: Vec<String> = names.iter().map(|name| name.to_string()).collect();

@@ -30,7 +30,7 @@ pub fn dominating_bias(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     (!dominated.is_empty()).then(|| {
         format!(
-            "beyond the interval in {} of {} statistics; scheme `event-driven` has none",
+            "beyond the intervals of {} of {} statistics; `event-driven` has none",
             dominated.len(),
             summary.asked.len(),
         )
@@ -55,6 +55,6 @@ mod tests {
         summary.estimates[0].bias = bias(0.0955, 0.0311);
         summary.estimates[1].bias = bias(0.5, 0.1);
         let line = dominating_bias(&summary).expect("two are dominated");
-        assert!(line.contains("in 2 of 21"), "{line}");
+        assert!(line.contains("of 2 of 21"), "{line}");
     }
 }
