@@ -12,6 +12,9 @@ pub struct Only {
     panel: Option<char>,
 }
 
+/// What people call a panel, and its name.
+const CALLED: [(&str, &str); 3] = [("histogram", "sticks.A"), ("phase", "path.C"), ("survival", "sticks.B")];
+
 impl Only {
     /// The names of all figures, separated by commas.
     pub fn names() -> String {
@@ -26,7 +29,10 @@ impl Only {
     pub fn named(text: &str) -> Result<Only, String> {
         let (name, panel) = text.split_once('.').map_or((text, None), |(name, panel)| (name, Some(panel)));
         let Some(figure) = FIGURES.iter().find(|figure| figure.name == name) else {
-            return Err(format!("there is no such figure; write one of {}", Only::names()));
+            return Err(match CALLED.iter().find(|(word, _)| *word == name) {
+                Some((_, panel)) => format!("that is `{panel}`"),
+                None => format!("there is no such figure; write one of {}", Only::names()),
+            });
         };
         let letter = |panel: &str| panel.parse().ok().filter(char::is_ascii_uppercase);
         match panel.map(letter) {

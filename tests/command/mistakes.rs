@@ -19,7 +19,7 @@ const fn mistake(line: &'static str, says: &'static [&'static str]) -> Mistake {
 
 /// `scene.toml` is a copy of the shipped rho025, `done.h5` is a run of it, and [`desk`] makes the
 /// other files. Words that belong together are joined by `~`.
-const MISTAKES: [Mistake; 89] = [
+const MISTAKES: [Mistake; 90] = [
     // Mistakes in the verb.
     mistake("scene.toml", &["scene.toml", "mc run scene.toml", "mc check scene.toml"]),
     mistake("done.h5", &["done.h5", "mc show done.h5", "mc plot done.h5"]),
@@ -32,6 +32,7 @@ const MISTAKES: [Mistake; 89] = [
     mistake("run scene.toml --rho 0.3", &["no option `--rho`", "--set temperature.noise.intensity=..."]),
     mistake("run scene.toml -n 1000", &["no option `-n`", "`--paths`"]),
     mistake("show done.h5 --latex", &["no option `--latex`", "--format latex"]),
+    mistake("plot done.h5 --only survival", &["'survival'", "`sticks.B`"]),
     mistake("show done.h5 --zebra", &["no option `--zebra`", "--help"]),
     mistake("run scene.toml other.toml", &["'other.toml'", "Usage: mc run"]),
     mistake("run scene.toml --path 10", &["'--path'", "'--paths'"]),
