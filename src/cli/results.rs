@@ -64,7 +64,7 @@ pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarni
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
     let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
     let found = [
-        ("dominating-bias", report::dominating_bias(summary).map(|words| format!("bias of the step: {words}"))),
+        ("dominating-bias", report::dominating_bias(summary)),
         ("unsettled", report::unsettled(summary)),
         ("too-few-events", report::too_few(summary)),
     ];

@@ -167,8 +167,12 @@ impl<'a> Sitting<'a> {
             print(&report::table(summary, &info))?;
         }
         // The table has these lines as remarks.
-        let bias = report::dominating_bias(summary).map(|words| format!("bias of the step: {words}"));
-        let remarks = [report::lost(summary, &info), report::unsettled(summary), report::too_few(summary), bias];
+        let remarks = [
+            report::lost(summary, &info),
+            report::unsettled(summary),
+            report::too_few(summary),
+            report::dominating_bias(summary),
+        ];
         for line in remarks.into_iter().flatten().filter(|_| json || quiet) {
             note(&format!("warning: {line}"));
         }

@@ -156,7 +156,7 @@ impl Shipped {
     /// The scenario with the overrides applied, checked. The data files that its text names are
     /// those that are built into the program; only a file that an override names is read.
     pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-        parsed(&Sources::new(self.name, self.text, overrides, None).with_data(self.data))
+        parsed(&Sources::new(self.name, self.text, overrides, None).of_shipped(self))
     }
 }
 

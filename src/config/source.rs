@@ -1,5 +1,6 @@
 //! The texts that a scenario is read from: one file, and the overrides of a command line.
 
+use super::Shipped;
 use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
 use crate::excerpt::{short, underlined};
@@ -38,9 +39,9 @@ pub(super) struct Sources<'a> {
     pub overrides: &'a [Override],
     /// Samples of a measured temperature that come with the text, if any.
     pub samples: Option<Samples<'a>>,
-    /// The data files that are built into the program for a shipped scenario: each name with the
-    /// text of the file. Empty for the text of a user, whose data files are read from the disk.
-    data: &'static [(&'static str, &'static str)],
+    /// The shipped scenario whose text this is, with the data files that are built into the
+    /// program. None for the text of a user, whose data files are read from the disk.
+    shipped: Option<&'a Shipped>,
     faults: RefCell<Faults>,
 }
 
@@ -63,17 +64,17 @@ pub(super) enum Samples<'a> {
 
 impl<'a> Sources<'a> {
     pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], samples: Option<Samples<'a>>) -> Self {
-        Sources { name, text, overrides, samples, data: &[], faults: RefCell::default() }
+        Sources { name, text, overrides, samples, shipped: None, faults: RefCell::default() }
     }
 
     /// The same with the data files of a shipped scenario.
-    pub fn with_data(self, data: &'static [(&'static str, &'static str)]) -> Self {
-        Sources { data, ..self }
+    pub fn of_shipped(self, shipped: &'a Shipped) -> Self {
+        Sources { shipped: Some(shipped), ..self }
     }
 
     /// The text of the built-in data file of this name, if there is one.
     pub fn data(&self, file: &str) -> Option<&'static str> {
-        self.data.iter().find(|(name, _)| *name == file).map(|(_, text)| *text)
+        self.shipped.and_then(|shipped| shipped.file(file))
     }
 
     /// Record that a value is missing or cannot be used; the reader goes on with another value.

@@ -24,9 +24,14 @@ pub(super) fn corrected_cell(e: &Estimate) -> String {
 /// Half the width of a 95 % interval of a normal distribution, in standard errors.
 const NORMAL_REACH: f64 = 1.96;
 
+/// [`beyond_intervals`] as a warning.
+pub fn dominating_bias(summary: &Summary) -> Option<String> {
+    beyond_intervals(summary).map(|words| format!("bias of the step: {words}"))
+}
+
 /// Says in how many statistics the bias of the step is certain and larger than the statistical
 /// interval suggests, and what to do. None if there is no such statistic.
-pub fn dominating_bias(summary: &Summary) -> Option<String> {
+pub(super) fn beyond_intervals(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     (!dominated.is_empty()).then(|| {
         format!(

@@ -1,7 +1,7 @@
 //! The remarks below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
-use super::bias::dominating_bias;
+use super::bias::beyond_intervals;
 use super::statistics::absent;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
@@ -176,7 +176,7 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
 fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
     if summary.has_bias() {
         let meaning = "of the step, +- at 95 %; `corrected` subtracts it where it exceeds +-";
-        return Some(dominating_bias(summary).map_or(meaning.into(), |words| format!("{meaning}; {words}")));
+        return Some(beyond_intervals(summary).map_or(meaning.into(), |words| format!("{meaning}; {words}")));
     }
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
 }

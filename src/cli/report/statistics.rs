@@ -9,14 +9,13 @@ use stick_slip::stats::{Estimate, Summary};
 
 /// The cells of the table, row by row, headings first.
 pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
-    let lines = table(summary, units).into_iter().map(Line::with_reason);
+    let lines = table(summary, units, |_| true).into_iter().map(Line::with_reason);
     lines.map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
 }
 
 /// The rows of the statistics that exist, headings first.
 pub fn rows(summary: &Summary, units: &Units) -> Vec<Row> {
-    let lines = table(summary, units).into_iter().filter(|line| !line.is_absent);
-    lines.map(Line::with_reason).collect()
+    table(summary, units, exists).into_iter().map(Line::with_reason).collect()
 }
 
 /// The table as text, at most as wide as the terminal. Statistics that do not exist are left out
@@ -35,8 +34,7 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
 
 /// The lines that the text has, without standard errors.
 fn shown(summary: &Summary, units: &Units) -> Vec<Line> {
-    let mut lines = table(summary, units);
-    lines.retain(|line| !line.is_absent);
+    let mut lines = table(summary, units, exists);
     for line in &mut lines {
         line.row.cells.remove(STANDARD_ERROR);
     }
@@ -46,7 +44,7 @@ fn shown(summary: &Summary, units: &Units) -> Vec<Line> {
 /// The statistics that do not exist, in groups with the reason of each.
 pub(super) fn absent(summary: &Summary) -> Option<String> {
     let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-    for e in summary.reported().filter(|e| e.estimate.is_nan()) {
+    for e in summary.reported().filter(|e| !exists(e)) {
         let reason = summary.absence(e).unwrap_or_default();
         match groups.iter_mut().find(|(known, _)| *known == reason) {
             Some((_, names)) => names.push(e.statistic.name()),
@@ -62,8 +60,6 @@ pub(super) fn absent(summary: &Summary) -> Option<String> {
 struct Line {
     row: Row,
     reason: Option<&'static str>,
-    /// Whether there is no such number.
-    is_absent: bool,
 }
 
 impl Line {
@@ -143,17 +139,20 @@ fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
     aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&note, "") }
 }
 
-fn table(summary: &Summary, units: &Units) -> Vec<Line> {
+/// Whether there is such a number.
+fn exists(e: &Estimate) -> bool {
+    !e.estimate.is_nan()
+}
+
+/// The lines of the statistics that are `shown`, headings first.
+fn table(summary: &Summary, units: &Units, shown: impl Fn(&Estimate) -> bool) -> Vec<Line> {
     let has_bias = summary.has_bias();
-    let labels: Vec<String> = summary.reported().map(|e| e.statistic.dimension().label(units)).collect();
+    let estimates = || summary.reported().filter(|e| shown(e));
+    let labels: Vec<String> = estimates().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note)| Line {
-        row: row(e, has_bias).noted(note),
-        reason: summary.absence(e),
-        is_absent: e.estimate.is_nan(),
-    };
-    let lines = summary.reported().zip(labels).map(of);
-    std::iter::once(Line { row: headings, reason: None, is_absent: false }).chain(lines).collect()
+    let of = |(e, note)| Line { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
+    let lines = estimates().zip(labels).map(of);
+    std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
 }
 
 /// The headings.
