@@ -84,12 +84,12 @@ impl PartialEq for Expression {
 impl ForceLaw for Expression {
     #[inline(always)]
     fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L {
-        self.tape.run(&[x], &[velocity], time)[0]
+        self.tape.value(x, velocity, time)
     }
 
     #[inline(always)]
-    fn values<L: Lanes, const R: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
-        self.tape.run(x, velocity, time)
+    fn fill<L: Lanes>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
+        self.tape.fill(x, velocity, time, g);
     }
 
     fn depends_on_time(&self) -> bool {

@@ -12,14 +12,13 @@ pub trait ForceLaw: Debug + Send + Sync {
     /// `#[inline(always)]`, so that they are compiled for the instruction set of the caller.
     fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L;
 
-    /// The same for several registers.
+    /// g of many paths at one time. The slices have one length, a multiple of the width of a
+    /// register.
     #[inline(always)]
-    fn values<L: Lanes, const R: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
-        let mut g = *x;
-        for (g, velocity) in g.iter_mut().zip(velocity) {
-            *g = self.value(*g, *velocity, time);
+    fn fill<L: Lanes>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
+        for from in (0..x.len()).step_by(L::WIDTH) {
+            self.value(L::load(&x[from..]), L::load(&velocity[from..]), time).store(&mut g[from..]);
         }
-        g
     }
 
     /// Whether g depends on t.

@@ -161,29 +161,6 @@ struct Many<'a, F> {
 impl<F: ForceLaw> LaneProgram for Many<'_, F> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let from = self.blocks::<L, 8>(0);
-        self.blocks::<L, 1>(from);
-    }
-}
-
-impl<F: ForceLaw> Many<'_, F> {
-    /// Evaluates as many blocks of `R` registers as there are from this path on. Returns the first
-    /// path behind them.
-    #[inline(always)]
-    fn blocks<L: Lanes, const R: usize>(&mut self, mut from: usize) -> usize {
-        while from + R * L::WIDTH <= self.x.len() {
-            let (mut x, mut velocity) = ([L::splat(0.0); R], [L::splat(0.0); R]);
-            let (from_x, from_velocity) = (&self.x[from..], &self.velocity[from..]);
-            for r in 0..R {
-                x[r] = L::load(&from_x[r * L::WIDTH..]);
-                velocity[r] = L::load(&from_velocity[r * L::WIDTH..]);
-            }
-            let g = self.law.values(&x, &velocity, L::splat(self.time));
-            for (g, to) in g.iter().zip(self.g[from..].chunks_exact_mut(L::WIDTH)) {
-                g.store(to);
-            }
-            from += R * L::WIDTH;
-        }
-        from
+        self.law.fill(self.x, self.velocity, L::splat(self.time), self.g);
     }
 }

@@ -12,6 +12,9 @@ use std::collections::HashMap;
 /// The slots that an expression may need at most.
 const MAX_SLOTS: usize = 32;
 
+/// Registers of a slot where many paths are computed, so that the choice of an operation costs little.
+const REGISTERS: usize = 16;
+
 /// What a step does with the slots a and b and the number n.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 enum Code {
@@ -81,33 +84,73 @@ impl Tape {
         })
     }
 
-    /// The value of the expression in the lanes of several registers.
+    /// The value of the expression in the lanes of a register.
     #[inline(always)]
-    pub fn run<L: Lanes, const R: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
+    pub fn value<L: Lanes>(&self, x: L, velocity: L, time: L) -> L {
         // Few slots are made ready sooner than many.
         match self.slots {
-            0..=4 => self.run_with::<L, R, 4>(x, velocity, time),
-            5..=8 => self.run_with::<L, R, 8>(x, velocity, time),
-            _ => self.run_with::<L, R, MAX_SLOTS>(x, velocity, time),
+            0..=4 => self.value_with::<L, 4>(x, velocity, time),
+            5..=8 => self.value_with::<L, 8>(x, velocity, time),
+            _ => self.value_with::<L, MAX_SLOTS>(x, velocity, time),
         }
     }
 
     /// The same with `S` slots, a power of two.
     #[inline(always)]
-    fn run_with<L: Lanes, const R: usize, const S: usize>(&self, x: &[L; R], velocity: &[L; R], time: L) -> [L; R] {
-        let mut slots = [[L::splat(0.0); R]; S];
-        let [of_x, of_velocity, of_time] = self.inputs.map(|slot| slot.map(|slot| slot as usize & (S - 1)));
-        for r in 0..R {
-            if let Some(slot) = of_x {
-                slots[slot][r] = x[r];
-            }
-            if let Some(slot) = of_velocity {
-                slots[slot][r] = velocity[r];
-            }
-            if let Some(slot) = of_time {
-                slots[slot][r] = time;
+    fn value_with<L: Lanes, const S: usize>(&self, x: L, velocity: L, time: L) -> L {
+        let mut slots = [[L::splat(0.0)]; S];
+        for (slot, input) in self.inputs.iter().zip([x, velocity, time]) {
+            if let Some(slot) = slot {
+                slots[*slot as usize & (S - 1)] = [input];
             }
         }
+        self.run(&mut slots);
+        slots[self.result as usize & (S - 1)][0]
+    }
+
+    /// The value of the expression for many paths at one time.
+    #[inline(always)]
+    pub fn fill<L: Lanes>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
+        let whole = x.len() - x.len() % (REGISTERS * L::WIDTH);
+        if whole > 0 {
+            let (x, velocity, g) = (&x[..whole], &velocity[..whole], &mut g[..whole]);
+            match self.slots {
+                0..=4 => self.fill_blocks::<L, 4>(x, velocity, time, g),
+                5..=8 => self.fill_blocks::<L, 8>(x, velocity, time, g),
+                _ => self.fill_blocks::<L, MAX_SLOTS>(x, velocity, time, g),
+            }
+        }
+        for from in (whole..x.len()).step_by(L::WIDTH) {
+            self.value(L::load(&x[from..]), L::load(&velocity[from..]), time).store(&mut g[from..]);
+        }
+    }
+
+    /// The same for blocks of several registers, with `S` slots, a power of two.
+    #[inline(always)]
+    fn fill_blocks<L: Lanes, const S: usize>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
+        let mut slots = [[L::splat(0.0); REGISTERS]; S];
+        let [of_x, of_velocity, of_time] = self.inputs.map(|slot| slot.map(|slot| slot as usize & (S - 1)));
+        for from in (0..x.len()).step_by(REGISTERS * L::WIDTH) {
+            for (slot, values) in [(of_x, x), (of_velocity, velocity)] {
+                let Some(slot) = slot else { continue };
+                for (register, values) in slots[slot].iter_mut().zip(values[from..].chunks_exact(L::WIDTH)) {
+                    *register = L::load(values);
+                }
+            }
+            if let Some(slot) = of_time {
+                slots[slot] = [time; REGISTERS];
+            }
+            self.run(&mut slots);
+            let results = &slots[self.result as usize & (S - 1)];
+            for (result, g) in results.iter().zip(g[from..].chunks_exact_mut(L::WIDTH)) {
+                result.store(g);
+            }
+        }
+    }
+
+    /// Carries out the operations on `S` slots, a power of two.
+    #[inline(always)]
+    fn run<L: Lanes, const R: usize, const S: usize>(&self, slots: &mut [[L; R]; S]) {
         for step in &self.steps {
             let (a, b, to) = (step.a as usize & (S - 1), step.b as usize & (S - 1), step.to as usize & (S - 1));
             let n = L::splat(step.number);
@@ -146,7 +189,6 @@ impl Tape {
                 Code::Power => set!(|a, b| power(a, b)),
             }
         }
-        slots[self.result as usize & (S - 1)]
     }
 }
 

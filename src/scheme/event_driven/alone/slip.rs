@@ -101,7 +101,7 @@ pub(super) struct Slip<'a> {
     pub noisy: &'a Noisy,
     pub cell: &'a Cell,
     pub direction: Sign,
-    end_noise: f64,
+    pub end_noise: f64,
 }
 
 impl Slip<'_> {

@@ -1,5 +1,7 @@
 //! The step itself, for many paths in lanes: the hot loop.
 
+mod forced;
+
 use super::corrected_exit;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Force, Model, Temperature};
@@ -15,10 +17,6 @@ const GROUP: usize = 16;
 /// Lanes that are stepped together without noise, in registers of eight lanes. A step then has less
 /// work to hide the latency, and more registers are free.
 const WIDE: usize = 32;
-
-/// Registers that are stepped together under a force of the user's own, so that the operations of
-/// its tape are dispatched once for all of them.
-const FORCED: usize = 8;
 
 /// Lanes are padded to a multiple of the widest register.
 const PADDING: usize = 8;
@@ -234,8 +232,7 @@ impl Kernel {
         turns: &mut Vec<Turn>,
     ) {
         turns.clear();
-        let own = [[0.0; FORCED * PADDING]; 3];
-        let work = Work { n, forcing, streams, paths, turns, own };
+        let work = Work { n, forcing, streams, paths, turns };
         match (self.own.is_some(), self.has_damping, self.is_corrected) {
             (false, false, false) => self.run_noise::<false, false, false>(work),
             (false, false, true) => self.run_noise::<false, false, true>(work),
@@ -277,8 +274,6 @@ struct Work<'a> {
     streams: &'a mut LaneStreams,
     paths: &'a mut Paths,
     turns: &'a mut Vec<Turn>,
-    /// Room for x, x' and g of the paths that are stepped together.
-    own: [[f64; FORCED * PADDING]; 3],
 }
 
 struct Run<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
@@ -293,12 +288,13 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
 {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
+        if OWN {
+            return self.advance_forced::<L>();
+        }
         let lanes = self.work.paths.noise.len();
         let mut lane = 0;
         while lane < lanes {
-            let left = lanes - lane;
-            lane += match (L::WIDTH, left) {
-                (width, left) if OWN && left >= FORCED * width => self.advance_group::<L, FORCED>(lane),
+            lane += match (L::WIDTH, lanes - lane) {
                 (8, WIDE..) if !NOISE => self.advance_group::<L, { WIDE / 8 }>(lane),
                 (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
                 (8, _) => self.advance_group::<L, 1>(lane),
@@ -337,21 +333,20 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
                 None => [L::splat(0.0); R],
             };
             let forcing = L::splat(forcing);
-            let own = if OWN { self.own(&state, n) } else { [forcing; R] };
             let mut s = [forcing; R];
             let mut same = L::always();
             for r in 0..R {
-                s[r] = c.impulse::<OWN, NOISE, DAMPING>(&state[r], forcing, own[r]);
+                s[r] = c.impulse(c.force::<NOISE, DAMPING>(&state[r], forcing), &state[r]);
                 same = regimes[r].holds(s[r], same);
             }
             if L::bitmask(same) == every_lane {
                 for r in 0..R {
-                    let next_v = tainted::<L, OWN>(regimes[r].velocity(s[r]), own[r]);
+                    let next_v = regimes[r].velocity(s[r]);
                     state[r] = c.next::<NOISE, CORRECTED>(&state[r], next_v, chi[r]);
                 }
             } else {
                 for r in 0..R {
-                    let next_v = tainted::<L, OWN>(c.settle(s[r], state[r].v), own[r]);
+                    let next_v = c.settle(s[r], c.beyond(s[r], state[r].v));
                     let turned = every_lane ^ L::bitmask(regimes[r].holds(s[r], L::always()));
                     if turned != 0 {
                         // The state is computed here a second time, so that both states are in
@@ -372,33 +367,6 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
         }
         R * L::WIDTH
     }
-
-    /// g of `R` registers of paths at the n-th instant of the run.
-    #[inline(always)]
-    fn own<L: Lanes, const R: usize>(&mut self, state: &[State<L>; R], n: usize) -> [L; R] {
-        let [x, v, g] = &mut self.work.own;
-        for (r, state) in state.iter().enumerate() {
-            state.x.store(&mut x[r * L::WIDTH..]);
-            state.v.store(&mut v[r * L::WIDTH..]);
-        }
-        let lanes = R * L::WIDTH;
-        if let Some(own) = &self.kernel.own {
-            let time = (self.work.n + n as u64) as f64 * self.c.h;
-            own.fill(self.kernel.instructions, &x[..lanes], &v[..lanes], time, &mut g[..lanes]);
-        }
-        let mut own = [L::splat(0.0); R];
-        for (r, own) in own.iter_mut().enumerate() {
-            *own = L::load(&g[r * L::WIDTH..]);
-        }
-        own
-    }
-}
-
-/// The velocity, but not a number where the force of the user's own is none: otherwise the body
-/// would be taken to be at rest there.
-#[inline(always)]
-fn tainted<L: Lanes, const OWN: bool>(velocity: L, own: L) -> L {
-    if OWN { velocity + own * 0.0 } else { velocity }
 }
 
 /// X, V and v/unit of the paths in a register.
@@ -474,9 +442,9 @@ impl<L: Lanes> Splat<L> {
         }
     }
 
-    /// S = V + (h/m) b, b = K (beta T - X) - 2 alpha V + g.
+    /// b = K (beta T - X) - 2 alpha V, without g.
     #[inline(always)]
-    fn impulse<const OWN: bool, const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L, own: L) -> L {
+    fn force<const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L) -> L {
         let mut b = forcing;
         if NOISE {
             b = self.noise_force.mul_add(at.noise, b);
@@ -485,20 +453,29 @@ impl<L: Lanes> Splat<L> {
         if DAMPING {
             b = self.minus_two_alpha.mul_add(at.v, b);
         }
-        if OWN {
-            b = b + own;
-        }
+        b
+    }
+
+    /// S = V + (h/m) b
+    #[inline(always)]
+    fn impulse(&self, b: L, at: &State<L>) -> L {
         self.h_over_m.mul_add(b, at.v)
+    }
+
+    /// Where S > (h/m) f_s, and where S < -(h/m) f_s. The corrected scheme lowers f_s, but only where
+    /// the body is at rest.
+    #[inline(always)]
+    fn beyond(&self, s: L, v: L) -> (L::Mask, L::Mask) {
+        let most = v.where_zero(self.exit_impulse, self.static_impulse);
+        let least = v.where_zero(self.minus_exit_impulse, self.minus_static_impulse);
+        (s.gt(most), s.lt(least))
     }
 
     /// The discrete variational inequality: V' = 0 if |S| <= (h/m) f_s, else S - (h/m) f_d sign(S).
     #[inline(always)]
-    fn settle(&self, s: L, v: L) -> L {
-        // The corrected scheme lowers f_s, but only where the body is at rest.
-        let most = v.where_zero(self.exit_impulse, self.static_impulse);
-        let least = v.where_zero(self.minus_exit_impulse, self.minus_static_impulse);
+    fn settle(&self, s: L, (up, down): (L::Mask, L::Mask)) -> L {
         let fd = self.dynamic_impulse;
-        L::either(s.gt(most), s.sub(fd), s.lt(least), s.add(fd))
+        L::either(up, s.sub(fd), down, s.add(fd))
     }
 
     /// The step as it is for velocities that keep the sign of v; there it agrees with

@@ -1,0 +1,112 @@
+//! The steps under a force g of the user's own.
+//!
+//! g is computed for many paths at once, so that the choice of each of its operations costs little.
+//! So all paths make a step before any of them makes the next one, in groups whose states stay in
+//! the nearest cache, and the normals of several steps are drawn in advance.
+
+use super::{Regime, Run, Splat, State, note};
+use crate::lanes::Lanes;
+use std::ops::Range;
+
+/// Paths that are stepped together: whole registers.
+const TOGETHER: usize = 256;
+
+/// Steps whose increments of the noise are drawn at once.
+const DRAWN: usize = 8;
+
+/// The fewest lanes of a register.
+const NARROWEST: usize = 4;
+
+/// What the paths of a group need beside their states.
+struct Room<L: Lanes> {
+    /// How each register of paths moves.
+    regimes: [Regime<L>; TOGETHER / NARROWEST],
+    /// The increments of the noise, `[step][path]`.
+    chi: [[f64; TOGETHER]; DRAWN],
+    /// g of each path.
+    g: [f64; TOGETHER],
+}
+
+impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
+    Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+{
+    /// Takes every path through the whole run.
+    #[inline(always)]
+    pub(super) fn advance_forced<L: Lanes>(&mut self) {
+        let c = Splat::<L>::new(self.c);
+        let regimes = [c.regime(L::splat(0.0)); TOGETHER / NARROWEST];
+        let mut room = Room { regimes, chi: [[0.0; TOGETHER]; DRAWN], g: [0.0; TOGETHER] };
+        let (lanes, steps) = (self.work.paths.noise.len(), self.work.forcing.len() - 1);
+        for lane in (0..lanes).step_by(TOGETHER) {
+            let group = lane..lanes.min(lane + TOGETHER);
+            let velocities = self.work.paths.velocity[group.clone()].chunks_exact(L::WIDTH);
+            for (regime, v) in room.regimes.iter_mut().zip(velocities) {
+                *regime = c.regime(L::load(v));
+            }
+            for n in 0..steps {
+                if NOISE && n % DRAWN == 0 {
+                    self.draw::<L>(group.clone(), &mut room.chi[..DRAWN.min(steps - n)]);
+                }
+                self.compute(group.clone(), n, &mut room.g);
+                self.step(&c, group.clone(), n, &mut room);
+            }
+        }
+    }
+
+    /// Draws the increments of the noise of these paths over several steps.
+    #[inline(always)]
+    fn draw<L: Lanes>(&mut self, group: Range<usize>, chi: &mut [[f64; TOGETHER]]) {
+        for from in (0..group.len()).step_by(L::WIDTH) {
+            let mut normals = self.work.streams.take::<L, 1, MIRRORED>(group.start + from);
+            for chi in chi.iter_mut() {
+                self.scale.increment(&mut normals)[0].store(&mut chi[from..]);
+            }
+            self.work.streams.put(group.start + from, &normals);
+        }
+    }
+
+    /// g of these paths at the n-th instant of the run.
+    #[inline(always)]
+    fn compute(&self, group: Range<usize>, n: usize, g: &mut [f64]) {
+        if let Some(own) = &self.kernel.own {
+            let time = (self.work.n + n as u64) as f64 * self.c.h;
+            let (x, v) = (&self.work.paths.displacement[group.clone()], &self.work.paths.velocity[group.clone()]);
+            own.fill(self.kernel.instructions, x, v, time, &mut g[..group.len()]);
+        }
+    }
+
+    /// Takes these paths from the n-th instant of the run to the next one.
+    #[inline(always)]
+    fn step<L: Lanes>(&mut self, c: &Splat<L>, group: Range<usize>, n: usize, room: &mut Room<L>) {
+        let (zero, forcing) = (L::splat(0.0), L::splat(self.work.forcing[n]));
+        let every_lane = (1 << L::WIDTH) - 1;
+        let paths = &mut *self.work.paths;
+        let x = paths.displacement[group.clone()].chunks_exact_mut(L::WIDTH);
+        let v = paths.velocity[group.clone()].chunks_exact_mut(L::WIDTH);
+        let noise = paths.noise[group.clone()].chunks_exact_mut(L::WIDTH);
+        let (g, chi) = (room.g.chunks_exact(L::WIDTH), room.chi[n % DRAWN].chunks_exact(L::WIDTH));
+        let mut lane = group.start;
+        for (((((x, v), noise), g), chi), regime) in x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes) {
+            let state = State { x: L::load(x), v: L::load(v), noise: if NOISE { L::load(noise) } else { zero } };
+            let s = c.impulse(c.force::<NOISE, DAMPING>(&state, forcing) + L::load(g), &state);
+            let turned = every_lane ^ L::bitmask(regime.holds(s, L::always()));
+            let mut next_v = regime.velocity(s);
+            if turned != 0 {
+                next_v = c.settle(s, c.beyond(s, state.v));
+            }
+            // Not a number where the force is none: otherwise the body would be taken to be at rest.
+            next_v = s.mul_add(zero, next_v);
+            let next = c.next::<NOISE, CORRECTED>(&state, next_v, L::load(chi));
+            if turned != 0 {
+                note(self.work.turns, lane, n, turned, &state, &next);
+                *regime = c.regime(next_v);
+            }
+            next.x.store(x);
+            next.v.store(v);
+            if NOISE {
+                next.noise.store(noise);
+            }
+            lane += L::WIDTH;
+        }
+    }
+}
