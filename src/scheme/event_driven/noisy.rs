@@ -42,10 +42,10 @@ pub struct Noisy {
     pub(super) step: SlipStep,
     /// The usual step, its half, its quarter and so on, where there is a force of the user's own.
     pub(super) halved: Vec<SlipStep>,
-    /// The largest second difference of that force on a step, as a fraction of the forces.
+    /// What a step may leave of the mean of that force, as a fraction of f_s.
+    pub(super) most_error: f64,
+    /// How much noise may bend that force on a step, as a fraction of the forces.
     pub(super) most_bend: f64,
-    /// The farthest that this force may be from a parabola on a step, as a fraction of the forces.
-    pub(super) most_kink: f64,
     pub(super) search: StopSearch,
     /// The number of evaluations that a path may make.
     pub(super) work_limit: u64,
@@ -100,8 +100,8 @@ impl Noisy {
             oscillator,
             step,
             halved,
+            most_error: rules.most_error,
             most_bend: rules.most_bend,
-            most_kink: rules.most_kink,
             search,
             work_limit: WORK_LIMIT,
             closeness: 1,

@@ -5,18 +5,20 @@
 //! step:
 //!
 //! ```text
-//! trial        g on the way of the step without noise, and where noise takes it two standard
-//!              deviations off to either side; the step is halved until g bends little on each way,
-//!              |g0 - 2 g_m + g1| <= most_bend (forces), and has no kink on the first: it is within
-//!              most_kink (forces) of a parabola a quarter of the step before and behind the middle
-//! draw         the linear step with g = g_m of the trial
+//! trial        the step without noise, and where noise takes it six standard deviations off to
+//!              either side, by two evaluations of g in the middle and at the end of each way.
+//!              The step is halved until they converge, Simpson's and Boole's rule for the impulse
+//!              of g agree, and noise bends g little
+//! draw         the linear step with the mean of g of the trial for g
 //! correct      g at the drawn end, and in the middle of the quintic between both ends; then
 //!              x  += (h/6m) (S(h) (g0 - g) + 4 S(h/2) (g_m - g)),
 //!              x' += (h/6m) (S'(h) (g0 - g) + 4 S'(h/2) (g_m - g) + (g1 - g))
 //! ```
 //!
 //! S is the response of x to a unit of x', and the sums are Simpson's rule for int S(h - s) (g(s) -
-//! g) ds/m and for its derivative. The length follows from the state at the start alone, so that it
+//! g) ds/m and for its derivative. What a step may leave is measured by friction: a force along the
+//! whole way that is a share of f_s, so that a slip of any number of steps loses its energy to
+//! friction and not to the steps. The length follows from the state at the start alone, so that it
 //! does not depend on the noise that is then drawn, and the law of what is drawn is not changed. In
 //! the middle of a step, the noise moves x and x' off the quintic by a random amount of mean zero.
 //! The error of g by this is of order 3/2 in a step, and of order 2 in the law of the path.
@@ -40,50 +42,104 @@ pub(super) struct OwnForce {
     start_force: f64,
     /// How many times the usual step was halved last.
     halvings: usize,
+    /// Whether the next step may be longer than the last one.
+    may_grow: bool,
 }
 
-/// The state at the start of a step.
+/// The state at the start of a step, and the mass.
 struct Start {
     x: f64,
     v: f64,
     acceleration: f64,
     time: f64,
+    mass: f64,
 }
 
 /// g on the way that a step would take without noise, and on the ways that noise may make of it.
 #[derive(Clone, Copy)]
 struct Trial {
-    middle: f64,
+    /// The mean of g.
+    mean: f64,
+    /// g at the end.
     end: f64,
-    /// The largest second difference of g on any of the ways.
+    /// What the step may leave of the mean of g, a force.
+    error: f64,
+    /// How much the last change of a mean of g exceeds half of the change before it, on any way; a
+    /// force.
+    unsettled: f64,
+    /// How much noise usually bends g, a force.
     bend: f64,
-    /// How far g is from the parabola through the ends and the middle, a quarter before and behind.
-    kink: f64,
+}
+
+/// The means of g over a step that move x' and x: of g, and of 2 g (h - s)/h. By Simpson's rule,
+/// from g at the start, in the middle and at the end.
+#[inline(always)]
+fn simpson(start: f64, [middle, end]: [f64; 2]) -> [f64; 2] {
+    [(start + 4.0 * middle + end) / 6.0, (start + 2.0 * middle) / 3.0]
+}
+
+/// The same by Boole's rule, which also has g after a quarter and after three of them.
+#[inline(always)]
+fn boole(start: f64, [first, middle, third, end]: [f64; 4]) -> [f64; 2] {
+    let for_v = (7.0 * start + 32.0 * first + 12.0 * middle + 32.0 * third + 7.0 * end) / 90.0;
+    [for_v, (14.0 * start + 48.0 * first + 12.0 * middle + 16.0 * third) / 90.0]
+}
+
+/// The larger of the differences of both means.
+#[inline(always)]
+fn distance(a: [f64; 2], b: [f64; 2]) -> f64 {
+    largest((a[0] - b[0]).abs(), (a[1] - b[1]).abs())
+}
+
+/// The value a quarter of the way from the first of two ends that are h apart to the second, by the
+/// cubic with these slopes.
+#[inline(always)]
+fn quarter(h: f64, [y0, y1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
+    (27.0 * y0 + 5.0 * y1) / 32.0 + h * (9.0 * d0 - 3.0 * d1) / 64.0
 }
 
 impl Start {
-    /// The trial of a step of length `h`, at whose end the noise may take x and x' this far off.
+    /// The trial of a step of length `h`, at whose end the noise may take x and x' this far off. The
+    /// linear forces are constant in it.
     #[inline(always)]
     fn trial(&self, scene: &Scene, here: f64, h: f64, [dx, dv]: [f64; 2]) -> Trial {
-        let (mut x, mut v, mut t) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-        let mut put = |i: usize, part: f64, side: f64| {
-            let after = part * h;
-            let [on_x, on_v] = if part < 1.0 { MIDWAY } else { [1.0, 1.0] };
-            x[i] = self.x + after * (self.v + 0.5 * after * self.acceleration) + side * on_x * dx;
-            v[i] = self.v + after * self.acceleration + side * on_v * dv;
-            t[i] = self.time + after;
-        };
-        let places =
-            [(0.5, 0.0), (1.0, 0.0), (0.25, 0.0), (0.75, 0.0), (0.5, 1.0), (1.0, 1.0), (0.5, -1.0), (1.0, -1.0)];
-        for (i, (part, side)) in places.into_iter().enumerate() {
-            put(i, part, side);
+        let (mut x, mut v, mut t) = ([0.0; 8], [0.0; 8], [self.time + 0.5 * h; 8]);
+        for end in [3, 4, 5] {
+            t[end] = self.time + h;
         }
-        let [middle, end, before, behind, up, up_end, down, down_end] = scene.own_forces(&x, &v, &t);
-        let bends =
-            [(middle, end), (up, up_end), (down, down_end)].map(|(middle, end)| (here - 2.0 * middle + end).abs());
-        let parabola = |from: f64, to: f64| 0.375 * from + 0.75 * middle - 0.125 * to;
-        let kinks = [(before - parabola(here, end)).abs(), (behind - parabola(end, here)).abs()];
-        Trial { middle, end, bend: bends.into_iter().fold(0.0, largest), kink: largest(kinks[0], kinks[1]) }
+        (t[6], t[7]) = (self.time + 0.25 * h, self.time + 0.75 * h);
+        let (mut g, mut means, mut changes) = ([here; 8], [[here; 2]; WAYS.len()], [[0.0; PASSES]; WAYS.len()]);
+        for pass in 0..PASSES {
+            for (way, side) in WAYS.into_iter().enumerate() {
+                let [for_v, for_x] = means[way].map(|mean| self.acceleration + (mean - here) / self.mass);
+                let end = [self.x + h * (self.v + 0.5 * h * for_x), self.v + h * for_v];
+                let accelerations = [self.acceleration, self.acceleration + (g[3 + way] - here) / self.mass];
+                let middle = middle(h, [self.x, end[0]], [self.v, end[1]], accelerations);
+                (x[way], v[way]) = (middle.0 + side * MIDWAY[0] * dx, middle.1 + side * MIDWAY[1] * dv);
+                (x[3 + way], v[3 + way]) = (end[0] + side * dx, end[1] + side * dv);
+                if way == 0 {
+                    let (xs, vs, [a0, a1]) = ([self.x, end[0]], [self.v, end[1]], accelerations);
+                    (x[6], v[6]) = (quarter(h, xs, vs), quarter(h, vs, accelerations));
+                    (x[7], v[7]) = (quarter(-h, [xs[1], xs[0]], [vs[1], vs[0]]), quarter(-h, [vs[1], vs[0]], [a1, a0]));
+                }
+            }
+            g = scene.own_forces(&x, &v, &t);
+            for way in 0..WAYS.len() {
+                let mean = simpson(here, [g[way], g[3 + way]]);
+                changes[way][pass] = distance(mean, means[way]);
+                means[way] = mean;
+            }
+        }
+        let mut error = distance(means[0], boole(here, [g[6], g[0], g[7], g[3]]));
+        let mut unsettled = 0.0;
+        for ([first, last], share) in changes.into_iter().zip([1.0, USUAL, USUAL]) {
+            // What a further pass would change, if the changes go on becoming smaller like this.
+            error += share * if last < first { last * (last / first) } else { last };
+            unsettled = largest(unsettled, last - 0.5 * first);
+        }
+        let bends = [0, 1, 2].map(|way| here - 2.0 * g[way] + g[3 + way]);
+        let bend = USUAL * largest((bends[1] - bends[0]).abs(), (bends[2] - bends[0]).abs());
+        Trial { mean: means[0][0], end: g[3], error, unsettled, bend }
     }
 }
 
@@ -93,8 +149,19 @@ fn largest(a: f64, b: f64) -> f64 {
     if a > b || a.is_nan() { a } else { b }
 }
 
-/// The number of standard deviations by which the noise may take the end of a step off its way.
-const AROUND: f64 = 2.0;
+/// Evaluations of g on each way of a trial.
+const PASSES: usize = 2;
+
+/// The ways of a trial: without noise, and to both sides of it.
+const WAYS: [f64; 3] = [0.0, 1.0, -1.0];
+
+/// The number of standard deviations by which the noise may take the end of a step off its way. The
+/// corrections converge even there, so that no draw sends a body far into a stiff stop and out of it
+/// with more energy than it had.
+const AROUND: f64 = 6.0;
+
+/// What noise usually does, as a share of this.
+const USUAL: f64 = 1.0 / 3.0;
 
 /// The share of this by which x and x' are then off in the middle: their regression on the end for
 /// motion under an acceleration that is a Brownian motion.
@@ -115,12 +182,12 @@ impl OwnForce {
     pub fn new(scene: &Scene, time: f64, path: &Path<f64>) -> Option<Self> {
         scene.has_own_force().then(|| {
             let here = scene.own_force(path.displacement, path.motion, time);
-            OwnForce { here, push: here, end: here, start_force: path.force, halvings: 0 }
+            OwnForce { here, push: here, end: here, start_force: path.force, halvings: 0, may_grow: false }
         })
     }
 
-    /// The longest step from here on which g bends little, when this much of the cell remains, and
-    /// whether it ends with the cell.
+    /// The longest step from here on in which g is resolved, when this much of the cell remains, and
+    /// whether it ends with the cell. A path is given up where the shortest step is too long by far.
     #[inline(always)]
     pub fn step_towards<'s>(
         &mut self,
@@ -131,22 +198,29 @@ impl OwnForce {
     ) -> Result<(&'s SlipStep, bool), Unresolved> {
         let Scene { oscillator, friction, .. } = &slip.noisy.scene;
         let finest = slip.noisy.halved.len() - 1;
-        let mut halvings = self.halvings.saturating_sub(1);
+        let mut halvings = if self.may_grow { self.halvings.saturating_sub(1) } else { self.halvings };
         // Halvings that leave more than what remains of the cell change nothing.
         while halvings < finest && slip.noisy.halved[halvings + 1].length() >= remaining {
             halvings += 1;
         }
-        let acceleration = (path.force - slip.friction()) / oscillator.mass;
-        let start = Start { x: path.displacement, v: path.motion, acceleration, time: slip.time(path) };
+        let (mass, acceleration) = (oscillator.mass, (path.force - slip.friction()) / oscillator.mass);
+        let start = Start { x: path.displacement, v: path.motion, acceleration, time: slip.time(path), mass };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
+        let most_error = slip.noisy.most_error * (friction.static_force + SHARE * forces);
         loop {
             path.work.spend()?;
             let step = &slip.noisy.halved[halvings];
             let trial = start.trial(&slip.noisy.scene, self.here, step.length().min(remaining), step.spread());
-            let is_straight =
-                trial.bend <= slip.noisy.most_bend * forces && trial.kink <= slip.noisy.most_kink * forces;
-            if is_straight || halvings == finest {
-                (self.push, self.end) = (trial.middle, trial.end);
+            let is_resolved = trial.error <= most_error
+                && trial.unsettled <= most_error
+                && trial.bend <= slip.noisy.most_bend * forces;
+            if is_resolved || halvings == finest {
+                let is_hopeless = !(trial.error <= forces + trial.end.abs());
+                if is_hopeless {
+                    return Err(Unresolved);
+                }
+                (self.push, self.end) = (trial.mean, trial.end);
+                self.may_grow = is_resolved && trial.error <= GROWTH * most_error;
                 break;
             }
             halvings += 1;
@@ -184,6 +258,14 @@ impl OwnForce {
         self.here = end;
     }
 }
+
+/// The share of the forces in the force by which the error of a step is measured, for scenes with
+/// hardly any friction.
+const SHARE: f64 = 0.001;
+
+/// A step twice as long is tried if the error of the last one was below this share of the largest
+/// that is allowed: twice the length makes the error 16 times as large.
+const GROWTH: f64 = 1.0 / 32.0;
 
 /// How often the end of a step is corrected. Each correction makes its error smaller by the share
 /// of g in the motion of a step.
@@ -239,9 +321,9 @@ mod tests {
         let mut own = OwnForce::new(scene, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
             let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
-            let from = Start { x: start.x, v: start.v, acceleration: path.force, time: path.after };
+            let from = Start { x: start.x, v: start.v, acceleration: path.force, time: path.after, mass: 1.0 };
             let trial = from.trial(scene, own.here, step.length(), step.spread());
-            (own.push, own.end, own.start_force) = (trial.middle, trial.end, path.force);
+            (own.push, own.end, own.start_force) = (trial.mean, trial.end, path.force);
             let mut drawn = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };
             for more in noise {
                 let mean = part.transition.free(drawn, 0.0);

@@ -11,9 +11,9 @@
 //! - `caution` is the number of standard deviations beyond which a zero of x' is taken to be
 //!   impossible. The error is of order exp(-caution^2/2); the default rule is 3.
 //!
-//! - `most_bend` bounds how much a force of the user's own bends on a slip step, and `most_kink`
-//!   how far it is from a parabola. What the step leaves of it is of order h^2 in the law; the
-//!   default rules are 0.06 and 0.001.
+//! - `most_error` bounds what a slip step may leave of the mean of a force of the user's own, and
+//!   `most_bend` how much noise may bend this force. What the step leaves of it is of order h^2 in
+//!   the law; the default rules are 0.001 and 0.06.
 //!
 //! Without a force of the user's own, the states at the ends of slip steps are exact draws for any
 //! tolerance.
@@ -34,12 +34,10 @@ pub struct StepRules {
     /// The shortest slip that is resolved where f_s and f_d are (nearly) equal, in units of 1/w0,
     /// or of 1/theta where there is no spring.
     pub shortest_slip: f64,
-    /// The largest second difference of a force of the user's own on a slip step, as a fraction of
-    /// the forces.
+    /// What a slip step may leave of the mean of a force of the user's own, as a fraction of f_s.
+    pub most_error: f64,
+    /// How much noise may bend this force on a slip step, as a fraction of the forces.
     pub most_bend: f64,
-    /// The farthest that this force may be from a parabola on a slip step, as a fraction of the
-    /// forces.
-    pub most_kink: f64,
 }
 
 /// The default tolerance. It leaves a discretisation error below 0.1 % in the statistics of the
@@ -71,8 +69,8 @@ impl StepRules {
             // caution is 3 at the default; exp(-caution^2/2) is proportional to the tolerance.
             caution: (9.0 - 2.0 * libm::log(t)).max(4.0).sqrt(),
             shortest_slip: 1e-6 * t,
+            most_error: (0.001 * t).min(0.01),
             most_bend: (0.06 * t).min(0.2),
-            most_kink: (0.001 * t).min(0.01),
         }
     }
 
