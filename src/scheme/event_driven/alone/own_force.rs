@@ -36,6 +36,8 @@ pub(super) struct OwnForce {
     here: f64,
     /// The constant that stands for g in the step.
     pub push: f64,
+    /// How much more than this constant moves x, as the trial of the step has it.
+    more: f64,
     /// g at the end of the step, as its trial has it.
     end: f64,
     /// b at the start of the step.
@@ -58,8 +60,8 @@ struct Start {
 /// g on the way that a step would take without noise, and on the ways that noise may make of it.
 #[derive(Clone, Copy)]
 struct Trial {
-    /// The mean of g.
-    mean: f64,
+    /// The means of g that move x' and x.
+    means: [f64; 2],
     /// g at the end.
     end: f64,
     /// What the step may leave of the mean of g, a force.
@@ -133,13 +135,14 @@ impl Start {
         let mut error = distance(means[0], boole(here, [g[6], g[0], g[7], g[3]]));
         let mut unsettled = 0.0;
         for ([first, last], share) in changes.into_iter().zip([1.0, USUAL, USUAL]) {
-            // What a further pass would change, if the changes go on becoming smaller like this.
-            error += share * if last < first { last * (last / first) } else { last };
+            // What the corrections will leave, if the changes go on becoming smaller like this.
+            let ratio = if last < first { last / first } else { 1.0 };
+            error += share * last * ratio * ratio;
             unsettled = largest(unsettled, last - 0.5 * first);
         }
         let bends = [0, 1, 2].map(|way| here - 2.0 * g[way] + g[3 + way]);
         let bend = USUAL * largest((bends[1] - bends[0]).abs(), (bends[2] - bends[0]).abs());
-        Trial { mean: means[0][0], end: g[3], error, unsettled, bend }
+        Trial { means: means[0], end: g[3], error, unsettled, bend }
     }
 }
 
@@ -182,7 +185,7 @@ impl OwnForce {
     pub fn new(scene: &Scene, time: f64, path: &Path<f64>) -> Option<Self> {
         scene.has_own_force().then(|| {
             let here = scene.own_force(path.displacement, path.motion, time);
-            OwnForce { here, push: here, end: here, start_force: path.force, halvings: 0, may_grow: false }
+            OwnForce { here, push: here, more: 0.0, end: here, start_force: path.force, halvings: 0, may_grow: false }
         })
     }
 
@@ -206,7 +209,7 @@ impl OwnForce {
         let (mass, acceleration) = (oscillator.mass, (path.force - slip.friction()) / oscillator.mass);
         let start = Start { x: path.displacement, v: path.motion, acceleration, time: slip.time(path), mass };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
-        let most_error = slip.noisy.most_error * (friction.static_force + SHARE * forces);
+        let most_error = slip.noisy.most_error * friction.static_force.max(SHARE * forces);
         loop {
             path.work.spend()?;
             let step = &slip.noisy.halved[halvings];
@@ -219,7 +222,8 @@ impl OwnForce {
                 if is_hopeless {
                     return Err(Unresolved);
                 }
-                (self.push, self.end) = (trial.mean, trial.end);
+                let [for_v, for_x] = trial.means;
+                (self.push, self.more, self.end) = (for_v, for_x - for_v, trial.end);
                 self.may_grow = is_resolved && trial.error <= GROWTH * most_error;
                 break;
             }
@@ -239,7 +243,7 @@ impl OwnForce {
         let (whole, slope) = (step.transition.x[1], step.transition.v[1]);
         let (half, half_slope) = (0.5 * whole + 0.125 * h * (1.0 - slope), 1.5 * whole / h - 0.25 * (1.0 + slope));
         let (drawn, mut end) = ((path.displacement, path.motion, path.force), self.end);
-        let (mut dx, mut dv) = (0.0, 0.0);
+        let (mut dx, mut dv) = (3.0 * h * unit * self.more, 0.0);
         for _ in 0..CORRECTIONS {
             let (x1, v1) = (drawn.0 + dx, drawn.1 + dv);
             let force = drawn.2 - body.stiffness * dx - 2.0 * body.damping * dv + end;
@@ -259,9 +263,8 @@ impl OwnForce {
     }
 }
 
-/// The share of the forces in the force by which the error of a step is measured, for scenes with
-/// hardly any friction.
-const SHARE: f64 = 0.001;
+/// The share of the forces that takes the place of f_s in scenes with hardly any friction.
+const SHARE: f64 = 3e-4;
 
 /// A step twice as long is tried if the error of the last one was below this share of the largest
 /// that is allowed: twice the length makes the error 16 times as large.
@@ -323,7 +326,8 @@ mod tests {
             let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
             let from = Start { x: start.x, v: start.v, acceleration: path.force, time: path.after, mass: 1.0 };
             let trial = from.trial(scene, own.here, step.length(), step.spread());
-            (own.push, own.end, own.start_force) = (trial.mean, trial.end, path.force);
+            (own.push, own.more) = (trial.means[0], trial.means[1] - trial.means[0]);
+            (own.end, own.start_force) = (trial.end, path.force);
             let mut drawn = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };
             for more in noise {
                 let mean = part.transition.free(drawn, 0.0);
@@ -340,7 +344,8 @@ mod tests {
     }
 
     /// The steps are of order 2 in law or better: on the same noise, the means of x, x', x^2 and x'^2 of
-    /// 4000 paths are off by less than a quarter of as much when the step is halved.
+    /// 4000 paths are off by less than a quarter of as much when the step is halved, within 4
+    /// standard errors.
     #[test]
     fn the_steps_of_a_slip_are_of_order_two_in_law() {
         let noisy = scene();
@@ -350,14 +355,16 @@ mod tests {
         let exact = ends(PARTS);
         let errors = |steps| {
             let pairs: Vec<_> = ends(steps).into_iter().zip(&exact).collect();
-            let of = |of: fn([f64; 2]) -> f64| pairs.iter().map(|(a, b)| of(*a) - of(*b)).collect::<Vec<_>>();
+            let of = |of: fn([f64; 2]) -> f64| pairs.iter().map(|(a, b)| of(*a) - of(**b)).collect::<Vec<_>>();
             [of(|[x, _]| x), of(|[_, v]| v), of(|[x, _]| x * x), of(|[_, v]| v * v)]
                 .map(|errors| mean_and_error(&errors))
         };
-        let (coarse, fine) = (errors(32), errors(64));
+        let (coarse, fine) = (errors(8), errors(16));
+        println!("{coarse:?}\n{fine:?}");
         for ((coarse, _), (fine, error)) in coarse.into_iter().zip(fine) {
-            println!("{coarse:e} {fine:e} +- {error:e}");
-            assert!(fine.abs() < coarse.abs() / 4.0 && fine.abs() > 5.0 * error);
+            assert!(fine.abs() < coarse.abs() / 4.0 + 4.0 * error);
         }
+        // The largest error is seen clearly, so that a wrong order would be seen too.
+        assert!(coarse.into_iter().any(|(coarse, error)| coarse.abs() > 10.0 * error));
     }
 }
