@@ -31,7 +31,7 @@ impl Model {
     }
 
     /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken
-    /// off alpha; none where it does not oscillate or does not grow.
+    /// off alpha; none without a spring, or where it does not grow.
     ///
     /// In a half-cycle of the unforced body the amplitude grows by q = e^{-pi z/sqrt(1 - z^2)}, z =
     /// alpha/(m w0) < 0, while friction takes (1 + q) f_d/K of it, so the two balance at
@@ -39,11 +39,16 @@ impl Model {
     /// ```text
     /// A = (f_d/K) (q + 1)/(q - 1)
     /// ```
+    ///
+    /// With z <= -1 it does not swing back, and A is f_d/K, the limit of q without bound: every
+    /// slip runs away.
     pub fn runaway_amplitude(&self, added: f64) -> Option<f64> {
         let Model { oscillator, friction: Friction { dynamic_force, .. }, .. } = self;
         let z = (oscillator.damping - added) / (oscillator.mass * oscillator.natural_frequency());
-        let exponent = -PI * z / ((1.0 - z) * (1.0 + z)).sqrt();
-        (z < 0.0 && z > -1.0).then(|| dynamic_force / oscillator.stiffness / libm::tanh(0.5 * exponent))
+        // Infinite for z <= -1.
+        let exponent = -PI * z / ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        (z < 0.0 && oscillator.stiffness > 0.0)
+            .then(|| dynamic_force / oscillator.stiffness / libm::tanh(0.5 * exponent))
     }
 
     /// A bound of |b| = |K (beta T - x)| while x = x0, up to `end`, for practically every

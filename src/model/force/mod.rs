@@ -20,7 +20,7 @@ mod words;
 pub use error::ExpressionError;
 pub use expression::{Expression, Linear};
 pub use law::ForceLaw;
-pub use scan::{Doubt, Scales, doubts};
+pub use scan::{Doubt, Scales, Steepest, beyond_hold, doubts, steepest};
 
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use std::any::Any;
