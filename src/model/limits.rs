@@ -21,13 +21,19 @@ impl Model {
     /// The largest |g(x0, 0, t)| up to `end`: that at many times, where g depends on time; 0 where
     /// there is no g or where it is not a number.
     pub fn own_force_at_start(&self, end: f64) -> f64 {
+        self.largest_at_start(end).0
+    }
+
+    /// The same with its time.
+    pub fn largest_at_start(&self, end: f64) -> (f64, f64) {
         const TIMES: u32 = 1000;
-        let Some(own) = &self.force else { return 0.0 };
+        let Some(own) = &self.force else { return (0.0, 0.0) };
         let times = if own.depends_on_time() { TIMES } else { 0 };
         let at = |i: u32| {
-            own.at(InstructionSet::detect(), self.initial_displacement, 0.0, end * f64::from(i) / f64::from(TIMES))
+            let time = end * f64::from(i) / f64::from(TIMES);
+            (own.at(InstructionSet::detect(), self.initial_displacement, 0.0, time).abs(), time)
         };
-        (0..=times).map(|i| at(i).abs()).fold(0.0, f64::max)
+        (0..=times).map(at).fold((0.0, 0.0), |largest, now| if now.0 > largest.0 { now } else { largest })
     }
 
     /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken

@@ -87,9 +87,8 @@ pub(super) fn runs_away(case: &Case) -> Vec<String> {
     let lost = if case.step.is_some() { "counted as diverged" } else { "given up" };
     let lost = format!("and are {lost} once their numbers are too large");
     if model.force.is_some() {
-        let driven = force::beyond_hold_of(case).map(|driven| {
-            format!("{driven}, and so ever farther out: paths may grow without bound, {lost}")
-        });
+        let driven = force::beyond_hold_of(case)
+            .map(|driven| format!("{driven}, and so ever farther out: paths may grow without bound, {lost}"));
         return driven.into_iter().collect();
     }
     let growing = match derived.stability {

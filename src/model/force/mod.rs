@@ -67,6 +67,11 @@ impl Force {
         self.0.depends_on_time()
     }
 
+    /// The beginning of the expression, for messages.
+    pub(crate) fn shown(&self) -> String {
+        self.expression().map_or("a law".to_string(), Expression::shown)
+    }
+
     /// The expression, if the force is one.
     pub fn expression(&self) -> Option<&Expression> {
         self.0.as_any().downcast_ref()

@@ -37,10 +37,10 @@ pub(super) fn found(probe: &mut Probe, body: &Oscillator) -> Steepest {
             continue;
         }
         let along = track.along[if moves_x { X } else { XDOT }];
-        let g: Vec<f64> =
-            (0..=INTERVALS).map(|i| probe.at(track.point(i as f64 / INTERVALS as f64))).collect();
+        let g: Vec<f64> = (0..=INTERVALS).map(|i| probe.at(track.point(i as f64 / INTERVALS as f64))).collect();
         let reached = if moves_x { within(&g, energy, body.stiffness, &track) } else { 0..INTERVALS };
-        let mut falls: Vec<(f64, usize)> = reached.map(|i| (g[i] - g[i + 1], i)).filter(|(fall, _)| *fall > 0.0).collect();
+        let mut falls: Vec<(f64, usize)> =
+            reached.map(|i| (g[i] - g[i + 1], i)).filter(|(fall, _)| *fall > 0.0).collect();
         falls.sort_by(|a, b| b.0.total_cmp(&a.0));
         for (_, interval) in falls.into_iter().take(CLOSER) {
             let Some((slope, part)) = closer(probe, &track, interval, along) else { continue };

@@ -107,13 +107,15 @@ fn the_steepest_slope_is_found_where_the_body_can_get() {
 fn a_force_that_nothing_holds_is_found() {
     let drive = Drive::Dilatation(0.0);
     let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive };
-    let found = |text: &str| beyond_hold(&expression(text), Scales { displacement: 2.0, velocity: 2.0, end: 30.0 }, &body);
+    let found =
+        |text: &str| beyond_hold(&expression(text), Scales { displacement: 2.0, velocity: 2.0, end: 30.0 }, &body);
     let outward = "[force] pushes outward more than the spring holds, as at";
     let energy = "[force] adds more energy than the damping takes, as at";
     assert_eq!(found("2*x"), Some(format!("{outward} x = 20")));
     assert_eq!(found("x*t"), Some(format!("{outward} x = 20, t = 3.9")));
     assert_eq!(found("0.3*xdot - 1e-9*x^3"), Some(format!("{energy} x = 0, xdot = 20")));
-    for text in ["0.5*x", "-x^3", "x^3", "9.81", "x*exp(-x^2)", "0.1*xdot", "(0.3 - 0.05*x^2)*xdot", "0.5*xdot*cos(t)"] {
+    for text in ["0.5*x", "-x^3", "x^3", "9.81", "x*exp(-x^2)", "0.1*xdot", "(0.3 - 0.05*x^2)*xdot", "0.5*xdot*cos(t)"]
+    {
         assert_eq!(found(text), None, "{text}");
     }
 }
