@@ -5,6 +5,7 @@ use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
 use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::numbers::short;
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
@@ -157,9 +158,10 @@ fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
         let text = model.force.as_ref().map_or(String::new(), |force| force.shown());
         let problem = format!(
             "`force.expression` = \"{}\" {} where the body starts, at x = {initial_displacement:?}, xdot = 0, t = {time:?}, \
-             and b/m reaches {acceleration:e}; above {LARGEST:e} is too large to compute with",
+             and b/m reaches {}; above {LARGEST:e} is too large to compute with",
             text,
-            if own.is_finite() { format!("has the size {own:e}") } else { "is infinite".to_string() }
+            if own.is_finite() { format!("has the size {}", short(own)) } else { "is infinite".to_string() },
+            short(acceleration)
         );
         let remedy = "write a force that is smaller there, or choose units in which mass and forces are closer to 1";
         return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));

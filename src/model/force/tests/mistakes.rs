@@ -1,7 +1,8 @@
 //! Texts that are not expressions.
 
-use super::super::{Expression, Scales, doubts};
+use super::super::{Expression, Scales, beyond_hold, doubts, steepest};
 use super::parameters;
+use crate::model::{Drive, Oscillator};
 use proptest::prelude::*;
 
 /// A wrong text, the part of it that is marked, the problem, and the remedy or a part of it.
@@ -136,7 +137,12 @@ proptest! {
         let text = words.concat();
         match Expression::parse(&text, &parameters()) {
             Ok(expression) => {
-                let found = doubts(&expression, Scales { displacement: 1.0, velocity: 1.0, end: 10.0 });
+                let scales = Scales { displacement: 1.0, velocity: 1.0, end: 10.0 };
+                let found = doubts(&expression, scales);
+                let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive: Drive::Force(0.0) };
+                let steepest = steepest(&expression, scales, &body);
+                prop_assert!(steepest.stiffness >= 0.0 && steepest.damping >= 0.0, "{steepest:?}");
+                beyond_hold(&expression, scales, &body);
                 prop_assert!(found.iter().all(|doubt| text.get(doubt.start..doubt.end).is_some()));
             }
             Err(error) => prop_assert!(text.get(error.start..error.end).is_some(), "{error:?}"),
