@@ -353,7 +353,8 @@ fn a_force_that_cannot_be_used_is_named() {
         assert_eq!(fault.key.as_deref(), Some("force.expression"), "{set:?}: {fault}");
         assert!(fault.problem.starts_with(&format!("`force.expression` = {problem}")), "{set:?}: {fault}");
     }
-    assert!(fault(base(&["force.expression=3"])).problem.contains("must be a string"));
+    let number = format!("{BASE}\n[force]\nexpression = 3");
+    assert!(fault(Scenario::parse("a", &number, &[])).problem.contains("must be a string"));
     let text = format!("{BASE}\n[force]\nexpression = 'k*x'\n[force.parameters]\nk = 1");
     let fault = fault(Scenario::parse("a", &text, &[Override::set("force.expression=-x^3").unwrap()]));
     assert!(fault.remedy.contains("`--set 'force.parameters={}'`"), "{fault}");

@@ -1,8 +1,8 @@
 //! A scenario with the numbers that its warnings depend on.
 
-use super::force::Stiffened;
 use super::noisy_step::NoisyStep;
 use super::slip::Slip;
+use super::steepness::Stiffened;
 use crate::advice::derived::Derived;
 use crate::scenario::Scenario;
 use crate::scheme::Discretisation;

@@ -1,7 +1,8 @@
 //! Warnings about a step that is too long for the oscillator, the forcing or the noise.
 
 use super::case::{Case, when};
-use super::force::{self, Stiffened};
+use super::force;
+use super::steepness::Stiffened;
 use crate::numbers::short;
 use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
