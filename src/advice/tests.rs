@@ -153,6 +153,46 @@ fn warnings_say_what_the_scene_is_about() {
     assert!(names(&["ensemble.paths=100000000"]).contains(&"large-output"));
 }
 
+/// The wall is as stiff as K = 1e5, and w0 h = 3.16 there.
+#[test]
+fn a_force_that_the_step_cannot_follow_is_named_with_its_place() {
+    let warnings = |kind: &str, step: &str, force: &str| {
+        let (kind, force) = (format!("scheme.kind={kind}"), format!("force.expression={force}"));
+        let step = format!("time.step={step}");
+        base(&[&kind, &force, &step, "time.end=110"]).warnings()
+    };
+    let says = |kind: &str, step: &str, force: &str, name: &str, text: &str| {
+        let found = warnings(kind, step, force);
+        let is_said = found.iter().any(|w| w.name() == name && w.to_string().contains(text));
+        assert!(is_said, "{kind} {step} {force}: {found:?}");
+    };
+    for kind in ["discrete-vi", "corrected-vi"] {
+        says(kind, "0.01", "-1e5*max(x-3,0)", "step-unstable", "as stiff as a spring of K = 100000 at x = 3.");
+        says(kind, "0.01", "-1e5*max(x-3,0)", "step-unstable", "beyond the stability limit 0.00632 there");
+        says(kind, "0.01", "-500*xdot", "step-unstable", "the step 0.01 is beyond the stability limit");
+        says(kind, "0.01", "-500*xdot - x^3", "step-unstable", "damps the body as alpha = 250 would at");
+    }
+    says("discrete-vi", "0.01", "-1e3*max(x-3,0)", "step-unstable", "adds energy to every half-cycle");
+    says("corrected-vi", "0.01", "-1e3*max(x-3,0)", "step-against-oscillator", "9.93 steps per half-cycle there");
+    for force in ["-0.1*x^3", "0.1*xdot - 0.05*x^2*xdot", "-10*max(x-3,0)", "sin(x)"] {
+        let found = warnings("discrete-vi", "0.01", force);
+        assert!(found.iter().all(|w| !w.name().starts_with("step")), "{force}: {found:?}");
+    }
+}
+
+#[test]
+fn bodies_that_nothing_holds_run_away() {
+    let runs_away = |set: &[&str]| {
+        let set = [&["scheme.kind=event-driven", "time.end=110"], set].concat();
+        base(&set).warnings().iter().any(|warning| warning.name() == "runs-away")
+    };
+    assert!(runs_away(&["oscillator.damping=-1"]) && runs_away(&["oscillator.damping=-2"]));
+    assert!(runs_away(&["force.expression=2*x"]) && runs_away(&["force.expression=x*t"]));
+    assert!(runs_away(&["force.expression=0.3*xdot - 1e-9*x^3"]));
+    assert!(!runs_away(&["force.expression=0.5*x"]) && !runs_away(&["force.expression=-x^3"]));
+    assert!(!runs_away(&["force.expression=(0.3 - 0.05*x^2)*xdot"]));
+}
+
 #[test]
 fn warnings_are_those_of_the_scheme() {
     let names = |kind: &str, set: &[&str]| {

@@ -168,7 +168,11 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         lines.push(("resolution: f_s as simulated", static_force.to_string()));
     }
     let amplitude = significant(expected_amplitude, 2);
-    let without = if scenario.model.force.is_some() { " without [force]" } else { "" };
+    let without = match () {
+        _ if scenario.model.force.is_some() => " without [force]",
+        _ if runaway_amplitude.is_some_and(|limit| expected_amplitude > limit) => " if it does not run away",
+        _ => "",
+    };
     lines.push(("largest |x| to be expected, roughly", format!("{amplitude}{without}")));
     let with_source = |period: Period| format!("{}, {}", number(period.length), period.source.words());
     lines.push(("P, time after which x is compared again", period.map_or("none".to_string(), with_source)));

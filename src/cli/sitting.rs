@@ -9,6 +9,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{Asked, EndedBy, LimitCycle, Outcome, Run, RunError, Sink, SoFar, Status};
 use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::model::Model;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
@@ -136,7 +137,7 @@ impl<'a> Sitting<'a> {
         let info = self.print(outcome)?;
         let failure = match &outcome.ended_by {
             Some(EndedBy::Hopeless(reason)) => Some(ending::hopeless(reason)),
-            _ if outcome.is_all_lost() => Some(all_lost(self.scenario.scheme.step().is_some()).to_string()),
+            _ if outcome.is_all_lost() => Some(all_lost(self.scenario)),
             _ => None,
         };
         if outcome.status == Status::Interrupted && self.leaves == Leaves::Nothing {
@@ -208,12 +209,34 @@ impl<'a> Sitting<'a> {
 }
 
 /// The message where every path was lost.
-fn all_lost(has_step: bool) -> &'static str {
-    if has_step {
-        "every path diverged, so there are no statistics\n  fix: a smaller step, or --scheme corrected-vi or event-driven; mc check \
-         says how long a step may be"
-    } else {
-        "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that is not finite\n  \
-         fix: a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
-    }
+fn all_lost(scenario: &Scenario) -> String {
+    let Model { force, oscillator, .. } = &scenario.model;
+    let cause = match force {
+        Some(_) => {
+            " The reason may be `force.expression`: that it has no value where the body is, or drives it without bound"
+        }
+        None if oscillator.damping < 0.0 => " The reason may be the negative damping, which lets the body run away",
+        None => "",
+    };
+    let (lost, remedy) = match (scenario.scheme.step(), cause) {
+        (Some(_), "") => (
+            "every path diverged, so there are no statistics",
+            "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be",
+        ),
+        (Some(_), _) => (
+            "every path diverged, so there are no statistics.",
+            "what the warnings of mc check say; a smaller step tells whether the step is the reason",
+        ),
+        (None, "") => (
+            "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that \
+             is not finite",
+            "a shorter --until; or --scheme discrete-vi, whose work is its number of steps",
+        ),
+        (None, _) => (
+            "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that \
+             is not finite.",
+            "what the warnings of mc check say, or a shorter --until",
+        ),
+    };
+    format!("{lost}{cause}\n  fix: {remedy}")
 }

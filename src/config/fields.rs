@@ -317,9 +317,20 @@ impl<'a> Fields<'a> {
     }
 
     fn line_in(&self, node: &Node, name: &str) -> Result<String, Box<Fault>> {
+        self.text_in(node, name, char::is_control)
+    }
+
+    /// A text that may have line breaks and tabs; none if it is missing or cannot be used, which is
+    /// reported.
+    pub fn lines_if_sound(&self, key: Key) -> Option<String> {
+        let is_wrong = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
+        self.sources.or_report(self.text_in(self.node(key.name)?, key.name, is_wrong))
+    }
+
+    fn text_in(&self, node: &Node, name: &str, is_wrong: fn(char) -> bool) -> Result<String, Box<Fault>> {
         let path = self.dotted(name);
         match &node.value {
-            Value::Text(text) if text.chars().any(char::is_control) => {
+            Value::Text(text) if text.chars().any(is_wrong) => {
                 let problem = "holds a line break or another control character".to_string();
                 Err(self.fault(node, &path, problem, "write it on one line".into()))
             }

@@ -336,6 +336,51 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
     }
 }
 
+/// Nobody wrote the stiffness and the damping that a linear force leaves.
+#[test]
+fn a_force_that_cannot_be_used_is_named() {
+    let quasi_static = "scheme.kind=quasi-static";
+    for (set, problem) in [
+        (&["force.expression=-1e300*x^3"][..], "\"-1e300*x^3\" has the size 2.16e302 where the body starts"),
+        (
+            &["force.expression=1/(t-30)"],
+            "\"1/(t-30)\" is infinite where the body starts, at x = 6.0, xdot = 0, t = 30.0",
+        ),
+        (&[quasi_static, "force.expression=0.2*xdot"], "\"0.2*xdot\" is linear, and makes the damping alpha -0.1"),
+        (&[quasi_static, "force.expression=1*x"], "\"1*x\" is linear, and makes the stiffness K 0.0"),
+    ] {
+        let fault = fault(base(set));
+        assert_eq!(fault.key.as_deref(), Some("force.expression"), "{set:?}: {fault}");
+        assert!(fault.problem.starts_with(&format!("`force.expression` = {problem}")), "{set:?}: {fault}");
+    }
+    let number = format!("{BASE}\n[force]\nexpression = 3");
+    assert!(fault(Scenario::parse("a", &number, &[])).problem.contains("must be a string"));
+    let text = format!("{BASE}\n[force]\nexpression = 'k*x'\n[force.parameters]\nk = 1");
+    let fault = fault(Scenario::parse("a", &text, &[Override::set("force.expression=-x^3").unwrap()]));
+    assert!(fault.remedy.contains("`--set 'force.parameters={}'`"), "{fault}");
+}
+
+#[test]
+fn faults_of_a_force_are_marked_where_they_are() {
+    let marked = |force: &str| {
+        let fault = fault(Scenario::parse("a", &format!("{BASE}\n{force}"), &[]));
+        let excerpt = fault.excerpt.unwrap_or_default();
+        let text = |line: &str| line.split_once('|').map_or("", |(_, text)| text).to_string();
+        excerpt.lines().skip(1).map(text).collect::<Vec<_>>()
+    };
+    let of = |expression: &str| marked(&format!("[force]\nexpression = {expression}"));
+    assert_eq!(of("\"\"\"\n-x^3\n\t- 2*vel\n\"\"\""), [" \t- 2*vel", " \t    ^^^"]);
+    assert_eq!(of("'''-x^3\n  - 2*vel'''"), ["   - 2*vel'''", "       ^^^"]);
+    assert_eq!(of("\"\""), [" expression = \"\"", "              ^^"]);
+    let parameters = "[force]\nexpression = '-x^3'\n[force.parameters]\nk = 1\n'k-3' = 2";
+    assert_eq!(marked(parameters), [" 'k-3' = 2", " ^^^^^"]);
+    let lines = format!("{BASE}\n[force]\nexpression = '''\n-x^3\n\t- 0.1*xdot\n'''\n");
+    let scenario = Scenario::parse("a", &lines, &[]).unwrap();
+    let force = scenario.model.force.as_ref().and_then(|force| force.expression()).unwrap();
+    assert_eq!(force.text(), "-x^3  - 0.1*xdot");
+    assert_eq!(Scenario::parse("a", &scenario.to_toml(), &[]).unwrap(), scenario);
+}
+
 /// The same values are rejected in memory as in a file, since the checks do not depend on files.
 #[test]
 fn data_are_refused_for_the_same_reasons_as_a_file() {

@@ -21,17 +21,23 @@ impl Model {
     /// The largest |g(x0, 0, t)| up to `end`: that at many times, where g depends on time; 0 where
     /// there is no g or where it is not a number.
     pub fn own_force_at_start(&self, end: f64) -> f64 {
+        self.largest_at_start(end).0
+    }
+
+    /// The same with its time.
+    pub fn largest_at_start(&self, end: f64) -> (f64, f64) {
         const TIMES: u32 = 1000;
-        let Some(own) = &self.force else { return 0.0 };
+        let Some(own) = &self.force else { return (0.0, 0.0) };
         let times = if own.depends_on_time() { TIMES } else { 0 };
         let at = |i: u32| {
-            own.at(InstructionSet::detect(), self.initial_displacement, 0.0, end * f64::from(i) / f64::from(TIMES))
+            let time = end * f64::from(i) / f64::from(TIMES);
+            (own.at(InstructionSet::detect(), self.initial_displacement, 0.0, time).abs(), time)
         };
-        (0..=times).map(|i| at(i).abs()).fold(0.0, f64::max)
+        (0..=times).map(at).fold((0.0, 0.0), |largest, now| if now.0 > largest.0 { now } else { largest })
     }
 
     /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken
-    /// off alpha; none where it does not oscillate or does not grow.
+    /// off alpha; none without a spring, or where it does not grow.
     ///
     /// In a half-cycle of the unforced body the amplitude grows by q = e^{-pi z/sqrt(1 - z^2)}, z =
     /// alpha/(m w0) < 0, while friction takes (1 + q) f_d/K of it, so the two balance at
@@ -39,11 +45,16 @@ impl Model {
     /// ```text
     /// A = (f_d/K) (q + 1)/(q - 1)
     /// ```
+    ///
+    /// With z <= -1 it does not swing back, and A is f_d/K, the limit of q without bound: every
+    /// slip runs away.
     pub fn runaway_amplitude(&self, added: f64) -> Option<f64> {
         let Model { oscillator, friction: Friction { dynamic_force, .. }, .. } = self;
         let z = (oscillator.damping - added) / (oscillator.mass * oscillator.natural_frequency());
-        let exponent = -PI * z / ((1.0 - z) * (1.0 + z)).sqrt();
-        (z < 0.0 && z > -1.0).then(|| dynamic_force / oscillator.stiffness / libm::tanh(0.5 * exponent))
+        // Infinite for z <= -1.
+        let exponent = -PI * z / ((1.0 - z) * (1.0 + z)).max(0.0).sqrt();
+        (z < 0.0 && oscillator.stiffness > 0.0)
+            .then(|| dynamic_force / oscillator.stiffness / libm::tanh(0.5 * exponent))
     }
 
     /// A bound of |b| = |K (beta T - x)| while x = x0, up to `end`, for practically every

@@ -36,7 +36,9 @@ mod temperature;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
-pub use force::{Doubt, Expression, ExpressionError, Force, ForceLaw, Linear, Scales, doubts};
+pub use force::{
+    Doubt, Expression, ExpressionError, Force, ForceLaw, Linear, Scales, Steepest, beyond_hold, doubts, steepest,
+};
 pub use friction::{Friction, prox};
 #[doc(hidden)]
 pub use harmonic_clock::HarmonicClock;

@@ -3,8 +3,9 @@
 
 use super::limits::MAX_PHASE;
 use super::time::check_end;
-use super::{Ensemble, Scenario, Statistics};
+use super::{Ensemble, Scenario, Statistics, WrittenForce};
 use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::numbers::short;
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
 impl Scenario {
@@ -31,7 +32,28 @@ impl Scenario {
         found.note_if_sound(|| time.check_rows(*scheme));
         found.note(|| statistics.check(time.end));
         found.note(|| ensemble.check());
-        found.0
+        found.0.into_iter().map(|misfit| self.as_written(misfit)).collect()
+    }
+
+    /// A misfit of the stiffness or the damping is one of a linear force, if that made it what it
+    /// is.
+    fn as_written(&self, misfit: Misfit) -> Misfit {
+        let Some(WrittenForce { expression, without: Some(body) }) = &self.written_force else { return misfit };
+        let (what, before) = match misfit.about.first() {
+            Some(("oscillator.stiffness", _)) => ("stiffness K", body.stiffness),
+            Some(("oscillator.damping", _)) => ("damping alpha", body.damping),
+            _ => return misfit,
+        };
+        let value = misfit.about[0].1;
+        if value == before {
+            return misfit;
+        }
+        let problem = format!(
+            "`force.expression` = \"{}\" is linear, and makes the {what} {value:?}, which {}",
+            expression.shown(),
+            misfit.problem
+        );
+        Misfit::new(&[("force.expression", f64::NAN)], problem, misfit.remedy)
     }
 
     /// The same scenario with another scheme. It is an error if the step or the tolerance of that
@@ -130,6 +152,19 @@ fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
     let acceleration = largest / oscillator.mass;
     if can_be_computed_with(&[largest, acceleration]) {
         return Ok(());
+    }
+    let (own, time) = model.largest_at_start(end);
+    if own > 0.5 * largest || !own.is_finite() {
+        let text = model.force.as_ref().map_or(String::new(), |force| force.shown());
+        let problem = format!(
+            "`force.expression` = \"{}\" {} where the body starts, at x = {initial_displacement:?}, xdot = 0, t = {time:?}, \
+             and b/m reaches {}; above {LARGEST:e} is too large to compute with",
+            text,
+            if own.is_finite() { format!("has the size {}", short(own)) } else { "is infinite".to_string() },
+            short(acceleration)
+        );
+        let remedy = "write a force that is smaller there, or choose units in which mass and forces are closer to 1";
+        return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
     }
     let problem = format!(
         "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {LARGEST:e} is too large to \

@@ -46,7 +46,6 @@ use super::event_driven::{
     UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, WorkLeft, cell_length, check_friction, noise_between,
 };
 use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
-use crate::excerpt::short;
 use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
@@ -88,11 +87,10 @@ impl Method for QuasiStatic {
         let Oscillator { stiffness, damping, .. } = model.oscillator;
         let remedy = "choose `--scheme event-driven`, which follows every slip";
         if let Some(force) = &model.force {
-            let text = force.expression().map_or("a law", |expression| expression.text());
             let problem = format!(
                 "`force.expression` = \"{}\" is a force that the quasi-static recursion does not know: there a slip is a \
                  swing of the spring alone",
-                short(text)
+                force.shown()
             );
             return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
         }

@@ -2,6 +2,7 @@
 
 use super::noisy_step::NoisyStep;
 use super::slip::Slip;
+use super::steepness::Stiffened;
 use crate::advice::derived::Derived;
 use crate::scenario::Scenario;
 use crate::scheme::Discretisation;
@@ -12,6 +13,8 @@ pub(super) struct Case<'a> {
     pub derived: Derived,
     /// The step h, for schemes that have one.
     pub step: Option<f64>,
+    /// The body where a force of the user's own is steepest, for schemes that have a step.
+    pub stiffened: Option<Stiffened>,
     /// The noise in a step, for a scheme that checks stick exits once a step.
     pub checked: Option<NoisyStep>,
     /// The noise in a step, for a scheme that checks them once a step and corrects for this.
@@ -30,7 +33,8 @@ impl<'a> Case<'a> {
             Discretisation::Tolerance { .. } => (None, None, None, None),
             Discretisation::Approximation => (None, None, None, Some(Slip::of(&scenario.model))),
         };
-        Case { scenario, derived, step, checked, corrected, slip }
+        let stiffened = step.and_then(|_| Stiffened::of(scenario, &derived));
+        Case { scenario, derived, step, stiffened, checked, corrected, slip }
     }
 
     /// The noise in a step, whether or not the scheme corrects for it.

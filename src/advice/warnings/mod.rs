@@ -12,6 +12,7 @@ mod quasi_static;
 mod question;
 mod series;
 mod slip;
+mod steepness;
 mod step;
 
 use crate::scenario::Scenario;

@@ -1,26 +1,61 @@
 //! Warnings about a step that is too long for the oscillator, the forcing or the noise.
 
 use super::case::{Case, when};
+use super::force;
+use super::steepness::Stiffened;
 use crate::numbers::short;
-use crate::scheme::Stability;
+use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
 
-/// The step is beyond its stability limit.
+/// The step is beyond its stability limit, by itself or where a force of the user's own is steepest.
 pub(super) fn unstable(case: &Case) -> Vec<String> {
-    let (Some(h), Some(stability)) = (case.step, case.derived.stability) else { return Vec::new() };
-    match stability {
-        Stability::Undamped { .. } | Stability::Growing { .. } => Vec::new(),
-        Stability::Underdamped { largest_step: limit }
-        | Stability::Overdamped { largest_step: limit }
-        | Stability::NewVelocity { largest_step: limit } => when(h >= limit, || {
-            format!(
-                "the step {} is beyond the stability limit {}: slips will grow until they overflow. \
-                 Choose time.step below the limit",
-                short(h),
-                short(limit)
-            )
-        }),
+    let Some(h) = case.step else { return Vec::new() };
+    let by_itself = match case.derived.stability {
+        None | Some(Stability::Undamped { .. } | Stability::Growing { .. }) => None,
+        Some(
+            Stability::Underdamped { largest_step }
+            | Stability::Overdamped { largest_step }
+            | Stability::NewVelocity { largest_step },
+        ) => Some(largest_step),
+    };
+    if let Some(limit) = by_itself.filter(|limit| h >= *limit) {
+        return vec![format!(
+            "the step {} is beyond the stability limit {}: slips will grow until they overflow. \
+             Choose time.step below the limit",
+            short(h),
+            short(limit)
+        )];
     }
+    let Some(stiffened) = &case.stiffened else { return Vec::new() };
+    let limit = stiffened.largest_step();
+    if h >= limit {
+        return vec![format!(
+            "{}, so the step {} is beyond the stability limit {} there: the scheme cannot follow the force, and the \
+             velocity may swing to and fro or grow until it overflows. Choose time.step well below the limit, or `--scheme event-driven`",
+            stiffened.reason(),
+            short(h),
+            short(limit)
+        )];
+    }
+    when(adds_energy(case, stiffened), || {
+        format!(
+            "{}, where the explicit step {} adds energy to every half-cycle, and paths may grow without bound. \
+             {FEW_STEPS} steps in that half-cycle take a step below {}; `--scheme corrected-vi` adds none, and \
+             `--scheme event-driven` has no step",
+            stiffened.stiffest_place(),
+            short(h),
+            short(PI / (FEW_STEPS * stiffened.stiffest.natural_frequency()))
+        )
+    })
+}
+
+/// Whether the plain explicit step adds much energy where a force of the user's own is stiffest:
+/// few steps in a half-cycle there, and less damping than the step gives back.
+fn adds_energy(case: &Case, stiffened: &Stiffened) -> bool {
+    let (Discretisation::Step { h }, body) = (case.scenario.scheme.discretisation(), &stiffened.body) else {
+        return false;
+    };
+    PI / (stiffened.stiffest.natural_frequency() * h) < FEW_STEPS && 0.5 * body.stiffness * h > body.damping
 }
 
 /// If the relative growth of the amplitude over the whole run is below this, it is not worth a
@@ -46,19 +81,26 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Vec<String> {
     })
 }
 
-/// With negative damping, the expected amplitude is above the one beyond which the body runs away.
+/// With negative damping, the expected amplitude is above the one beyond which the body runs away,
+/// or a force of the user's own drives it outward or adds energy at any distance.
 pub(super) fn runs_away(case: &Case) -> Vec<String> {
     let (derived, model) = (&case.derived, &case.scenario.model);
+    let lost = if case.step.is_some() { "counted as diverged" } else { "given up" };
+    let lost = format!("and are {lost} once their numbers are too large");
+    if model.force.is_some() {
+        let driven = force::beyond_hold_of(case)
+            .map(|driven| format!("{driven}, and so ever farther out: paths may grow without bound, {lost}"));
+        return driven.into_iter().collect();
+    }
     let growing = match derived.stability {
         Some(Stability::Growing { critical_amplitude }) => Some(critical_amplitude),
         _ => model.runaway_amplitude(0.0),
     };
     let Some(critical) = growing.filter(|_| model.oscillator.damping < 0.0) else { return Vec::new() };
-    when(model.force.is_none() && derived.expected_amplitude > critical, || {
+    when(derived.expected_amplitude > critical, || {
         format!(
             "negative damping adds more energy than friction takes once the amplitude exceeds {}, and about {} is to \
-             be expected: paths beyond it grow without bound, and are counted as diverged once their numbers do not \
-             fit a double",
+             be expected before that: paths beyond it grow without bound, {lost}",
             short(critical),
             short(derived.expected_amplitude)
         )
@@ -70,10 +112,20 @@ const FEW_STEPS: f64 = 16.0;
 
 pub(super) fn against_oscillator(case: &Case) -> Vec<String> {
     let Some(h) = case.step else { return Vec::new() };
-    let steps = PI / (case.derived.natural_frequency * h);
-    when(steps < FEW_STEPS, || {
-        format!(
+    let steps_of = |w0: f64| PI / (w0 * h);
+    let steps = steps_of(case.derived.natural_frequency);
+    if steps < FEW_STEPS {
+        return vec![format!(
             "the step leaves only {} steps per half-cycle pi/w0 of the oscillator: slips are poorly resolved",
+            short(steps)
+        )];
+    }
+    let Some(stiffened) = &case.stiffened else { return Vec::new() };
+    let steps = steps_of(stiffened.stiffest.natural_frequency());
+    when(steps < FEW_STEPS && h < stiffened.largest_step() && !adds_energy(case, stiffened), || {
+        format!(
+            "{}, so the step leaves only {} steps per half-cycle there: slips are poorly resolved",
+            stiffened.stiffest_place(),
             short(steps)
         )
     })

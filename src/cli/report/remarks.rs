@@ -204,10 +204,12 @@ pub fn too_few(summary: &Summary) -> Option<String> {
 /// The number of paths, and how the run ended.
 fn paths(summary: &Summary, info: &RunInfo) -> String {
     let completed = grouped(summary.completed_paths);
-    let of_all = format!("{completed} of {} completed", grouped(info.provenance.paths));
+    // Lost paths, which are told in another line, are not completed.
+    let done = if summary.diverged.is_empty() { "completed" } else { "simulated" };
+    let of_all = format!("{completed} of {} {done}", grouped(info.provenance.paths));
     match info.status {
         Status::Complete => of_all,
-        Status::Ended => format!("{completed} completed; ended by {}", info.ended_by.as_deref().unwrap_or("request")),
+        Status::Ended => format!("{completed} {done}; ended by {}", info.ended_by.as_deref().unwrap_or("request")),
         Status::Part => {
             format!("{of_all}: part {} of the run", info.part.map_or_else(String::new, |part| part.to_string()))
         }

@@ -10,6 +10,8 @@ pub struct ExpressionError {
     pub start: usize,
     /// The byte behind the place. A fault of a parameter has an empty place at 0.
     pub end: usize,
+    /// The parameter, if the fault is one of its name or its value.
+    pub parameter: Option<String>,
     /// What is wrong.
     pub problem: String,
     /// What would be right.
@@ -19,6 +21,12 @@ pub struct ExpressionError {
 impl ExpressionError {
     /// An error at these bytes of the text.
     pub(super) fn new(place: Range<usize>, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        ExpressionError { start: place.start, end: place.end, problem: problem.into(), remedy: remedy.into() }
+        let (problem, remedy) = (problem.into(), remedy.into());
+        ExpressionError { start: place.start, end: place.end, parameter: None, problem, remedy }
+    }
+
+    /// An error of a parameter.
+    pub(super) fn of_parameter(name: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        ExpressionError { parameter: Some(name.to_string()), ..ExpressionError::new(0..0, problem, remedy) }
     }
 }

@@ -5,6 +5,7 @@ use super::law::ForceLaw;
 use super::parse::parse;
 use super::tape::Tape;
 use super::tree::{Formula, TIME};
+use crate::excerpt::short;
 use crate::lanes::Lanes;
 
 /// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
@@ -40,6 +41,11 @@ impl Expression {
     /// The text as it was written.
     pub fn text(&self) -> &str {
         &self.text
+    }
+
+    /// The beginning of the text, for messages.
+    pub(crate) fn shown(&self) -> String {
+        short(&self.text)
     }
 
     /// The parameters with their values.

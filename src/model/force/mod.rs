@@ -20,7 +20,7 @@ mod words;
 pub use error::ExpressionError;
 pub use expression::{Expression, Linear};
 pub use law::ForceLaw;
-pub use scan::{Doubt, Scales, doubts};
+pub use scan::{Doubt, Scales, Steepest, beyond_hold, doubts, steepest};
 
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use std::any::Any;
@@ -65,6 +65,11 @@ impl Force {
     /// Whether g depends on t.
     pub fn depends_on_time(&self) -> bool {
         self.0.depends_on_time()
+    }
+
+    /// The beginning of the expression, for messages.
+    pub(crate) fn shown(&self) -> String {
+        self.expression().map_or("a law".to_string(), Expression::shown)
     }
 
     /// The expression, if the force is one.

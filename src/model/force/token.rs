@@ -1,6 +1,7 @@
 //! A text as numbers, names and symbols.
 
 use super::error::ExpressionError;
+use super::words::CASES;
 use crate::excerpt::short;
 use std::ops::Range;
 
@@ -21,7 +22,16 @@ pub(super) struct Token {
 const SYMBOLS: &str = "+-*/^(),";
 
 /// Characters that users write for something else.
-const MISTAKEN: [(&str, &str); 5] = [("'’′\u{307}ẋ", "xdot"), ("×·⋅∙", "*"), ("−–—", "-"), ("÷", "/"), ("²", "^2")];
+const MISTAKEN: [(&str, &str); 8] = [
+    ("'’′\u{307}ẋ", "xdot"),
+    ("×·⋅∙", "*"),
+    ("−–—", "-"),
+    ("÷", "/"),
+    ("²", "^2"),
+    ("³", "^3"),
+    ("π", "pi"),
+    ("=<>≤≥≠?:&|!", CASES),
+];
 
 /// The tokens of a text. An `End` is the last of them.
 pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
@@ -35,6 +45,12 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
             continue;
         } else if is_number {
             let end = at + number_length(&text[at..]);
+            let run = at + length(|c| c.is_ascii_alphanumeric() || c == '_' || c == '.');
+            if is_no_number(&text[at..end], &text[end..run.max(end)]) {
+                let remedy = "write digits, a point and an exponent, as in 1000, 0.5 or 1e-3";
+                let problem = format!("`{}` is not a number", short(&text[at..run]));
+                return Err(ExpressionError::new(at..run, problem, remedy));
+            }
             (Kind::Number(number(&text[at..end], at)?), end)
         } else if c.is_ascii_alphabetic() || c == '_' {
             (Kind::Name, at + length(|c| c.is_ascii_alphanumeric() || c == '_'))
@@ -70,6 +86,14 @@ fn number_length(text: &str) -> usize {
     length
 }
 
+/// Whether the letters, digits, points and underscores that follow a number were meant to belong to
+/// it, as in 1.2.3, 1_000, 0x10 and 1e.
+fn is_no_number(number: &str, rest: &str) -> bool {
+    let has_digit =
+        |prefix: char| rest.strip_prefix(prefix).is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    rest.starts_with(['.', '_']) || matches!(rest, "e" | "E") || (number == "0" && has_digit('x'))
+}
+
 fn number(text: &str, at: usize) -> Result<f64, ExpressionError> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| {
@@ -89,6 +113,7 @@ fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> Expressio
     }
     let remedy = match right {
         Some("xdot") => "write `xdot` for the velocity".into(),
+        Some(CASES) => format!("an expression has no comparisons: {CASES}"),
         Some(right) => format!("write `{right}`"),
         None => "write it with numbers, names of letters from a to z, digits and _, the operators + - * / ^, \
                  parentheses and commas"

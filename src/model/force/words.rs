@@ -57,8 +57,28 @@ const SYNONYMS: [(&str, &str); 16] = [
     ("e", "exp(1)"),
 ];
 
+/// What stands for names that users write and an expression does not know.
+const HINTS: [(&[&str], &str); 11] = [
+    (&["sinh"], "write `(exp(x) - exp(-x))/2` for sinh(x)"),
+    (&["cosh"], "write `(exp(x) + exp(-x))/2` for cosh(x)"),
+    (&["log10", "lg"], "write `log(x)/log(10)` for the decimal logarithm"),
+    (&["log2"], "write `log(x)/log(2)` for log2(x)"),
+    (&["log1p"], "write `log(1 + x)` for log1p(x)"),
+    (&["expm1"], "write `exp(x) - 1` for expm1(x)"),
+    (&["asin", "arcsin"], "write `atan(x/sqrt(1 - x^2))` for asin(x)"),
+    (&["acos", "arccos"], "write `pi/2 - atan(x/sqrt(1 - x^2))` for acos(x)"),
+    (&["sqr", "square"], "write `x^2` for the square of x"),
+    (&["cbrt"], "write `sign(x)*abs(x)^(1/3)` for the cube root of x"),
+    (&["if", "where", "else", "then", "and", "or", "heaviside", "step", "piecewise", "theta"], CASES),
+];
+
+/// What to write in place of a comparison.
+pub(super) const CASES: &str = "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
+
 /// The likeness (1 for equal words) from which a name is suggested.
 const ALIKE: f64 = 0.75;
+/// The letters from which a name is long enough to be taken for another one.
+const LONG: usize = 3;
 
 /// What a name stands for.
 #[derive(Clone, Copy, Debug)]
@@ -84,20 +104,35 @@ pub(super) fn meaning(
 ) -> Result<Meaning, ExpressionError> {
     let parameter = || parameters.iter().position(|(known, _)| known == name).map(Meaning::Parameter);
     reserved(name).or_else(parameter).ok_or_else(|| {
-        let suggestion = suggestion(name, parameters).map_or(String::new(), |right| format!("write `{right}`; "));
-        let remedy = format!("{suggestion}an expression knows {}", known(parameters));
+        let hint = hint(name, parameters).map_or(String::new(), |hint| format!("{hint}; "));
+        let remedy = format!("{hint}an expression knows {}", known(parameters));
         ExpressionError::new(place.clone(), format!("unknown name `{}`", short(name)), remedy)
     })
 }
 
-fn suggestion<'a>(name: &str, parameters: &'a [(String, f64)]) -> Option<&'a str> {
+/// What to write in place of a name.
+fn hint(name: &str, parameters: &[(String, f64)]) -> Option<String> {
     let word = name.to_lowercase();
-    let names = || VARIABLES.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name)).chain(["pi"]);
-    let likeness = |known: &'a str| (strsim::jaro_winkler(&word, &known.to_lowercase()), known);
+    if let Some((_, hint)) = HINTS.iter().find(|(names, _)| names.contains(&word.as_str())) {
+        return Some(hint.to_string());
+    }
     let synonym = SYNONYMS.iter().find(|(synonym, _)| *synonym == word).map(|(_, right)| *right);
-    let alike = || names().chain(parameters.iter().map(|(name, _)| name.as_str())).map(likeness);
-    let nearest = || alike().filter(|(likeness, _)| *likeness >= ALIKE).max_by(|a, b| a.0.total_cmp(&b.0));
-    synonym.or_else(|| nearest().map(|(_, name)| name))
+    synonym.or_else(|| nearest(&word, parameters)).map(|right| format!("write `{right}`"))
+}
+
+/// The name that a word is a slip of the pen for. A name with something added, as x2 or sinh,
+/// probably means something else.
+fn nearest<'a>(word: &str, parameters: &'a [(String, f64)]) -> Option<&'a str> {
+    let names = VARIABLES.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name)).chain(["pi"]);
+    let all = names.chain(parameters.iter().map(|(name, _)| name.as_str()));
+    let near = all.filter_map(|name| {
+        let known = name.to_lowercase();
+        let likeness = strsim::jaro_winkler(word, &known);
+        let slips = strsim::osa_distance(word, &known);
+        let is_near = word.len() >= LONG && (slips <= 1 || likeness >= ALIKE) && !word.contains(&known);
+        (known == word || is_near).then_some((slips, -likeness, name))
+    });
+    near.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(_, _, name)| name)
 }
 
 fn known(parameters: &[(String, f64)]) -> String {
@@ -113,10 +148,10 @@ fn known(parameters: &[(String, f64)]) -> String {
 
 /// Checks that parameters have names of their own, and values.
 pub(super) fn check(parameters: &[(String, f64)]) -> Result<(), ExpressionError> {
-    let fault = |problem: String, remedy: &str| Err(ExpressionError::new(0..0, problem, remedy));
-    if parameters.len() > MAX_PARAMETERS {
+    let fault = |name: &str, problem: String, remedy: &str| Err(ExpressionError::of_parameter(name, problem, remedy));
+    if let Some((name, _)) = parameters.get(MAX_PARAMETERS) {
         let problem = format!("{} parameters are more than {MAX_PARAMETERS}", parameters.len());
-        return fault(problem, "write the values of some into the expression");
+        return fault(name, problem, "write the values of some into the expression");
     }
     for (i, (name, value)) in parameters.iter().enumerate() {
         let shown = short(name);
@@ -125,19 +160,20 @@ pub(super) fn check(parameters: &[(String, f64)]) -> Result<(), ExpressionError>
             && (1..=MAX_NAME).contains(&name.len());
         if !is_name {
             let remedy = format!("write letters from a to z, digits and _, at most {MAX_NAME}, and no digit first");
-            return fault(format!("`{shown}` cannot be the name of a parameter"), &remedy);
+            return fault(name, format!("`{shown}` cannot be the name of a parameter"), &remedy);
         }
         if reserved(name).is_some() {
             return fault(
+                name,
                 format!("the parameter `{shown}` has a name with a meaning of its own"),
                 "give it another name",
             );
         }
         if parameters[..i].iter().any(|(other, _)| other == name) {
-            return fault(format!("two parameters are called `{shown}`"), "give each a name of its own");
+            return fault(name, format!("two parameters are called `{shown}`"), "give each a name of its own");
         }
         if !value.is_finite() {
-            return fault(format!("the parameter `{shown}` is {value}"), "write a finite number");
+            return fault(name, format!("the parameter `{shown}` is {value}"), "write a finite number");
         }
     }
     Ok(())

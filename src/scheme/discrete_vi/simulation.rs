@@ -11,6 +11,10 @@ use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
 /// exact model.
 const DIVERGENCE_MARGIN: f64 = 10.0;
 
+/// The same multiple under a force of the user's own, for a displacement to which that force only
+/// adds its size at the start.
+const OWN_FORCE_MARGIN: f64 = 1e6;
+
 /// The number of stationary standard deviations of v that are included in that largest
 /// displacement.
 const FARTHEST_NOISE_SDS: f64 = 10.0;
@@ -167,14 +171,15 @@ impl Simulate for DiscreteSimulation {
 /// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and the
 /// body without a spring |x(t)| <= |x0| + t^2 sup |c T|/(2 m). Friction and damping only take
 /// energy away; negative damping lets x grow by e^{2 |gamma| t}. The bound is ten times this value
-/// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K. How
-/// far a force of the user's own may drive the body is not known, so with one the bound is 1e100.
+/// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K.
+///
+/// How far a force of the user's own may drive the body is not known. With one, its largest value
+/// at x0 and rest is part of the force, a typical length is part of x, and the bound is a million
+/// times what follows, and at most 1e100.
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let Model { oscillator, friction, .. } = model;
-    if model.force.is_some() {
-        return LARGEST;
-    }
-    let force = oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
+    let thermal = oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
+    let force = thermal + model.own_force_at_start(end);
     let driven = if oscillator.stiffness > 0.0 {
         let growth = 1.0 + oscillator.natural_frequency() * end;
         growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness
@@ -182,7 +187,11 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
         (force + friction.static_force) / oscillator.mass * end * end / 2.0
     };
     let growth = libm::exp(-2.0 * oscillator.damping_rate().min(0.0) * end);
-    (DIVERGENCE_MARGIN * growth * (model.initial_displacement.abs() + driven)).min(f64::MAX)
+    let reach = model.initial_displacement.abs() + driven;
+    match model.force {
+        None => (DIVERGENCE_MARGIN * growth * reach).min(f64::MAX),
+        Some(_) => (OWN_FORCE_MARGIN * growth * (reach + model.length_scale(end))).min(LARGEST),
+    }
 }
 
 /// The buffers of a snapshot.

@@ -3,6 +3,7 @@
 use super::super::operation::{Binary, Unary};
 use super::super::tree::{Term, X, XDOT};
 use super::probe::{Found, Probe, short};
+use crate::model::Oscillator;
 
 /// How many times the scales the force is looked at.
 const TIMES: [f64; 4] = [10.0, 100.0, 1000.0, 10_000.0];
@@ -55,6 +56,42 @@ fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option
     let (value, place) = (short(probe.at(shown)), probe.words(shown));
     let sentence = format!("the force {effect} and grows faster than linearly: it is {value} at {place}");
     Some((largest_term(probe), sentence))
+}
+
+/// Where the force pushes outward more than the spring holds, or adds more energy than the damping
+/// takes, at the same instant at ever larger distances and, for the energy, in every direction.
+pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator) -> Option<String> {
+    let instants = if probe.scales[2] > 0.0 { &INSTANTS[..] } else { &INSTANTS[..1] };
+    let at = |probe: &Probe, [x, velocity]: [f64; 2], times: f64, instant: f64| {
+        [x * times * probe.scales[X], velocity * times * probe.scales[XDOT], instant * probe.scales[2]]
+    };
+    for instant in instants {
+        for direction in [[1.0, 0.0], [-1.0, 0.0]] {
+            let excess = |probe: &mut Probe, times: f64| {
+                let point = at(probe, direction, times, *instant);
+                probe.at(point) * direction[0] - body.stiffness * point[X].abs()
+            };
+            let outward = TIMES.map(|times| excess(probe, times) / times);
+            // In proportion to the distance; growth that is faster is a doubt of its own.
+            if outward.iter().all(|excess| *excess > 0.5 * outward[0] && *excess < 2.0 * outward[0]) {
+                let place = probe.words(at(probe, direction, TIMES[0], *instant));
+                return Some(format!("[force] pushes outward more than the spring holds, as at {place}"));
+            }
+        }
+    }
+    let adds = |probe: &mut Probe, direction: [f64; 2], times: f64, instant: f64| {
+        let [x, velocity, t] = at(probe, direction, times, instant);
+        let part = probe.at([x, velocity, t]) - probe.at([x, 0.0, t]);
+        part * velocity.signum() > 2.0 * body.damping * velocity.abs()
+    };
+    let moving = || DIRECTIONS.into_iter().filter(|direction| direction[1] != 0.0);
+    let always = instants.iter().all(|instant| {
+        moving().all(|direction| TIMES.into_iter().all(|times| adds(probe, direction, times, *instant)))
+    });
+    always.then(|| {
+        let place = probe.words(at(probe, [0.0, 1.0], TIMES[0], instants[0]));
+        format!("[force] adds more energy than the damping takes, as at {place}")
+    })
 }
 
 /// The term of a sum that is largest at the point that was computed last.

@@ -9,7 +9,7 @@ use super::super::tree::{TIME, Term, X, XDOT};
 use super::probe::{Found, Probe, short};
 
 /// The intervals of a line.
-const INTERVALS: usize = 64;
+pub(super) const INTERVALS: usize = 64;
 /// The other two coordinates of lines, as parts of the scales.
 const OFFSETS: [f64; 4] = [0.0, 0.37, -0.61, 0.97];
 const INSTANTS: [f64; 3] = [0.0, 0.29, 0.83];
@@ -26,20 +26,20 @@ const EVALUATIONS: usize = 2 * HALVINGS + 20;
 
 /// A line that begins at a point, and its difference from the end.
 #[derive(Clone, Copy)]
-struct Track {
+pub(super) struct Track {
     from: [f64; 3],
-    along: [f64; 3],
+    pub along: [f64; 3],
 }
 
 impl Track {
     /// The point at this part of the line.
-    fn point(&self, part: f64) -> [f64; 3] {
+    pub fn point(&self, part: f64) -> [f64; 3] {
         [0, 1, 2].map(|i| self.from[i] + part * self.along[i])
     }
 }
 
 /// The lines along each axis, and diagonals.
-fn tracks(scales: [f64; 3]) -> Vec<Track> {
+pub(super) fn tracks(scales: [f64; 3]) -> Vec<Track> {
     let instants = if scales[TIME] > 0.0 { &INSTANTS[..] } else { &INSTANTS[..1] };
     let mut all = Vec::new();
     for t in instants.iter().map(|part| part * scales[TIME]) {
@@ -99,24 +99,32 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
     let suspects: Vec<Suspect> = (0..nodes).filter_map(|node| Suspect::new(probe, node)).collect();
     let mut all: Vec<Option<String>> = vec![None; nodes];
     let mut no_value: Vec<Option<String>> = vec![None; nodes];
+    // Whether there is no value at neighbouring samples with different arguments: on a whole side.
+    let mut is_wide = vec![false; nodes];
     let mut work = WORK;
     for track in tracks(probe.scales) {
         let mut margins: Vec<Vec<f64>> = vec![Vec::with_capacity(INTERVALS + 1); suspects.len()];
         let mut largest = 0.0f64;
+        let mut before = None;
         for i in 0..=INTERVALS {
             let point = track.point(i as f64 / INTERVALS as f64);
             let g = probe.at(point);
-            if g.is_finite() {
-                largest = largest.max(g.abs());
-            } else if let Some(node) = probe.values.iter().position(|value| !value.is_finite())
-                && no_value[node].is_none()
-            {
-                let what = if probe.values[node].is_nan() { "has no value" } else { "is infinite" };
-                no_value[node] = Some(format!("the force {what} at {}", probe.words(point)));
+            let node = probe.values.iter().position(|value| !value.is_finite()).filter(|_| !g.is_finite());
+            match node {
+                None => largest = largest.max(g.abs()),
+                Some(node) if no_value[node].is_none() => {
+                    let what = if probe.values[node].is_nan() { "has no value" } else { "is infinite" };
+                    no_value[node] = Some(format!("the force {what} at {}", probe.words(point)));
+                }
+                Some(_) => {}
             }
             for (margins, suspect) in margins.iter_mut().zip(&suspects) {
-                margins.push(suspect.margin(probe));
+                let margin = suspect.margin(probe);
+                let is_same = node == Some(suspect.node) && before == node;
+                is_wide[suspect.node] |= is_same && margins.last().is_some_and(|last| *last != margin);
+                margins.push(margin);
             }
+            before = node;
         }
         for (margins, suspect) in margins.iter().zip(&suspects) {
             for (low, high) in zeros(margins) {
@@ -135,7 +143,11 @@ pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
             }
         }
     }
-    all.into_iter().zip(no_value).enumerate().filter_map(|(node, (a, b))| Some((node, a.or(b)?))).collect()
+    // What has no value on a whole side is not told as what happens at the edge of it.
+    let told = |(node, (beside, no_value)): (usize, (Option<String>, Option<String>))| {
+        Some((node, if is_wide[node] { no_value.or(beside) } else { beside.or(no_value) }?))
+    };
+    all.into_iter().zip(no_value).enumerate().filter_map(told).collect()
 }
 
 /// The intervals, as parts of a line, in which the margin crosses or may touch zero.

@@ -7,9 +7,12 @@
 mod growth;
 mod jumps;
 mod probe;
+mod slopes;
 
 use super::expression::Expression;
+use crate::model::Oscillator;
 use probe::Probe;
+pub use slopes::Steepest;
 use std::collections::HashSet;
 
 /// How far a force is looked at.
@@ -37,10 +40,7 @@ pub struct Doubt {
 /// What is doubtful about a force, in the order of its text. A place has one doubt of its value and
 /// one of its growth at most, and places with the same doubt are represented by the first.
 pub fn doubts(force: &Expression, scales: Scales) -> Vec<Doubt> {
-    let sound = |scale: f64| if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
-    let end = if force.uses_time() && scales.end.is_finite() { scales.end.max(0.0) } else { 0.0 };
-    let scales = [sound(scales.displacement), sound(scales.velocity), end];
-    let mut probe = Probe { formula: force.formula(), scales, values: Vec::new() };
+    let mut probe = probe(force, scales);
     let mut all = jumps::found(&mut probe);
     all.extend(growth::found(&mut probe));
     all.sort_by_key(|(node, _)| probe.formula.0[*node].place.start);
@@ -48,4 +48,22 @@ pub fn doubts(force: &Expression, scales: Scales) -> Vec<Doubt> {
     all.retain(|(_, sentence)| said.insert(sentence.clone()));
     let place = |node: usize| probe.formula.0[node].place.clone();
     all.into_iter().map(|(node, sentence)| Doubt { start: place(node).start, end: place(node).end, sentence }).collect()
+}
+
+/// How stiff a force is on this body, and how strongly it damps.
+pub fn steepest(force: &Expression, scales: Scales, body: &Oscillator) -> Steepest {
+    slopes::found(&mut probe(force, scales), body)
+}
+
+/// Where a force drives this body outward however far it is, or adds energy to it however fast it
+/// is, in one sentence; none where that does not show.
+pub fn beyond_hold(force: &Expression, scales: Scales, body: &Oscillator) -> Option<String> {
+    growth::beyond_hold(&mut probe(force, scales), body)
+}
+
+fn probe(force: &Expression, scales: Scales) -> Probe<'_> {
+    let sound = |scale: f64| if scale.is_finite() && scale > 0.0 { scale } else { 1.0 };
+    let end = if force.uses_time() && scales.end.is_finite() { scales.end.max(0.0) } else { 0.0 };
+    let scales = [sound(scales.displacement), sound(scales.velocity), end];
+    Probe { formula: force.formula(), scales, values: Vec::new() }
 }

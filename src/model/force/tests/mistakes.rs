@@ -1,11 +1,12 @@
 //! Texts that are not expressions.
 
-use super::super::{Expression, Scales, doubts};
+use super::super::{Expression, Scales, beyond_hold, doubts, steepest};
 use super::parameters;
+use crate::model::{Drive, Oscillator};
 use proptest::prelude::*;
 
 /// A wrong text, the part of it that is marked, the problem, and the remedy or a part of it.
-const WRONG: [(&str, &str, &str, &str); 37] = [
+const WRONG: [(&str, &str, &str, &str); 47] = [
     ("", "", "the expression is empty", "0 for no force"),
     ("  ", "  ", "the expression is empty", "0 for no force"),
     (
@@ -26,12 +27,22 @@ const WRONG: [(&str, &str, &str, &str); 37] = [
     ("x**2", "**", "`**` is not an operator", "write `^` for a power"),
     ("2×x", "×", "`×` has no meaning in an expression", "write `*`"),
     ("x²", "²", "`²` has no meaning in an expression", "write `^2`"),
-    ("x > 0", ">", "`>` has no meaning in an expression", "write it with numbers, names"),
+    ("x > 0", ">", "`>` has no meaning in an expression", "no comparisons: use max, min or sign"),
+    ("x == 0", "=", "`=` has no meaning in an expression", "no comparisons: use max, min or sign"),
+    ("x $ 0", "$", "`$` has no meaning in an expression", "write it with numbers, names"),
+    ("π*x", "π", "`π` has no meaning in an expression", "write `pi`"),
+    ("sinh(x)", "sinh", "unknown name `sinh`", "write `(exp(x) - exp(-x))/2` for sinh(x);"),
+    ("log10(x)", "log10", "unknown name `log10`", "write `log(x)/log(10)` for the decimal"),
+    ("if(x, 1, 2)", "if", "unknown name `if`", "use max, min or sign"),
+    ("sni(x)", "sni", "unknown name `sni`", "write `sin`;"),
+    ("1e*x", "1e", "`1e` is not a number", "as in 1000, 0.5 or 1e-3"),
+    ("1_000", "1_000", "`1_000` is not a number", "as in 1000, 0.5 or 1e-3"),
+    ("0x10*x", "0x10", "`0x10` is not a number", "as in 1000, 0.5 or 1e-3"),
     ("2x", "2x", "an operator is missing between two values", "write `2*x` for a product"),
     ("sin(2 x)", "2 x", "an operator is missing between two values", "write `2*x` for a product"),
     ("(x)(t)", ")(", "an operator is missing between two values", "write `(..)*(..)` for a product"),
     ("x(2)", "x(", "an operator is missing between two values", "write `x*(..)` for a product"),
-    ("1.2.3", "1.2.3", "an operator is missing between two values", "write `1.2*.3`"),
+    ("1.2.3", "1.2.3", "`1.2.3` is not a number", "as in 1000, 0.5 or 1e-3"),
     ("sin x", "sin", "the function `sin` has no parentheses", "write `sin(x)`, for example"),
     ("sin()", "sin()", "`sin` takes one argument, not 0", "write `sin(x)`, for example"),
     ("1 + sin(x, t)", "sin(x, t)", "`sin` takes one argument, not 2", "write `sin(x)`, for example"),
@@ -65,6 +76,14 @@ fn every_mistake_has_its_place_and_its_remedy() {
     }
     let open = Expression::parse("2*(x + (t)", &parameters()).expect_err("open");
     assert_eq!(open.start, 2, "the parenthesis that is open");
+}
+
+#[test]
+fn no_hint_changes_the_meaning() {
+    for text in ["d*x", "x2", "xx", "tanh2(x)", "atan2(x, t)", "max3(x, t)"] {
+        let remedy = Expression::parse(text, &[]).expect_err(text).remedy;
+        assert!(remedy.starts_with("an expression knows"), "{text}: {remedy}");
+    }
 }
 
 #[test]
@@ -118,7 +137,12 @@ proptest! {
         let text = words.concat();
         match Expression::parse(&text, &parameters()) {
             Ok(expression) => {
-                let found = doubts(&expression, Scales { displacement: 1.0, velocity: 1.0, end: 10.0 });
+                let scales = Scales { displacement: 1.0, velocity: 1.0, end: 10.0 };
+                let found = doubts(&expression, scales);
+                let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive: Drive::Force(0.0) };
+                let steepest = steepest(&expression, scales, &body);
+                prop_assert!(steepest.stiffness >= 0.0 && steepest.damping >= 0.0, "{steepest:?}");
+                beyond_hold(&expression, scales, &body);
                 prop_assert!(found.iter().all(|doubt| text.get(doubt.start..doubt.end).is_some()));
             }
             Err(error) => prop_assert!(text.get(error.start..error.end).is_some(), "{error:?}"),

@@ -1,7 +1,8 @@
 //! What is doubtful about forces.
 
-use super::super::{Scales, doubts};
+use super::super::{Scales, beyond_hold, doubts, steepest};
 use super::expression;
+use crate::model::{Drive, Oscillator};
 use std::time::Instant;
 
 /// The doubts about a force, each with the part of the text that it is about.
@@ -61,12 +62,62 @@ fn what_has_no_bound_or_no_value_is_found() {
     assert_eq!(found("x^-2"), ["x^-2: the force grows without bound at x = 0"]);
     assert_eq!(found("1/(x - 0.3)^2"), ["1/(x - 0.3)^2: the force grows without bound at x = 0.3"]);
     assert_eq!(found("tan(x)"), ["tan(x): the force grows without bound at x = -1.571"]);
-    assert_eq!(found("sqrt(x)"), ["sqrt(x): the slope of the force has no bound at x = 0"]);
+    assert_eq!(found("sqrt(x)"), ["sqrt(x): the force has no value at x = -2"]);
     assert_eq!(found("sqrt(abs(x))*sign(x)"), ["sqrt(abs(x)): the slope of the force has no bound at x = 0"]);
-    assert_eq!(found("log(x + 1)"), ["log(x + 1): the slope of the force has no bound at x = -1"]);
+    assert_eq!(found("log(x + 1)"), ["log(x + 1): the force has no value at x = -2"]);
+    assert_eq!(found("sqrt(1.5 - x)"), ["sqrt(1.5 - x): the force has no value at x = 1.562"]);
+    assert_eq!(found("sqrt(10-t)"), ["sqrt(10-t): the force has no value at t = 24.9"]);
+    assert_eq!(found("x^0.333"), ["x^0.333: the force has no value at x = -2"]);
     assert_eq!(found("exp(900*x)")[0], "exp(900*x): the force is infinite at x = 0.8125");
     assert_eq!(found("log(-3 - x^2)"), ["log(-3 - x^2): the force has no value at x = -2"]);
     assert_eq!(found("1/xdot + 1/xdot"), ["1/xdot: the force grows without bound at xdot = 0"]);
+}
+
+/// The largest stiffness and damping of a force on a body with m = 1 and K = 1, where the body may
+/// move by 2.
+fn steepness(text: &str) -> (f64, f64, String) {
+    let drive = Drive::Dilatation(0.0);
+    let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive };
+    let found = steepest(&expression(text), Scales { displacement: 2.0, velocity: 2.0, end: 30.0 }, &body);
+    let place = if found.stiffness > 0.0 { found.stiffest } else { found.most_damped };
+    (found.stiffness, found.damping, place)
+}
+
+/// The energy of the body is 2.
+#[test]
+fn the_steepest_slope_is_found_where_the_body_can_get() {
+    let near = |text: &str, stiffness: f64, damping: f64| {
+        let found = steepness(text);
+        let is_near = |a: f64, b: f64| (a - b).abs() <= 1e-4 * b;
+        assert!(is_near(found.0, stiffness) && is_near(found.1, damping), "{text}: {found:?}");
+        found.2
+    };
+    assert_eq!(near("0.3*x + 2*xdot", 0.0, 0.0), "");
+    near("-1e5*max(x - 1.3, 0)", 1e5, 0.0);
+    assert_eq!(near("-30*tanh((x - 0.77)/1e-3)", 3e4, 0.0), "x = 0.77");
+    assert_eq!(near("-tanh((xdot + 0.5)/1e-3)", 0.0, 500.0), "xdot = -0.5");
+    near("-x*max(t - 10, 0)", 14.9, 0.0);
+    near("-4*sign(x) - 3*sign(xdot)", 0.0, 0.0);
+    near("-1e5*max(x - 2.5, 0)", 0.0, 0.0);
+    // x^2/2 + 25 x^4 = 2 at x = 0.52, and the interval there ends at 0.5625.
+    near("-100*x^3", 300.0 * 0.5625 * 0.5625, 0.0);
+}
+
+#[test]
+fn a_force_that_nothing_holds_is_found() {
+    let drive = Drive::Dilatation(0.0);
+    let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive };
+    let found =
+        |text: &str| beyond_hold(&expression(text), Scales { displacement: 2.0, velocity: 2.0, end: 30.0 }, &body);
+    let outward = "[force] pushes outward more than the spring holds, as at";
+    let energy = "[force] adds more energy than the damping takes, as at";
+    assert_eq!(found("2*x"), Some(format!("{outward} x = 20")));
+    assert_eq!(found("x*t"), Some(format!("{outward} x = 20, t = 3.9")));
+    assert_eq!(found("0.3*xdot - 1e-9*x^3"), Some(format!("{energy} x = 0, xdot = 20")));
+    for text in ["0.5*x", "-x^3", "x^3", "9.81", "x*exp(-x^2)", "0.1*xdot", "(0.3 - 0.05*x^2)*xdot", "0.5*xdot*cos(t)"]
+    {
+        assert_eq!(found(text), None, "{text}");
+    }
 }
 
 #[test]

@@ -1,0 +1,64 @@
+//! How a force of the user's own is looked at, and the body where it is steepest.
+
+use crate::advice::derived::Derived;
+use crate::model::{Expression, Oscillator, Scales, Steepest, steepest};
+use crate::numbers::short;
+use crate::scenario::Scenario;
+
+/// The force as a text, if there is one.
+pub(super) fn expression(scenario: &Scenario) -> Option<&Expression> {
+    scenario.model.force.as_ref().and_then(|force| force.expression())
+}
+
+/// How far a force is looked at.
+pub(super) fn scales(scenario: &Scenario, derived: &Derived) -> Scales {
+    let end = scenario.time.end;
+    let scale = derived.expected_amplitude.max(scenario.model.initial_displacement.abs());
+    let displacement = if scale > 0.0 && scale.is_finite() { scale } else { 1.0 };
+    // Without a spring, what accelerates the body throughout gives it twice its mean velocity.
+    let rate = if derived.natural_frequency > 0.0 { derived.natural_frequency } else { 2.0 / end };
+    Scales { displacement, velocity: displacement * rate, end }
+}
+
+/// The body where the force of the user's own is steepest.
+pub(super) struct Stiffened {
+    /// The body with the largest slope of the force in its stiffness.
+    pub stiffest: Oscillator,
+    /// The body with both slopes.
+    pub body: Oscillator,
+    found: Steepest,
+}
+
+impl Stiffened {
+    /// None without an expression, and where it is nowhere steep.
+    pub fn of(scenario: &Scenario, derived: &Derived) -> Option<Self> {
+        let body = scenario.model.oscillator;
+        let expression = expression(scenario)?;
+        let found = steepest(expression, scales(scenario, derived), &body);
+        let stiffest = Oscillator { stiffness: body.stiffness + found.stiffness, ..body };
+        let body = Oscillator { damping: body.damping.max(0.0) + found.damping, ..stiffest };
+        (found.stiffness > 0.0 || found.damping > 0.0).then_some(Stiffened { stiffest, body, found })
+    }
+
+    /// The stability limit of a step that moves with the new velocity. The explicit step has the
+    /// same one under strong damping, and adds energy below it otherwise.
+    pub fn largest_step(&self) -> f64 {
+        let (rate, w0) = (self.body.damping_rate(), self.body.natural_frequency());
+        2.0 / (rate + rate.hypot(w0))
+    }
+
+    /// What the force is like where it sets that limit.
+    pub fn reason(&self) -> String {
+        let Steepest { damping, most_damped, .. } = &self.found;
+        if self.body.damping_rate() > self.body.natural_frequency() && *damping > 0.0 {
+            format!("[force] damps the body as alpha = {} would at {most_damped}", short(*damping))
+        } else {
+            self.stiffest_place()
+        }
+    }
+
+    /// How stiff the force is at most, and where.
+    pub fn stiffest_place(&self) -> String {
+        format!("[force] is as stiff as a spring of K = {} at {}", short(self.found.stiffness), self.found.stiffest)
+    }
+}
