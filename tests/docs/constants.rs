@@ -64,7 +64,7 @@ fn the_statistics() {
 /// sqrt(2).
 #[test]
 fn the_unit_of_the_kernel_s_noise() {
-    let kernel = find("kernel.rs");
+    let kernel = find("kernel/mod.rs");
     let page = Page::read("docs/model.md");
     let row = page.rows("symbol").into_iter().find(|row| row[0] == "unit").expect("a row for unit");
     assert_eq!(

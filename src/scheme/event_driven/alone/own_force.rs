@@ -110,8 +110,8 @@ impl Start {
             t[end] = self.time + h;
         }
         (t[6], t[7]) = (self.time + 0.25 * h, self.time + 0.75 * h);
-        let (mut g, mut means, mut changes) = ([here; 8], [[here; 2]; WAYS.len()], [[0.0; PASSES]; WAYS.len()]);
-        for pass in 0..PASSES {
+        let (mut g, mut means, mut changes) = ([here; 8], [[here; 2]; WAYS.len()], [[0.0; WAYS.len()]; PASSES]);
+        for change in &mut changes {
             for (way, side) in WAYS.into_iter().enumerate() {
                 let [for_v, for_x] = means[way].map(|mean| self.acceleration + (mean - here) / self.mass);
                 let end = [self.x + h * (self.v + 0.5 * h * for_x), self.v + h * for_v];
@@ -128,13 +128,14 @@ impl Start {
             g = scene.own_forces(&x, &v, &t);
             for way in 0..WAYS.len() {
                 let mean = simpson(here, [g[way], g[3 + way]]);
-                changes[way][pass] = distance(mean, means[way]);
+                change[way] = distance(mean, means[way]);
                 means[way] = mean;
             }
         }
         let mut error = distance(means[0], boole(here, [g[6], g[0], g[7], g[3]]));
         let mut unsettled = 0.0;
-        for ([first, last], share) in changes.into_iter().zip([1.0, USUAL, USUAL]) {
+        let [firsts, lasts] = changes;
+        for ((first, last), share) in firsts.into_iter().zip(lasts).zip([1.0, USUAL, USUAL]) {
             // What the corrections will leave, if the changes go on becoming smaller like this.
             let ratio = if last < first { last / first } else { 1.0 };
             error += share * last * ratio * ratio;
@@ -218,8 +219,7 @@ impl OwnForce {
                 && trial.unsettled <= most_error
                 && trial.bend <= slip.noisy.most_bend * forces;
             if is_resolved || halvings == finest {
-                let is_hopeless = !(trial.error <= forces + trial.end.abs());
-                if is_hopeless {
+                if trial.error.is_nan() || trial.error > forces + trial.end.abs() {
                     return Err(Unresolved);
                 }
                 let [for_v, for_x] = trial.means;
