@@ -233,8 +233,8 @@ fn all_lost(scenario: &Scenario) -> String {
             "a shorter --until; or --scheme discrete-vi, whose work is its number of steps",
         ),
         (None, _) => (
-            "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that \
-             is not finite.",
+            "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, meets a number \
+             that is not finite, or has no step short enough for the force.",
             "what the warnings of mc check say, or a shorter --until",
         ),
     };

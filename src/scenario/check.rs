@@ -157,7 +157,7 @@ fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
     if own > 0.5 * largest || !own.is_finite() {
         let text = model.force.as_ref().map_or(String::new(), |force| force.shown());
         let problem = format!(
-            "`force.expression` = \"{}\" {} where the body starts, at x = {initial_displacement:?}, xdot = 0, t = {time:?}, \
+            "`force.expression` = \"{}\" {} at x = {initial_displacement:?} (x0), xdot = 0, t = {time:?}, \
              and b/m reaches {}; above {LARGEST:e} is too large to compute with",
             text,
             if own.is_finite() { format!("has the size {}", short(own)) } else { "is infinite".to_string() },
