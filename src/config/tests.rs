@@ -342,10 +342,7 @@ fn a_force_that_cannot_be_used_is_named() {
     let quasi_static = "scheme.kind=quasi-static";
     for (set, problem) in [
         (&["force.expression=-1e300*x^3"][..], "\"-1e300*x^3\" has the size 2.16e302 at x = 6.0 (x0)"),
-        (
-            &["force.expression=1/(t-30)"],
-            "\"1/(t-30)\" is infinite at x = 6.0 (x0), xdot = 0, t = 30.0",
-        ),
+        (&["force.expression=1/(t-30)"], "\"1/(t-30)\" is infinite at x = 6.0 (x0), xdot = 0, t = 30.0"),
         (&[quasi_static, "force.expression=0.2*xdot"], "\"0.2*xdot\" is linear, and makes the damping alpha -0.1"),
         (&[quasi_static, "force.expression=1*x"], "\"1*x\" is linear, and makes the stiffness K 0.0"),
     ] {
