@@ -162,6 +162,12 @@ impl Simulate for DiscreteSimulation {
             observer.snapshot(stop.instant, snapshot);
         }
         reader.forceless.iter().for_each(|&lane| diverged[lane] = true);
+        if self.model.force.is_some() {
+            let last = to_force * harmonics[0];
+            for (lane, diverged) in diverged.iter_mut().enumerate() {
+                *diverged |= !kernel.force(&state.point(lane), last, n).is_finite();
+            }
+        }
         (0..paths).filter(|&lane| diverged[lane]).collect()
     }
 }
@@ -171,7 +177,8 @@ impl Simulate for DiscreteSimulation {
 /// The undamped oscillator without friction obeys |x(t)| <= |x0| + (1 + w0 t) sup |beta T|, and the
 /// body without a spring |x(t)| <= |x0| + t^2 sup |c T|/(2 m). Friction and damping only take
 /// energy away; negative damping lets x grow by e^{2 |gamma| t}. The bound is ten times this value
-/// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K.
+/// at t_end, where T includes ten stationary standard deviations of the noise, plus ten f_s/K; with
+/// negative damping it is at most 1e100.
 ///
 /// How far a force of the user's own may drive the body is not known. With one, its largest value
 /// at x0 and rest is part of the force, a typical length is part of x, and the bound is a million
@@ -189,7 +196,8 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let growth = libm::exp(-2.0 * oscillator.damping_rate().min(0.0) * end);
     let reach = model.initial_displacement.abs() + driven;
     match model.force {
-        None => (DIVERGENCE_MARGIN * growth * reach).min(f64::MAX),
+        None if growth > 1.0 => (DIVERGENCE_MARGIN * growth * reach).min(LARGEST),
+        None => (DIVERGENCE_MARGIN * reach).min(f64::MAX),
         Some(_) => (OWN_FORCE_MARGIN * growth * (reach + model.length_scale(end))).min(LARGEST),
     }
 }

@@ -154,6 +154,12 @@ impl Paths {
         paths.next_multiple_of(PADDING)
     }
 
+    /// One path.
+    pub(super) fn point(&self, lane: usize) -> Point {
+        let (displacement, velocity) = (self.displacement[lane], self.velocity[lane]);
+        Point { displacement, velocity, noise: self.noise[lane] }
+    }
+
     /// All paths at x0 with zero velocity, and the given v(0)/unit.
     pub(super) fn at_rest(displacement: f64, noise: &[f64]) -> Self {
         Paths { displacement: vec![displacement; noise.len()], velocity: vec![0.0; noise.len()], noise: noise.to_vec() }
