@@ -384,7 +384,7 @@ fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics() {
 
 /// The same with 2e6 paths each, within 3.5 standard errors, at two tolerances.
 #[test]
-#[ignore = "8e6 paths: half an hour"]
+#[ignore = "8e6 paths: a quarter of an hour; at most 1.7 standard errors apart at either tolerance"]
 fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics_in_long_runs() {
     let [whole, half] = whole_and_half();
     let exact = summary(&whole, EventDriven { tolerance: 1e-3 }.into(), 2_000_000);
@@ -397,11 +397,11 @@ fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics_in_long_r
     }
 }
 
-/// A tolerance of 1e-3 leaves less than 0.1 % in the statistics, or less than can be seen: the
-/// statistics of each scene with a force of its own are those at 1e-5. 4e5 and 1e5 paths of different seeds; 80
+/// A tolerance of 1e-3 leaves less than 0.1 % in the statistics, or less than can be seen: those of
+/// each scene with a force of its own are those at 1e-5. 4e5 and 1e5 paths of different seeds; 80
 /// differences within 3.5 standard errors or 0.1 %.
 #[test]
-#[ignore = "2e6 paths: ten minutes"]
+#[ignore = "2e6 paths: five minutes; at most 2.2 standard errors apart"]
 fn the_tolerance_under_a_force_of_ones_own_is_kept() {
     for (scene, _) in &SCENES[..4] {
         println!("{scene}");
