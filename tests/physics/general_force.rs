@@ -53,8 +53,8 @@ fn a_body_on_a_belt_sticks_and_slips_with_the_period_of_the_closed_form() {
     assert!((slip - 4.068_887_871_591_405).abs() < 1e-14);
 }
 
-/// On a belt the force grows at the rate K V, so that a stick that begins with the force b lasts (f_s -
-/// b)/(K V), whatever the thresholds.
+/// On a belt the force grows at the rate K V, so that a stick that begins with the force b lasts
+/// (f_s - b)/(K V), whatever the thresholds.
 #[test]
 fn a_stick_on_a_belt_lasts_as_long_as_the_force_takes_to_grow() {
     for (f_s, f_d, damping, v) in [(1.7, 0.4, 0.0, 0.3), (2.0, 1.9, 0.1, 0.05), (1.0, 0.0, 0.0, 0.2)] {
@@ -82,8 +82,9 @@ fn settled_amplitude(w: f64, damping: f64, end: f64, force: &str) -> f64 {
     0.5 * (last[0] - last[1]).abs()
 }
 
-/// Den Hartog, Trans. ASME 53 (1930): X = P sqrt(V^2 - (f/P)^2 U^2) without damping, V = 1/(1 - r^2), U
-/// = tan(pi/(2 r))/r. With damping of either sign, the half-period problem was solved to 16 digits.
+/// Den Hartog, Trans. ASME 53 (1930): X = P sqrt(V^2 - (f/P)^2 U^2) without damping, V = 1/(1 -
+/// r^2), U = tan(pi/(2 r))/r. With damping of either sign, the half-period problem was solved to 16
+/// digits.
 #[test]
 fn a_forced_body_settles_to_the_amplitude_of_den_hartog() {
     for (w, damping, amplitude, end, most) in [
@@ -101,8 +102,8 @@ fn a_forced_body_settles_to_the_amplitude_of_den_hartog() {
     assert!((found - 4.303_857_833_795_083_5).abs() < 1e-9, "{found}");
 }
 
-/// Negative damping and friction: from below A = (f_d/K) (q + 1)/(q - 1), q = exp(-pi z/sqrt(1 - z^2)),
-/// the body comes to rest, and from above it runs away.
+/// Negative damping and friction: from below A = (f_d/K) (q + 1)/(q - 1), q = exp(-pi z/sqrt(1 -
+/// z^2)), the body comes to rest, and from above it runs away.
 #[test]
 fn a_body_with_negative_damping_runs_away_beyond_its_unstable_cycle() {
     const CYCLE: f64 = 12.742_671_918_388_782;
@@ -138,8 +139,8 @@ fn a_path_that_runs_away_is_counted_as_diverged() {
     }
 }
 
-/// A cubic spring released at x = 3 with f = 1, and drag against a constant force without a spring. The
-/// digits are from the integral of the energy, and from the closed form of the motion.
+/// A cubic spring released at x = 3 with f = 1, and drag against a constant force without a spring.
+/// The digits are from the integral of the energy, and from the closed form of the motion.
 #[test]
 fn a_slip_of_a_cubic_spring_and_a_fall_against_drag_have_their_closed_forms() {
     let spring = "force = { expression = \"-k3*x^3\", parameters = { k3 = 0.5 } }";
@@ -156,8 +157,8 @@ fn a_slip_of_a_cubic_spring_and_a_fall_against_drag_have_their_closed_forms() {
     assert!((x - 6.614_376_451_625_901).abs() < 1e-10 && (v - 1.998_658_599_478_134).abs() < 1e-10, "{x} {v}");
 }
 
-/// A body without a spring under a constant force, with and without damping, has its closed form, in
-/// every scheme: x = a t^2/2, or (a/(2 gamma)) (t - (1 - e^{-2 gamma t})/(2 gamma)).
+/// A body without a spring under a constant force, with and without damping, has its closed form,
+/// in every scheme: x = a t^2/2, or (a/(2 gamma)) (t - (1 - e^{-2 gamma t})/(2 gamma)).
 #[test]
 fn a_body_without_a_spring_falls() {
     for gamma in [0.0f64, 0.3, 20.0] {
@@ -181,8 +182,8 @@ fn a_body_without_a_spring_falls() {
     }
 }
 
-/// A constant and a trend give the same path as a series of two samples, and a constant the same as a
-/// harmonic of frequency zero, in every scheme, with noise too.
+/// A constant and a trend give the same path as a series of two samples, and a constant the same as
+/// a harmonic of frequency zero, in every scheme, with noise too.
 #[test]
 fn a_line_is_the_series_of_its_ends() {
     for noise in ["", ", noise = { intensity = 0.3 }"] {
@@ -303,10 +304,10 @@ fn beside_table(scene: &str, summary: &Summary) -> Vec<(&'static str, f64, f64, 
     rows.map(|(name, value, error)| (name, found(name).0, found(name).1.hypot(error), value)).collect()
 }
 
-/// The statistics of five noisy scenes are those of an independent program (fixed steps of 0.001 with
-/// exact noise, exits by bridges on a 32 times finer grid, slips by Runge-Kutta). 75 differences are
-/// compared with 3.5 standard errors, which a right program exceeds with a probability of about 3 %;
-/// the seed is fixed.
+/// The statistics of five noisy scenes are those of an independent program (fixed steps of 0.001
+/// with exact noise, exits by bridges on a 32 times finer grid, slips by Runge-Kutta). 75
+/// differences are compared with 3.5 standard errors, which a right program exceeds with a
+/// probability of about 3 %; the seed is fixed.
 #[test]
 fn noisy_scenes_have_the_statistics_of_an_independent_program() {
     for (scene, _) in SCENES {
@@ -325,8 +326,8 @@ fn noisy_scenes_have_the_statistics_of_an_independent_program() {
     }
 }
 
-/// The schemes with a step agree with the table where the bias that the run measures is taken off. 2 x
-/// 75 differences; the uncertainty of a bias is that of a 95 % interval.
+/// The schemes with a step agree with the table where the bias that the run measures is taken off.
+/// 2 x 75 differences; the uncertainty of a bias is that of a 95 % interval.
 #[test]
 fn the_steps_agree_with_the_independent_program_once_their_bias_is_taken_off() {
     for (scene, _) in SCENES {
@@ -370,8 +371,8 @@ fn differences(a: &Summary, b: &Summary) -> Vec<(&'static str, f64, f64, f64)> {
 }
 
 /// The general steps have the statistics of the exact ones. 50 000 and 1e5 paths of different
-/// seeds; 20 statistics within 4 standard errors, which a right program exceeds with a probability of
-/// 0.1 %.
+/// seeds; 20 statistics within 4 standard errors, which a right program exceeds with a probability
+/// of 0.1 %.
 #[test]
 fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics() {
     let [whole, half] = whole_and_half();
@@ -415,9 +416,10 @@ fn the_tolerance_under_a_force_of_ones_own_is_kept() {
     }
 }
 
-/// T in a slip is found from the balance of forces, g included. Null hypothesis: at t = 30.1, inside a
-/// cell, (T - cos 30.1/4)/rho has the variance of v, (1 - e^{-2 t})/2. 4000 paths, so the variance is
-/// known to 2.2 %; 4.5 standard errors. A g that the balance left out would add several times as much.
+/// T in a slip is found from the balance of forces, g included. Null hypothesis: at t = 30.1,
+/// inside a cell, (T - cos 30.1/4)/rho has the variance of v, (1 - e^{-2 t})/2. 4000 paths, so the
+/// variance is known to 2.2 %; 4.5 standard errors. A g that the balance left out would add several
+/// times as much.
 #[test]
 fn the_temperature_in_a_slip_is_that_of_the_noise_under_a_force_of_ones_own() {
     let scenario = noisy("cubic spring");
@@ -430,14 +432,15 @@ fn the_temperature_in_a_slip_is_that_of_the_noise_under_a_force_of_ones_own() {
     assert!((variance / 0.5 - 1.0).abs() < 4.5 * 0.0224, "{variance}");
 }
 
-/// A cubic spring k3 = 0.5 with damping alpha = 1/2 under noise of temperature 1 that is nearly white,
-/// without friction: p ~ e^{-E}, so <x^2> = 0.57920477 and <v^2> = 1. The noise remembers for 1/theta,
-/// so the means are off by some 1/theta; 2 (value at theta) - (value at theta/2) is off by its square.
-/// 4000 paths, 11 times apart by more than their memory.
+/// A cubic spring k3 = 0.5 with damping alpha = 1/2 under noise of temperature 1 that is nearly
+/// white, without friction: p ~ e^{-E}, so <x^2> = 0.57920477 and <v^2> = 1. The noise remembers
+/// for 1/theta, so the means are off by some 1/theta; 2 (value at theta) - (value at theta/2) is
+/// off by its square. 4000 paths, 11 times apart by more than their memory.
 #[test]
 fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
     let moments = |theta: f64| {
-        // The force c rho v has the spectral density 2 alpha kT 2 = 2 at zero frequency: (rho/theta)^2 = 2.
+        // The force c rho v has the spectral density 2 alpha kT 2 = 2 at zero frequency:
+        // (rho/theta)^2 = 2.
         let rho = theta * 2f64.sqrt();
         let text = format!(
             "oscillator = {{ mass = 1, stiffness = 1, damping = 0.5, force_per_temperature = 1 }}
@@ -461,7 +464,8 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
     let [slow, fast] = [10.0, 20.0].map(moments);
     let [x, v] = [0, 1].map(|i| 2.0 * fast[i] - slow[i]);
     println!("{slow:?} {fast:?}: {x} {v}");
-    // 44 000 states, of which some 20 000 are independent: 0.02 with the factor of the extrapolation.
+    // 44 000 states, of which some 20 000 are independent: 0.02 with the factor of the
+    // extrapolation.
     assert!((x - 0.579_204_77).abs() < 0.03 && (v - 1.0).abs() < 0.06, "{x} {v}");
 }
 

@@ -7,7 +7,8 @@ use crate::numbers::short;
 use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
 
-/// The step is beyond its stability limit, by itself or where a force of the user's own is steepest.
+/// The step is beyond its stability limit, by itself or where a force of the user's own is
+/// steepest.
 pub(super) fn unstable(case: &Case) -> Vec<String> {
     let Some(h) = case.step else { return Vec::new() };
     let by_itself = match case.derived.stability {

@@ -12,7 +12,8 @@ use std::collections::HashMap;
 /// The slots that an expression may need at most.
 const MAX_SLOTS: usize = 32;
 
-/// Registers of a slot where many paths are computed, so that the choice of an operation costs little.
+/// Registers of a slot where many paths are computed, so that the choice of an operation costs
+/// little.
 const REGISTERS: usize = 16;
 
 /// What a step does with the slots a and b and the number n.

@@ -94,7 +94,8 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
             if turned != 0 {
                 next_v = c.settle(s, c.beyond(s, state.v));
             }
-            // Not a number where the force is none: otherwise the body would be taken to be at rest.
+            // Not a number where the force is none: otherwise the body would be taken to be at
+            // rest.
             next_v = s.mul_add(zero, next_v);
             let next = c.next::<NOISE, CORRECTED>(&state, next_v, L::load(chi));
             if turned != 0 {

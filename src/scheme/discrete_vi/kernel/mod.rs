@@ -468,8 +468,8 @@ impl<L: Lanes> Splat<L> {
         self.h_over_m.mul_add(b, at.v)
     }
 
-    /// Where S > (h/m) f_s, and where S < -(h/m) f_s. The corrected scheme lowers f_s, but only where
-    /// the body is at rest.
+    /// Where S > (h/m) f_s, and where S < -(h/m) f_s. The corrected scheme lowers f_s, but only
+    /// where the body is at rest.
     #[inline(always)]
     fn beyond(&self, s: L, v: L) -> (L::Mask, L::Mask) {
         let most = v.where_zero(self.exit_impulse, self.static_impulse);

@@ -101,8 +101,8 @@ fn quarter(h: f64, [y0, y1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
 }
 
 impl Start {
-    /// The trial of a step of length `h`, at whose end the noise may take x and x' this far off. The
-    /// linear forces are constant in it.
+    /// The trial of a step of length `h`, at whose end the noise may take x and x' this far off.
+    /// The linear forces are constant in it.
     #[inline(always)]
     fn trial(&self, scene: &Scene, here: f64, h: f64, [dx, dv]: [f64; 2]) -> Trial {
         let (mut x, mut v, mut t) = ([0.0; 8], [0.0; 8], [self.time + 0.5 * h; 8]);
@@ -160,8 +160,8 @@ const PASSES: usize = 2;
 const WAYS: [f64; 3] = [0.0, 1.0, -1.0];
 
 /// The number of standard deviations by which the noise may take the end of a step off its way. The
-/// corrections converge even there, so that no draw sends a body far into a stiff stop and out of it
-/// with more energy than it had.
+/// corrections converge even there, so that no draw sends a body far into a stiff stop and out of
+/// it with more energy than it had.
 const AROUND: f64 = 6.0;
 
 /// What noise usually does, as a share of this.
@@ -190,8 +190,9 @@ impl OwnForce {
         })
     }
 
-    /// The longest step from here on in which g is resolved, when this much of the cell remains, and
-    /// whether it ends with the cell. A path is given up where the shortest step is too long by far.
+    /// The longest step from here on in which g is resolved, when this much of the cell remains,
+    /// and whether it ends with the cell. A path is given up where the shortest step is too long by
+    /// far.
     #[inline(always)]
     pub fn step_towards<'s>(
         &mut self,
@@ -292,8 +293,8 @@ mod tests {
     /// Parts of the duration on which the noise is drawn.
     const PARTS: usize = 256;
 
-    /// m = K = 1 and K beta rho = 1.5, without friction and harmonics, under a force that depends on
-    /// x and x'.
+    /// m = K = 1 and K beta rho = 1.5, without friction and harmonics, under a force that depends
+    /// on x and x'.
     fn scene() -> Noisy {
         let mut model = paper(0.25, 1.0);
         model.temperature.harmonics.clear();
@@ -343,9 +344,9 @@ mod tests {
         [path.displacement, path.motion]
     }
 
-    /// The steps are of order 2 in law or better: on the same noise, the means of x, x', x^2 and x'^2 of
-    /// 4000 paths are off by less than a quarter of as much when the step is halved, within 4
-    /// standard errors.
+    /// The steps are of order 2 in law or better: on the same noise, the means of x, x', x^2 and
+    /// x'^2 of 4000 paths are off by less than a quarter of as much when the step is halved, within
+    /// 4 standard errors.
     #[test]
     fn the_steps_of_a_slip_are_of_order_two_in_law() {
         let noisy = scene();
