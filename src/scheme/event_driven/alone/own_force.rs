@@ -48,13 +48,12 @@ pub(super) struct OwnForce {
     may_grow: bool,
 }
 
-/// The state at the start of a step, and the mass.
+/// The state at the start of a step.
 struct Start {
     x: f64,
     v: f64,
     acceleration: f64,
     time: f64,
-    mass: f64,
 }
 
 /// g on the way that a step would take without noise, and on the ways that noise may make of it.
@@ -113,9 +112,10 @@ impl Start {
         let (mut g, mut means, mut changes) = ([here; 8], [[here; 2]; WAYS.len()], [[0.0; WAYS.len()]; PASSES]);
         for change in &mut changes {
             for (way, side) in WAYS.into_iter().enumerate() {
-                let [for_v, for_x] = means[way].map(|mean| self.acceleration + (mean - here) / self.mass);
+                let [for_v, for_x] = means[way].map(|mean| self.acceleration + (mean - here) / scene.oscillator.mass);
                 let end = [self.x + h * (self.v + 0.5 * h * for_x), self.v + h * for_v];
-                let accelerations = [self.acceleration, self.acceleration + (g[3 + way] - here) / self.mass];
+                let accelerations =
+                    [self.acceleration, self.acceleration + (g[3 + way] - here) / scene.oscillator.mass];
                 let middle = middle(h, [self.x, end[0]], [self.v, end[1]], accelerations);
                 (x[way], v[way]) = (middle.0 + side * MIDWAY[0] * dx, middle.1 + side * MIDWAY[1] * dv);
                 (x[3 + way], v[3 + way]) = (end[0] + side * dx, end[1] + side * dv);
@@ -208,8 +208,8 @@ impl OwnForce {
         while halvings < finest && slip.noisy.halved[halvings + 1].length() >= remaining {
             halvings += 1;
         }
-        let (mass, acceleration) = (oscillator.mass, (path.force - slip.friction()) / oscillator.mass);
-        let start = Start { x: path.displacement, v: path.motion, acceleration, time: slip.time(path), mass };
+        let acceleration = (path.force - slip.friction()) / oscillator.mass;
+        let start = Start { x: path.displacement, v: path.motion, acceleration, time: slip.time(path) };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
         let most_error = slip.noisy.most_error * friction.static_force.max(SHARE * forces);
         loop {
@@ -223,15 +223,21 @@ impl OwnForce {
                 if trial.error.is_nan() || trial.error > forces + trial.end.abs() {
                     return Err(Unresolved);
                 }
-                let [for_v, for_x] = trial.means;
-                (self.push, self.more, self.end) = (for_v, for_x - for_v, trial.end);
+                self.start_from(&trial, path.force);
                 self.may_grow = is_resolved && trial.error <= GROWTH * most_error;
                 break;
             }
             halvings += 1;
         }
-        (self.halvings, self.start_force) = (halvings, path.force);
+        self.halvings = halvings;
         Ok(slip.at_most(&slip.noisy.halved[halvings], remaining, partial))
+    }
+
+    /// Takes over what the trial of a step found, where b at its start is this.
+    #[inline(always)]
+    fn start_from(&mut self, trial: &Trial, start_force: f64) {
+        let [for_v, for_x] = trial.means;
+        (self.push, self.more, self.end, self.start_force) = (for_v, for_x - for_v, trial.end, start_force);
     }
 
     /// Corrects the end of a step that was drawn with the constant for g, and b there.
@@ -325,10 +331,9 @@ mod tests {
         let mut own = OwnForce::new(scene, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
             let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
-            let from = Start { x: start.x, v: start.v, acceleration: path.force, time: path.after, mass: 1.0 };
+            let from = Start { x: start.x, v: start.v, acceleration: path.force, time: path.after };
             let trial = from.trial(scene, own.here, step.length(), step.spread());
-            (own.push, own.more) = (trial.means[0], trial.means[1] - trial.means[0]);
-            (own.end, own.start_force) = (trial.end, path.force);
+            own.start_from(&trial, path.force);
             let mut drawn = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };
             for more in noise {
                 let mean = part.transition.free(drawn, 0.0);
