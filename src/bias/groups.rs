@@ -2,7 +2,7 @@
 //! and without each group, from which the jackknife computes errors.
 
 use crate::model::{Event, Model};
-use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::stats::{BlockObserver, GroupValues, Record, Statistic, Totals};
 use crate::sums::jackknife;
 
@@ -81,6 +81,14 @@ impl GroupObserver {
 impl Observer for GroupObserver {
     fn event(&mut self, lane: usize, event: Event) {
         self.observers[lane / self.width].event(lane % self.width, event);
+    }
+
+    fn follows(&self) -> bool {
+        self.observers.iter().any(Observer::follows)
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.observers[lane / self.width].glide(lane % self.width, glide);
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {

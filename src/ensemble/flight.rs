@@ -5,7 +5,7 @@
 //! block do not depend on whether it is simulated with others.
 
 use crate::model::Event;
-use crate::scheme::{Instant, Observer, Snapshot};
+use crate::scheme::{Glide, Instant, Observer, Snapshot};
 
 /// The observers of the blocks. All blocks have `LANES` paths except perhaps the last one, which
 /// may have fewer. Lane i of the flight is lane `i % LANES` of block `i / LANES`; since the number
@@ -16,6 +16,14 @@ impl<O: Observer, const LANES: usize> Observer for Flight<O, LANES> {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
         self.0[lane / LANES].event(lane % LANES, event);
+    }
+
+    fn follows(&self) -> bool {
+        self.0.iter().any(Observer::follows)
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.0[lane / LANES].glide(lane % LANES, glide);
     }
 
     fn snapshot(&mut self, instant: Instant, all: Snapshot<'_>) {

@@ -17,6 +17,7 @@ mod any;
 mod columns;
 mod discrete_vi;
 mod event_driven;
+mod glide;
 mod method;
 mod misfit;
 mod quasi_static;
@@ -32,6 +33,7 @@ pub use event_driven::Simulated;
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, TOLERANCES};
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
+pub use glide::{Course, Glide};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
 pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
@@ -78,6 +80,16 @@ pub trait Observer {
     /// happened until then.
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
 
+    /// Whether the motion between the events is wanted: a scheme then tells the [`Glide`]s of every
+    /// path. It asks once, before the paths begin.
+    fn follows(&self) -> bool {
+        false
+    }
+
+    /// A piece of the motion of one path. Those of a path arrive in time order, each before the
+    /// state at [`Instant::End`]; the last one may reach beyond the end.
+    fn glide(&mut self, _lane: usize, _glide: &Glide) {}
+
     /// Whether the results of these paths are no longer needed. A scheme then returns soon, and the
     /// observer must discard what it has received of these paths.
     fn is_stopped(&self) -> bool {
@@ -103,6 +115,15 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
         self.0.snapshot(instant, snapshot);
         self.1.snapshot(instant, snapshot);
+    }
+
+    fn follows(&self) -> bool {
+        self.0.follows() || self.1.follows()
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.0.glide(lane, glide);
+        self.1.glide(lane, glide);
     }
 
     #[inline]

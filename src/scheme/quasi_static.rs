@@ -45,7 +45,10 @@ use super::event_driven::{
     self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, StepLadder, StepRules,
     UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, WorkLeft, cell_length, check_friction, noise_between,
 };
-use super::{DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline};
+use super::{
+    Course, DEFAULT_TOLERANCE, Discretisation, Glide, Instant, Look, Method, Misfit, Observer, Parameter, Simulate,
+    Timeline,
+};
 use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
@@ -127,15 +130,18 @@ enum Exits {
     Noiseless(Box<Noiseless>, UnfeltNoise),
 }
 
+/// Pieces of the motion of a whole slip.
+const PIECES: f64 = 16.0;
+
 /// The motion of a slip.
 #[derive(Clone, Debug)]
 struct Swing {
     response: StepResponse,
     /// (1 + q) (f_s - f_d)/K, the distance that a slip from |b| = f_s covers.
     jump: f64,
-    /// f_s and K.
+    /// f_s.
     threshold: f64,
-    stiffness: f64,
+    oscillator: Oscillator,
 }
 
 impl Swing {
@@ -153,7 +159,49 @@ impl Swing {
     /// The distance that a slip covers which starts with this excess, with the sign of the
     /// direction.
     fn way(&self, direction: Sign, excess: f64) -> f64 {
-        direction.value() * (self.jump + (1.0 + self.response.overshoot) * excess / self.stiffness)
+        direction.value() * (self.jump + (1.0 + self.response.overshoot) * excess / self.oscillator.stiffness)
+    }
+
+    /// The motion of a slip that begins at this time and x with this excess, between two times
+    /// after its start.
+    fn glides(
+        &self,
+        began: f64,
+        x0: f64,
+        direction: Sign,
+        excess: f64,
+        [from, until]: [f64; 2],
+        mut tell: impl FnMut(Glide),
+    ) {
+        let response = &self.response;
+        let reach = self.way(direction, excess) / (1.0 + response.overshoot);
+        // The pull of the spring and of the temperature, which is held, less the damping.
+        let Oscillator { mass, stiffness, damping, .. } = self.oscillator;
+        let state = |since: f64| {
+            let (x, v) = self.at(0.0, direction, excess, since);
+            [x, v, (stiffness * (reach - x) - 2.0 * damping * v) / mass]
+        };
+        let pieces = ((until - from) / response.duration * PIECES).ceil().max(1.0);
+        let at = |i: f64| from + (until - from) * (i / pieces);
+        let (mut here, mut i) = (state(from), 0.0);
+        while i < pieces {
+            let (start, end) = (at(i), at(i + 1.0));
+            let mut there = state(end);
+            if end >= response.duration {
+                // A slip at critical damping and above is taken to cover the rest at once.
+                let all = self.way(direction, excess);
+                there = [all, 0.0, stiffness * (reach - all) / mass];
+            }
+            tell(Glide {
+                start: began + start,
+                length: end - start,
+                displacement: x0 + here[0],
+                way: there[0] - here[0],
+                velocity: [here[1], there[1]],
+                course: Course::Smooth { acceleration: [here[2], there[2]] },
+            });
+            (here, i) = (there, i + 1.0);
+        }
     }
 
     /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick,
@@ -179,7 +227,7 @@ impl QuasiStaticSimulation {
         let Model { oscillator, friction, .. } = model;
         let response = StepResponse::new(oscillator);
         let jump = (1.0 + response.overshoot) * (friction.static_force - friction.dynamic_force) / oscillator.stiffness;
-        let slip = Swing { response, jump, threshold: friction.static_force, stiffness: oscillator.stiffness };
+        let slip = Swing { response, jump, threshold: friction.static_force, oscillator: *oscillator };
         let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
             Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
@@ -197,15 +245,26 @@ impl QuasiStaticSimulation {
         let mut x = self.model.initial_displacement;
         let (mut phase, mut since, mut excess) = (Phase::Static, 0.0, 0.0);
         let mut next = self.next(cascade, phase, since, x, excess, &mut work);
+        let follows = observer.follows();
+        let follow = |phase, since, x, excess, until: f64, observer: &mut dyn Observer| {
+            if let (true, Phase::Slip(direction)) = (follows, phase) {
+                let tell = |glide| (0..lanes).for_each(|lane| observer.glide(lane, &glide));
+                self.slip.glides(since, x, direction, excess, [0.0, until.min(self.slip.response.duration)], tell);
+            }
+        };
         for stop in self.timeline.stops() {
             while let Ok(Some(event)) = next {
                 if event.time > stop.time || observer.is_stopped() {
                     break;
                 }
+                follow(phase, since, x, excess, f64::INFINITY, observer);
                 (0..lanes).for_each(|lane| observer.event(lane, event));
                 (phase, since, x) = (event.kind.phase(), event.time, event.displacement);
                 excess = self.slip.excess(&event);
                 next = self.next(cascade, phase, since, x, excess, &mut work);
+            }
+            if stop.instant == Instant::End {
+                follow(phase, since, x, excess, stop.time - since, observer);
             }
             let (x, v) = match phase {
                 _ if next.is_err() => (f64::NAN, f64::NAN),
@@ -321,6 +380,12 @@ impl Cascade for NoisyRecursion {
             piece.ends[1] = (end, noise_between(&self.scene, piece.ends, end, &mut path.draws));
         }
         watch.look(&self.scene, || piece);
+        let began_at = path.motion.0;
+        if watch.follows() {
+            let from = cell.start + path.after - began_at;
+            let until = if end < cell.length { self.slip.response.duration } else { cell.start + cell.length - began_at };
+            self.slip.glides(began_at, x0, direction, excess, [from, until], |glide| watch.glide(glide));
+        }
         (path.after, path.noise) = piece.ends[1];
         if end >= cell.length {
             return Ok(None);
@@ -387,7 +452,8 @@ impl Simulate for QuasiStaticSimulation {
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         match &self.exits {
             Exits::Noisy(cascade) => {
-                let mut all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths);
+                let all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths);
+                let mut all = if observer.follows() { all.followed() } else { all };
                 event_driven::simulate(&mut all, paths.len(), observer).lost
             }
             Exits::Noiseless(cascade, noise) => {

@@ -1,12 +1,17 @@
 //! The share of the counted time that the body spends in each part of its phase plane.
 //!
-//! The states are those on the rows of the output grid from the end of the burn-in on, of all
-//! paths, with equal weights. A body in a stick has x' = 0 exactly, so its time is an atom of the
-//! law of x', which is kept apart. The density of x' and that of (x, x') are those of the time in
-//! motion, and their integrals are its share. The density of x is that of all time.
+//! Times are those along the motion ([`Glide`]) and in sticks, from the end of the burn-in on, of
+//! all paths; they do not depend on the output grid. A body in a stick has x' = 0 exactly, so its
+//! time is an atom of the law of x', which is kept apart. The density of x' and that of (x, x') are
+//! those of the time in motion, and their integrals are its share. The density of x is that of all
+//! time.
+//!
+//! Times are counted in whole ticks, which merge exactly in any order.
 
 use super::{Densities, DensityCurve};
-use crate::scheme::{Snapshot, Timeline};
+use super::motion::counted_part;
+use crate::model::{Event, EventKind, Phase};
+use crate::scheme::{Course, Glide, Timeline};
 use crate::sums::Ends;
 use crate::sums::Unit;
 use crate::sums::batches::{BATCHES, Share, batch_of};
@@ -21,7 +26,13 @@ const TWO: [usize; 2] = [64, 64];
 /// States are counted when so many of them wait.
 const WAITING: usize = 1 << 12;
 
-/// Counts of states.
+/// Ticks of the counted time of a path.
+const TICKS: f64 = (1u64 << 38) as f64;
+
+/// The states of a glide that are counted, each in the middle of an equal part of its time.
+const PARTS: u32 = 8;
+
+/// Counts of ticks.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct DensityCounts {
     /// x at all times.
@@ -30,18 +41,18 @@ pub(super) struct DensityCounts {
     velocity: Grid,
     /// (x, x') in motion.
     joint: Grid,
-    /// The number of all states of each batch of paths, and of those at rest.
-    states: [u64; BATCHES],
+    /// All ticks of each batch of paths, and those at rest.
+    all: [u64; BATCHES],
     at_rest: [u64; BATCHES],
 }
 
-codec_of_fields!(DensityCounts { displacement, velocity, joint, states, at_rest });
+codec_of_fields!(DensityCounts { displacement, velocity, joint, all, at_rest });
 
 impl Default for DensityCounts {
     fn default() -> Self {
         let one = || Grid::empty(ONE, BATCHES);
         let (displacement, velocity, joint) = (one(), one(), Grid::empty(TWO, 1));
-        DensityCounts { displacement, velocity, joint, states: [0; BATCHES], at_rest: [0; BATCHES] }
+        DensityCounts { displacement, velocity, joint, all: [0; BATCHES], at_rest: [0; BATCHES] }
     }
 }
 
@@ -50,7 +61,7 @@ impl DensityCounts {
         self.displacement.merge(&other.displacement);
         self.velocity.merge(&other.velocity);
         self.joint.merge(&other.joint);
-        self.states.iter_mut().zip(&other.states).for_each(|(mine, more)| *mine += more);
+        self.all.iter_mut().zip(&other.all).for_each(|(mine, more)| *mine += more);
         self.at_rest.iter_mut().zip(&other.at_rest).for_each(|(mine, more)| *mine += more);
     }
 
@@ -60,20 +71,20 @@ impl DensityCounts {
             let edges = grid.axes()[0].edges();
             let widths: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
             let share = |counts: &[u64]| {
-                Share::of(counts.iter().zip(&self.states).map(|(count, all)| (*count as f64, *all as f64)))
+                Share::of(counts.iter().zip(&self.all).map(|(count, all)| (*count as f64, *all as f64)))
             };
             let shares: Vec<Share> = grid.cells().map(share).collect();
             let density = shares.iter().zip(&widths).map(|(share, width)| share.estimate / width).collect();
             let ends = shares.iter().zip(&widths).map(|(share, width)| share.interval(chance).map(|end| end / width));
             DensityCurve { density, ends: ends.collect::<Ends>(), edges }
         };
-        let all: u64 = self.states.iter().sum();
+        let all: f64 = self.all.iter().map(|ticks| *ticks as f64).sum();
         let [rows, columns] = self.joint.axes();
         let edges = [rows.edges(), columns.edges()];
         let area = |edges: &[Vec<f64>; 2]| edges.iter().map(|edges| edges[1] - edges[0]).product::<f64>();
-        let joint = self.joint.cells().map(|count| count[0] as f64 / (all as f64 * area(&edges))).collect();
+        let joint = self.joint.cells().map(|count| count[0] as f64 / (all * area(&edges))).collect();
         let shape = (rows.cells(), columns.cells());
-        let at_rest = Share::of(self.at_rest.iter().zip(&self.states).map(|(rest, all)| (*rest as f64, *all as f64)));
+        let at_rest = Share::of(self.at_rest.iter().zip(&self.all).map(|(rest, all)| (*rest as f64, *all as f64)));
         Densities {
             displacement: curve(&self.displacement),
             velocity: curve(&self.velocity),
@@ -85,27 +96,30 @@ impl DensityCounts {
     }
 }
 
-/// Counts the states of one block of paths.
+/// A state (x, x'), its ticks and its batch.
+type State = ([f64; 2], u64, usize);
+
+/// Counts the times of one block of paths.
 pub(super) struct DensityFold {
-    /// The first row that is counted.
-    first_row: usize,
-    /// The batch of each lane.
+    timeline: Timeline,
+    /// The batch of each lane, and where it is at rest since when, if it is.
     batches: Vec<usize>,
-    /// x of the states that wait, row after row, and the states in motion among them with their
-    /// batches.
-    displacement: Vec<f64>,
-    moving: Vec<([f64; 2], usize)>,
+    rests: Vec<Option<(f64, f64)>>,
+    /// The states that wait to be counted.
+    resting: Vec<State>,
+    moving: Vec<State>,
     counts: DensityCounts,
 }
 
 impl DensityFold {
-    /// The paths with these numbers.
-    pub fn new(timeline: &Timeline, paths: &[u64]) -> Self {
+    /// The paths with these numbers, at rest at x0.
+    pub fn new(timeline: &Timeline, x0: f64, paths: &[u64]) -> Self {
         DensityFold {
-            first_row: timeline.first_row(),
+            timeline: *timeline,
             batches: paths.iter().map(|path| batch_of(*path)).collect(),
-            displacement: Vec::with_capacity(WAITING + paths.len()),
-            moving: Vec::with_capacity(WAITING + paths.len()),
+            rests: vec![Some((0.0, x0)); paths.len()],
+            resting: Vec::new(),
+            moving: Vec::new(),
             counts: DensityCounts::default(),
         }
     }
@@ -115,38 +129,74 @@ impl DensityFold {
         self.batches = paths.iter().map(|path| batch_of(unit.of(*path))).collect();
     }
 
-    /// Add a row of the output grid.
-    pub fn row(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        if row < self.first_row {
-            return;
+    /// The ticks of a time.
+    fn ticks(&self, time: f64) -> u64 {
+        (time / self.timeline.counted() * TICKS).round() as u64
+    }
+
+    /// Add an event.
+    pub fn event(&mut self, lane: usize, event: &Event) {
+        self.leave(lane, event.time);
+        if event.kind == EventKind::StickEntered {
+            self.rests[lane] = Some((event.time, event.displacement));
         }
-        let Snapshot { displacement, velocity, is_static, .. } = snapshot;
-        self.displacement.extend_from_slice(displacement);
-        for (lane, &batch) in self.batches.iter().enumerate() {
-            self.counts.states[batch] += 1;
-            if is_static[lane] {
-                self.counts.at_rest[batch] += 1;
-            } else {
-                self.moving.push(([displacement[lane], velocity[lane]], batch));
+        debug_assert_eq!(event.kind.phase() == Phase::Static, self.rests[lane].is_some());
+    }
+
+    /// The stick of a path, if it is in one, is over at this time.
+    fn leave(&mut self, lane: usize, time: f64) {
+        let Some((since, x)) = self.rests[lane].take() else { return };
+        let ticks = self.ticks((time - since.max(self.timeline.after)).max(0.0));
+        if ticks > 0 {
+            let batch = self.batches[lane];
+            self.counts.at_rest[batch] += ticks;
+            self.resting.push(([x, 0.0], ticks, batch));
+            self.count_if_many();
+        }
+    }
+
+    /// Add a piece of the motion.
+    pub fn glide(&mut self, lane: usize, glide: &Glide) {
+        let ([from, to], batch) = (counted_part(&self.timeline, glide), self.batches[lane]);
+        let parts = if let Course::Step { .. } = glide.course { 1 } else { PARTS };
+        let ticks = self.ticks((to - from) * glide.length / f64::from(parts));
+        for i in 0..if ticks > 0 { parts } else { 0 } {
+            let middle = (f64::from(i) + 0.5) / f64::from(parts);
+            let [way, v, _] = match glide.course {
+                Course::Step { .. } => glide.at(0.0),
+                Course::Smooth { .. } => glide.at(from + (to - from) * middle),
+            };
+            let state = [glide.displacement + way, v];
+            // A path that diverges is left out later, and must not stretch the bins until then.
+            if state.iter().all(|number| number.is_finite()) {
+                self.moving.push((state, ticks, batch));
             }
         }
-        if self.displacement.len() >= WAITING {
+        self.count_if_many();
+    }
+
+    fn count_if_many(&mut self) {
+        if self.resting.len() + self.moving.len() >= WAITING {
             self.count();
         }
     }
 
     fn count(&mut self) {
-        let DensityFold { batches, displacement, moving, counts, .. } = self;
-        let rows = displacement.chunks(batches.len().max(1));
-        counts.displacement.count(rows.flat_map(|row| row.iter().zip(&*batches)).map(|(x, batch)| ([*x, 0.0], *batch)));
-        counts.velocity.count(moving.iter().map(|([_, v], batch)| ([*v, 0.0], *batch)));
-        counts.joint.count(moving.iter().map(|(state, _)| (*state, 0)));
-        displacement.clear();
+        let DensityFold { resting, moving, counts, .. } = self;
+        for (_, ticks, batch) in resting.iter().chain(&*moving) {
+            counts.all[*batch] += ticks;
+        }
+        let of = |variable: usize| move |(state, ticks, batch): &State| ([state[variable], 0.0], *ticks, *batch);
+        counts.displacement.count(resting.iter().chain(&*moving).map(of(0)));
+        counts.velocity.count(moving.iter().map(of(1)));
+        counts.joint.count(moving.iter().map(|(state, ticks, _)| (*state, *ticks, 0)));
+        resting.clear();
         moving.clear();
     }
 
-    /// The counts of all rows.
+    /// The counts of the whole time.
     pub fn finish(mut self) -> DensityCounts {
+        (0..self.rests.len()).for_each(|lane| self.leave(lane, self.timeline.end));
         self.count();
         self.counts
     }

@@ -10,14 +10,12 @@
 //! A group holds moments alone. A median comes from the values of the run, which are kept in
 //! the same groups.
 
-use super::laws::LawFold;
-use super::motion::MotionFold;
-use super::path::PathFold;
+use super::folds::PathFolds;
 use super::periods::PeriodFold;
-use super::totals::{Folds, PhaseSums};
+use super::totals::PhaseSums;
 use super::{Companion, Record, Statistic, Totals};
 use crate::model::{Event, Model};
-use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::sums::Merge;
 use crate::sums::Unit;
 use crate::sums::batches::{BATCHES, batch_of};
@@ -35,8 +33,6 @@ pub type GroupValues = [f64; Statistic::ALL.len()];
 pub struct Grouping {
     timeline: Timeline,
     unit: Unit,
-    start: f64,
-    dynamic_force: f64,
     model: Model,
     record: Record,
 }
@@ -85,9 +81,7 @@ impl Grouping {
     /// A grouping for runs of this model on this timeline, whose independent units are paths or
     /// pairs, and which measure what `record` asks for.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Unit) -> Self {
-        let dynamic_force = model.friction.dynamic_force;
-        let (timeline, start, model, record) = (*timeline, model.initial_displacement, model.clone(), *record);
-        Grouping { timeline, unit, start, dynamic_force, model, record }
+        Grouping { timeline: *timeline, unit, model: model.clone(), record: *record }
     }
 }
 
@@ -105,26 +99,17 @@ impl Companion for Grouping {
             lanes[batch_of(self.unit.of(*path))].push(lane);
         }
         let group = |lanes: Vec<usize>| {
-            let mut periods = PeriodFold::new(&self.timeline, self.start, lanes.len());
+            let mut periods = PeriodFold::new(&self.timeline, self.model.initial_displacement, lanes.len());
             periods.set_unit(self.unit);
             let [displacement, velocity] = [lanes.len(); 2].map(Vec::with_capacity);
             Group { lanes, periods, displacement, velocity }
         };
-        let path = PathFold::starting_at(self.start).counted_after(self.timeline.after);
-        let motion = self.record.has_motion().then(|| vec![MotionFold::starting_at(&self.model); paths.len()]);
-        let laws = self.record.laws.then(|| vec![LawFold::counted_after(self.timeline.after); paths.len()]);
-        let (groups, model) = (lanes.into_iter().map(group).collect(), self.model.clone());
-        GroupObserver { paths: vec![path; paths.len()], laws, motion, model, groups }
+        let folds = PathFolds::new(&self.model, &self.timeline, &self.record, paths.len());
+        GroupObserver { folds, groups: lanes.into_iter().map(group).collect() }
     }
 
-    fn finish(&self, GroupObserver { paths, laws, motion, groups, .. }: GroupObserver, _: Unit) -> Groups {
-        let sums = |group: Group| {
-            let own: Vec<PathFold> = group.lanes.iter().map(|&lane| paths[lane]).collect();
-            let laws = laws.as_ref().map(|laws| group.lanes.iter().map(|&lane| laws[lane]).collect::<Vec<_>>());
-            let motion = motion.as_ref().map(|paths| group.lanes.iter().map(|&lane| paths[lane]).collect::<Vec<_>>());
-            let folds = Folds { laws: laws.as_deref(), motion: motion.as_deref(), record: &self.record };
-            PhaseSums::of(&own, self.dynamic_force, group.periods.finish(), folds, self.unit)
-        };
+    fn finish(&self, GroupObserver { folds, groups }: GroupObserver, _: Unit) -> Groups {
+        let sums = |group: Group| folds.sums(Some(&group.lanes), group.periods.finish(), self.unit);
         Groups(groups.into_iter().map(sums).collect())
     }
 }
@@ -132,10 +117,7 @@ impl Companion for Grouping {
 /// Folds each path of a block, and for each group the instants at which its paths are observed
 /// together.
 pub struct GroupObserver {
-    paths: Vec<PathFold>,
-    laws: Option<Vec<LawFold>>,
-    motion: Option<Vec<MotionFold>>,
-    model: Model,
+    folds: PathFolds,
     groups: Vec<Group>,
 }
 
@@ -150,29 +132,21 @@ struct Group {
 impl Observer for GroupObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
-        self.paths[lane].event(&event);
-        if let Some(laws) = &mut self.laws {
-            laws[lane].event(&event, |_, _| {});
-        }
-        if let Some(motion) = &mut self.motion {
-            motion[lane].event(&self.model, &event);
-        }
+        self.folds.event(lane, &event, |_, _| {});
+    }
+
+    fn follows(&self) -> bool {
+        self.folds.motion.is_some()
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.folds.glide(lane, glide);
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
-        for (lane, path) in self.motion.iter_mut().flatten().enumerate() {
-            let state = [snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]];
-            path.at(&self.model, instant, snapshot.time, state);
-        }
-        let paths = self.paths.iter_mut().zip(snapshot.displacement);
         match instant {
             Instant::Output(_) => {}
-            Instant::Counting => paths.for_each(|(path, &displacement)| path.count_from_here(displacement)),
-            Instant::End => {
-                for (path, &displacement) in paths {
-                    path.end(snapshot.time, displacement);
-                }
-            }
+            Instant::Counting | Instant::End => self.folds.at(instant, &snapshot, |_, _| ()),
             Instant::Period(n) => {
                 for Group { lanes, periods, displacement, velocity } in &mut self.groups {
                     let gather = |into: &mut Vec<f64>, from: &[f64]| {

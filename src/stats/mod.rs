@@ -22,6 +22,7 @@ mod corrected;
 mod density;
 mod dimension;
 mod fit;
+mod folds;
 mod goal;
 mod groups;
 mod law;

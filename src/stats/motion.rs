@@ -1,24 +1,26 @@
-//! What is known of a path between its events: the states on the rows of the output grid. From both
-//! follow the energy that each force gives to the body, and the farthest and the fastest it gets.
+//! The motion of paths between their events ([`Glide`]): the energy that each force gives to the
+//! body, and the farthest and the fastest it gets. Nothing here depends on the output grid.
 //!
-//! Events and rows are nodes. Between two nodes of a sub-phase x' has one sign, so the work of
-//! friction is f_d times the distance, and x is farthest at a node: both are exact. x' between
-//! nodes is the cubic that has x' and x'' of the nodes, and the other works are integrals by
-//! Simpson's rule:
+//! x' has one sign on a sub-phase, so the work of friction is f_d times the sliding path, and x is
+//! farthest at an event or at the end: both are exact. The other works are integrals over glides,
 //!
 //! ```text
 //! of the temperature  c integral T x' dt         of damping  2 alpha integral x'^2 dt
 //! of a force of the user's own  integral g x' dt
 //! ```
 //!
-//! T in the middle is the mean of T there plus the mean of the noise at the nodes. So the energy
-//! balance holds to the order of the spacing of the nodes, 4 without noise, and what is left of it
-//! shows the error.
+//! by Gauss's rule with five nodes, which is exact for the damping of a quintic, or in a step of a
+//! scheme with a step by the forces at its start times the way of the step, since these are the
+//! forces that move the body. What is left of the energy balance is then what the scheme creates.
+//!
+//! Under noise T is not smooth within a glide, but its work follows from what it does: on a glide
+//! it is the change of the kinetic energy and of that of the spring, plus the works of damping and
+//! friction, less that of g. The balance then closes up to rounding, and tells nothing more.
 
 use super::law_counts::LawCounts;
 use super::{Extremes, PassageLevels, Passages};
-use crate::model::{Event, EventKind, Model, Sign};
-use crate::scheme::{Instant, Timeline};
+use crate::model::Model;
+use crate::scheme::{Course, Glide, Instant, Timeline};
 use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
@@ -26,24 +28,14 @@ use crate::sums::range::Sample;
 use crate::sums::spread::SpreadMoments;
 use crate::sums::{Ends, Unit};
 
-/// A state of the body in motion.
-#[derive(Clone, Copy, Debug)]
-struct Node {
-    time: f64,
-    x: f64,
-    v: f64,
-    acceleration: f64,
-    temperature: f64,
-}
-
 /// The energy that each force gave to the body, or took from it, since the end of the burn-in.
+/// That of friction is known from the events.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Works {
     temperature: f64,
     own_force: f64,
-    /// These two are taken.
+    /// This one is taken.
     damping: f64,
-    friction: f64,
     /// Kinetic energy and that of the spring, at the beginning and at the end.
     stored: [f64; 2],
 }
@@ -52,131 +44,125 @@ impl Works {
     fn change(&self) -> f64 {
         self.stored[1] - self.stored[0]
     }
-
-    /// What is left of the balance, which is zero but for the errors of the integrals.
-    fn residual(&self) -> f64 {
-        self.temperature + self.own_force - self.damping - self.friction - self.change()
-    }
 }
 
 /// One path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MotionFold {
-    node: Node,
-    /// The direction of the present sub-phase; none at rest.
-    direction: Option<Sign>,
     start: f64,
-    /// The largest |x - x0| and the largest |x'| so far.
+    /// The largest |x - x0| at events, and the largest |x'|, so far.
     largest: [f64; 2],
     works: Works,
+    /// The sliding path since the end of the burn-in; known at the end.
+    travel: f64,
 }
+
+/// The nodes of Gauss's rule on [0, 1], and their weights (Abramowitz and Stegun, table 25.4).
+const NODES: [[f64; 2]; 5] = [
+    [0.046_910_077_030_668_004, 0.118_463_442_528_094_54],
+    [0.230_765_344_947_158_45, 0.239_314_335_249_683_23],
+    [0.5, 0.284_444_444_444_444_44],
+    [0.769_234_655_052_841_55, 0.239_314_335_249_683_23],
+    [0.953_089_922_969_332, 0.118_463_442_528_094_54],
+];
 
 impl MotionFold {
     /// A path at rest at x0.
     pub fn starting_at(model: &Model) -> Self {
         let x = model.initial_displacement;
-        let node = Node { time: 0.0, x, v: 0.0, acceleration: 0.0, temperature: 0.0 };
-        let stored = [0.5 * model.oscillator.stiffness * x * x; 2];
-        let works = Works { stored, ..Works::default() };
-        MotionFold { node, direction: None, start: x, largest: [0.0; 2], works }
+        let works = Works { stored: [stored(model, x, 0.0); 2], ..Works::default() };
+        MotionFold { start: x, largest: [0.0; 2], works, travel: 0.0 }
     }
 
-    /// Add the next event.
-    pub fn event(&mut self, model: &Model, event: &Event) {
-        let at_rest = |direction: Sign| Node {
-            time: event.time,
-            x: event.displacement,
-            v: 0.0,
-            acceleration: acceleration(model, event.force, direction),
-            temperature: model.temperature_at(event),
-        };
-        if let Some(direction) = self.direction {
-            self.pass(model, at_rest(direction), direction);
-        }
-        self.direction = match event.kind {
-            EventKind::StickEntered => None,
-            EventKind::SlipStarted(direction) | EventKind::SubPhaseBoundary(direction) => Some(direction),
-        };
-        self.node = at_rest(self.direction.unwrap_or(Sign::Positive));
+    /// Add an event at this x.
+    pub fn event(&mut self, x: f64) {
+        self.largest[0] = self.largest[0].max((x - self.start).abs());
     }
 
-    /// Add the state (x, x', T) at an instant.
-    pub fn at(&mut self, model: &Model, instant: Instant, time: f64, [x, v, temperature]: [f64; 3]) {
-        if let Some(direction) = self.direction {
-            let force = model.total_force(time, temperature, x, v);
-            let node = Node { time, x, v, acceleration: acceleration(model, force, direction), temperature };
-            self.pass(model, node, direction);
+    /// Add a piece of the motion, as far as it lies on the timeline.
+    pub fn glide(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
+        let [from, to] = counted_part(timeline, glide);
+        let until = if glide.end() > timeline.end { to } else { 1.0 };
+        self.largest[1] = self.largest[1].max(glide.largest_speed(until));
+        if from >= to {
+            return;
         }
+        let (body, works) = (&model.oscillator, &mut self.works);
+        let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
+        let acceleration = match glide.course {
+            Course::Smooth { acceleration } => acceleration,
+            Course::Step { temperature } => {
+                let Glide { start, displacement, way, velocity: [v, _], .. } = *glide;
+                works.temperature += body.force_per_temperature() * temperature * way;
+                works.damping += 2.0 * body.damping * v * way;
+                works.own_force += own(start, displacement, v) * way;
+                return;
+            }
+        };
+        let (mut of_damping, mut of_own, mut of_mean) = (0.0, 0.0, 0.0);
+        let is_random = model.temperature.is_random();
+        for [node, weight] in NODES {
+            let part = from + (to - from) * node;
+            let ([way, v, _], time) = (glide.at(part), glide.start + part * glide.length);
+            let weight = weight * (to - from) * glide.length * v;
+            of_damping += 2.0 * body.damping * v * weight;
+            if model.force.is_some() {
+                of_own += own(time, glide.displacement + way, v) * weight;
+            }
+            if !is_random {
+                of_mean += body.force_per_temperature() * model.temperature.mean(time) * weight;
+            }
+        }
+        works.damping += of_damping;
+        works.own_force += of_own;
+        works.temperature += match is_random {
+            false => of_mean,
+            true => {
+                let whole = Glide { course: Course::Smooth { acceleration }, ..*glide };
+                let [[way0, v0, _], [way1, v1, _]] = [from, to].map(|part| whole.at(part));
+                let way = way1 - way0;
+                let spring = body.stiffness * way * (glide.displacement + 0.5 * (way0 + way1));
+                let kinetic = 0.5 * body.mass * (v1 - v0) * (v1 + v0);
+                kinetic + spring + of_damping + model.friction.dynamic_force * way.abs() - of_own
+            }
+        };
+    }
+
+    /// Add the state (x, x') at an instant. The sliding path is that since the end of the burn-in.
+    pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], travel: f64) {
         match instant {
-            Instant::Counting => self.works = Works { stored: [self.stored(model); 2], ..Works::default() },
-            Instant::End => self.works.stored[1] = self.stored(model),
+            Instant::Counting => self.works = Works { stored: [stored(model, x, v); 2], ..Works::default() },
+            Instant::End => {
+                self.event(x);
+                self.works.stored[1] = stored(model, x, v);
+                self.travel = travel;
+            }
             Instant::Output(_) | Instant::Period(_) => {}
         }
     }
 
-    fn stored(&self, model: &Model) -> f64 {
-        let Node { x, v, .. } = self.node;
-        let v = if self.direction.is_some() { v } else { 0.0 };
-        0.5 * (model.oscillator.mass * v * v + model.oscillator.stiffness * x * x)
+    /// What is left of the balance.
+    fn residual(&self, dynamic_force: f64) -> f64 {
+        let Works { temperature, own_force, damping, .. } = self.works;
+        temperature + own_force - damping - dynamic_force * self.travel - self.works.change()
     }
+}
 
-    /// Moves on to the next node of the sub-phase.
-    fn pass(&mut self, model: &Model, end: Node, direction: Sign) {
-        let (begin, works) = (self.node, &mut self.works);
-        let (length, distance) = (end.time - begin.time, end.x - begin.x);
-        let c = model.oscillator.force_per_temperature();
-        works.friction += model.friction.dynamic_force * distance.abs();
-        let simpson = |values: [f64; 3]| length / 6.0 * (values[0] + 4.0 * values[1] + values[2]);
-        let velocity = Cubic::new(length, [begin.v, end.v], [begin.acceleration, end.acceleration]);
-        let middle = velocity.at(0.5);
-        works.damping += 2.0 * model.oscillator.damping * simpson([begin.v, middle, end.v].map(|v| v * v));
-        let time = 0.5 * (begin.time + end.time);
-        let noise = |node: Node| node.temperature - model.temperature.mean(node.time);
-        let temperature = model.temperature.mean(time) + 0.5 * (noise(begin) + noise(end));
-        works.temperature += match length > 0.0 {
-            true => c * simpson([begin.temperature * begin.v, temperature * middle, end.temperature * end.v]),
-            // A slip that takes no time.
-            false => c * 0.5 * (begin.temperature + end.temperature) * distance,
-        };
-        if model.force.is_some() {
-            let displacement = Cubic::new(length, [begin.x, end.x], [begin.v, end.v]).at(0.5);
-            let power = |x: f64, v: f64, t: f64| model.own_force(t, x, v).unwrap_or(0.0) * v;
-            let powers = [(begin.x, begin.v, begin.time), (displacement, middle, time), (end.x, end.v, end.time)];
-            works.own_force += simpson(powers.map(|(x, v, t)| power(x, v, t)));
+/// Kinetic energy and that of the spring.
+fn stored(model: &Model, x: f64, v: f64) -> f64 {
+    0.5 * (model.oscillator.mass * v * v + model.oscillator.stiffness * x * x)
+}
+
+/// The part of a glide that is counted, as parts of its length; a step is counted or not.
+pub(super) fn counted_part(timeline: &Timeline, glide: &Glide) -> [f64; 2] {
+    let part = |time: f64| ((time - glide.start) / glide.length).clamp(0.0, 1.0);
+    match glide.course {
+        _ if glide.start >= timeline.after && glide.end() <= timeline.end => [0.0, 1.0],
+        Course::Smooth { .. } => [part(timeline.after), part(timeline.end)],
+        Course::Step { .. } => {
+            let middle = glide.start + 0.5 * glide.length;
+            if middle > timeline.after && middle < timeline.end { [0.0, 1.0] } else { [0.0; 2] }
         }
-        let fastest = velocity.largest(direction.value());
-        self.largest = [self.largest[0].max((end.x - self.start).abs()), self.largest[1].max(fastest)];
-        self.node = end;
-    }
-}
-
-fn acceleration(model: &Model, force: f64, direction: Sign) -> f64 {
-    (force - direction.value() * model.friction.dynamic_force) / model.oscillator.mass
-}
-
-/// The cubic on [0, 1] with these values and slopes at its ends.
-struct Cubic([f64; 4]);
-
-impl Cubic {
-    /// Slopes are per unit of an interval of this length.
-    fn new(length: f64, [a, b]: [f64; 2], slopes: [f64; 2]) -> Self {
-        let [p, q] = slopes.map(|slope| slope * length);
-        Cubic([a, p, 3.0 * (b - a) - 2.0 * p - q, 2.0 * (a - b) + p + q])
-    }
-
-    fn at(&self, s: f64) -> f64 {
-        let Cubic([a, b, c, d]) = *self;
-        a + s * (b + s * (c + s * d))
-    }
-
-    /// The largest value of `sign` times the cubic.
-    fn largest(&self, sign: f64) -> f64 {
-        let Cubic([_, b, c, d]) = *self;
-        // The derivative is b + 2 c s + 3 d s^2.
-        let root = (c * c - 3.0 * b * d).sqrt();
-        let extremes = [(-c - root) / (3.0 * d), (-c + root) / (3.0 * d), -b / (2.0 * c)];
-        let inside = extremes.into_iter().filter(|s| (0.0..=1.0).contains(s));
-        inside.chain([0.0, 1.0]).map(|s| sign * self.at(s)).fold(f64::NEG_INFINITY, f64::max)
     }
 }
 
@@ -194,15 +180,16 @@ codec_of_fields!(EnergySums { temperature, own_force, damping, change, residual 
 
 impl EnergySums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[MotionFold], unit: Unit) -> Self {
+    pub fn of(paths: &[MotionFold], dynamic_force: f64, unit: Unit) -> Self {
         let column = |of: fn(&Works) -> f64| paths.iter().map(|path| of(&path.works)).collect::<Vec<f64>>();
         let moments = |of: fn(&Works) -> f64| Moments::of(&unit.means(&column(of)));
+        let residuals: Vec<f64> = paths.iter().map(|path| path.residual(dynamic_force)).collect();
         EnergySums {
             temperature: moments(|works| works.temperature),
             own_force: moments(|works| works.own_force),
             damping: moments(|works| works.damping),
             change: moments(Works::change),
-            residual: SpreadMoments::of(&column(Works::residual), unit),
+            residual: SpreadMoments::of(&residuals, unit),
         }
     }
 
@@ -301,11 +288,12 @@ impl ExtremeCounts {
         self.below.iter_mut().zip(&other.below).for_each(|(mine, more)| *mine += more);
     }
 
-    /// Add the paths of a block at a row of the output grid.
-    pub fn row(&mut self, row: usize, rows: usize, levels: &PassageLevels, paths: &[MotionFold]) {
+    /// Add the paths of a block at a row of the output grid, where they are at these x.
+    pub fn row(&mut self, row: usize, rows: usize, levels: &PassageLevels, paths: &[MotionFold], at: &[f64]) {
         self.below.resize(levels.iter().count() * rows, 0);
         for (i, level) in levels.iter().enumerate() {
-            self.below[i * rows + row] += paths.iter().filter(|path| path.largest[0] < level).count() as u64;
+            let is_below = |(path, x): &(&MotionFold, &f64)| path.largest[0].max((*x - path.start).abs()) < level;
+            self.below[i * rows + row] += paths.iter().zip(at).filter(is_below).count() as u64;
         }
     }
 
@@ -349,19 +337,3 @@ impl Codec for ExtremeCounts {
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_cubic_fits_its_ends_and_finds_its_largest_value() {
-        // s^3 - s on [0, 2], whose values are 0 and 6 and whose slopes are -1 and 11; its least
-        // value is at 1/sqrt(3).
-        let cubic = Cubic::new(2.0, [0.0, 6.0], [-1.0, 11.0]);
-        assert!((cubic.at(0.5) - 0.0).abs() < 1e-15 && (cubic.at(1.0) - 6.0).abs() < 1e-14);
-        assert!((cubic.largest(-1.0) - 2.0 / 27f64.sqrt()).abs() < 1e-15 && (cubic.largest(1.0) - 6.0).abs() < 1e-14);
-        // A parabola, whose third power vanishes.
-        let parabola = Cubic::new(1.0, [0.0, 0.0], [1.0, -1.0]);
-        assert!((parabola.largest(1.0) - 0.25).abs() < 1e-15);
-    }
-}

@@ -3,34 +3,26 @@
 
 use super::column::Columns as _;
 use super::density::DensityFold;
-use super::laws::LawFold;
-use super::motion::MotionFold;
+use super::folds::PathFolds;
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
 use super::spectrum::SpectrumFold;
-use super::totals::{Folds, PhaseSums};
 use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
-use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::sums::Unit;
 
 /// The observer of one block of paths.
 pub struct BlockObserver {
     /// Number of the path in each lane.
     path_numbers: Vec<u64>,
-    paths: Vec<PathFold>,
+    folds: PathFolds,
     unit: Unit,
-    /// The model, whose forces a kept path is shown with.
-    model: Model,
     /// Number of rows of the output grid.
     rows: usize,
     totals: Totals,
     periods: PeriodFold,
-    /// The laws of each path, if they are asked for.
-    laws: Option<Vec<LawFold>>,
-    /// The motion of each path, if its energy or its extremes are asked for.
-    motion: Option<Vec<MotionFold>>,
     /// What is asked for of the output grid.
     density: Option<DensityFold>,
     spectrum: Option<SpectrumFold>,
@@ -72,14 +64,11 @@ impl BlockObserver {
         BlockObserver {
             path_numbers: paths.to_vec(),
             unit: Unit::Path,
-            paths: vec![PathFold::starting_at(model.initial_displacement).counted_after(timeline.after); paths.len()],
-            model: model.clone(),
+            folds: PathFolds::new(model, timeline, record, paths.len()),
             rows,
             totals,
-            laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); paths.len()]),
             periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
-            motion: record.has_motion().then(|| vec![MotionFold::starting_at(model); paths.len()]),
-            density: record.density.then(|| DensityFold::new(timeline, paths)),
+            density: record.density.then(|| DensityFold::new(timeline, model.initial_displacement, paths)),
             spectrum: record.spectrum.then(|| SpectrumFold::new(model, timeline, paths)),
             record: *record,
             events: record.events.then(|| vec![Vec::new(); paths.len()]),
@@ -116,57 +105,42 @@ impl BlockObserver {
     /// The result of the block, which has `path_count` paths from number `first_path` on. The paths
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
-        let dynamic_force = self.model.friction.dynamic_force;
+        let (paths, dynamic_force) = (&self.folds.paths, self.folds.model.friction.dynamic_force);
         self.totals.counts.density = self.density.map(|density| Box::new(density.finish()));
-        let folds = Folds { laws: self.laws.as_deref(), motion: self.motion.as_deref(), record: &self.record };
-        self.totals.sums.phases = PhaseSums::of(&self.paths, dynamic_force, self.periods.finish(), folds, self.unit);
+        self.totals.sums.phases = self.folds.sums(None, self.periods.finish(), self.unit);
         self.totals.sums.spectrum = self.spectrum.map(|spectrum| Box::new(spectrum.finish()));
-        self.totals.end(&self.paths, &diverged, self.unit);
+        self.totals.end(paths, &diverged, self.unit);
         let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
         let (wanted, trajectories) = self.trajectories;
         BlockResult {
             first_path,
             paths: path_count,
             diverged,
-            path_columns: self.record.paths.then(|| block.path_columns(&self.paths, dynamic_force)),
+            path_columns: self.record.paths.then(|| block.path_columns(paths, dynamic_force)),
             events: self.events.map(|events| block.event_columns(&events)),
             trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
             totals: self.totals,
         }
     }
 
-    /// Adds the states at an instant to the motion of the paths, if that is asked for.
-    fn follow_motion(&mut self, instant: Instant, snapshot: &Snapshot<'_>) {
-        let Some(motion) = &mut self.motion else { return };
-        for (lane, path) in motion.iter_mut().enumerate() {
-            let state = [snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]];
-            path.at(&self.model, instant, snapshot.time, state);
-        }
-        let Some(extremes) = &mut self.totals.counts.extremes else { return };
-        match instant {
-            Instant::Output(row) => extremes.row(row, self.rows, &self.record.levels, motion),
-            Instant::End => {
-                let paths = motion.iter().zip(&self.path_numbers);
-                paths.for_each(|(path, number)| extremes.end(self.unit.of(*number), path));
-            }
-            Instant::Period(_) | Instant::Counting => {}
-        }
-    }
-
+    /// The paths have reached t_end, in these phases.
     fn end(&mut self, snapshot: &Snapshot<'_>) {
-        let paths = self.paths.iter_mut().zip(&self.path_numbers);
-        for ((path, &number), &displacement) in paths.zip(snapshot.displacement) {
-            match path.end(snapshot.time, displacement) {
-                Some(Censored::FirstStick) => self.totals.counts.first_censored += 1,
-                Some(Censored::Stick(so_far)) => self.totals.counts.sticks.censored(self.unit.of(number), so_far),
-                Some(Censored::Slip) => self.totals.counts.sub_phases.censored(),
-                None => {}
+        let BlockObserver { folds, totals, path_numbers, unit, .. } = self;
+        let counts = &mut totals.counts;
+        folds.at(Instant::End, snapshot, |lane, phase| match phase {
+            Some(Censored::FirstStick) => counts.first_censored += 1,
+            Some(Censored::Stick(so_far)) => counts.sticks.censored(unit.of(path_numbers[lane]), so_far),
+            Some(Censored::Slip) => counts.sub_phases.censored(),
+            None => {}
+        });
+        let units = || path_numbers.iter().map(|number| unit.of(*number));
+        if let (Some(laws), Some(counts)) = (&folds.laws, &mut counts.laws) {
+            for (path, unit) in laws.iter().zip(units()) {
+                path.end(snapshot.time, |law, so_far| counts.law_mut(law).censored(unit, so_far));
             }
         }
-        if let (Some(laws), Some(counts)) = (&self.laws, &mut self.totals.counts.laws) {
-            for (path, &number) in laws.iter().zip(&self.path_numbers) {
-                path.end(snapshot.time, |law, so_far| counts.law_mut(law).censored(self.unit.of(number), so_far));
-            }
+        if let (Some(motion), Some(extremes)) = (&folds.motion, &mut counts.extremes) {
+            motion.iter().zip(units()).for_each(|(path, unit)| extremes.end(unit, path));
         }
     }
 }
@@ -174,35 +148,47 @@ impl BlockObserver {
 impl Observer for BlockObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
-        match self.paths[lane].event(&event) {
+        let (laws, unit) = (&mut self.totals.counts.laws, self.unit.of(self.path_numbers[lane]));
+        let completed = self.folds.event(lane, &event, |law, value| {
+            if let Some(laws) = laws {
+                laws.law_mut(law).completed(unit, value);
+            }
+        });
+        match completed {
             Some(Completed::FirstStick) => self.totals.counts.first_completed += 1,
             Some(Completed::Stick(duration)) => {
-                self.totals.counts.sticks.completed(self.unit.of(self.path_numbers[lane]), duration)
+                self.totals.counts.sticks.completed(unit, duration)
             }
             Some(Completed::Slip(sub_phases)) => {
-                self.totals.counts.sub_phases.completed(self.unit.of(self.path_numbers[lane]), sub_phases)
+                self.totals.counts.sub_phases.completed(unit, sub_phases)
             }
             None => {}
         }
-        if let (Some(laws), Some(counts)) = (&mut self.laws, &mut self.totals.counts.laws) {
-            let unit = self.unit.of(self.path_numbers[lane]);
-            laws[lane].event(&event, |law, value| counts.law_mut(law).completed(unit, value));
-        }
-        if let Some(motion) = &mut self.motion {
-            motion[lane].event(&self.model, &event);
+        if let Some(density) = &mut self.density {
+            density.event(lane, &event);
         }
         if let Some(events) = &mut self.events {
             events[lane].push(event);
         }
     }
 
+    fn follows(&self) -> bool {
+        self.folds.motion.is_some() || self.density.is_some()
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.folds.glide(lane, glide);
+        if let Some(density) = &mut self.density {
+            density.glide(lane, glide);
+        }
+    }
+
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {
-        self.follow_motion(instant, &snapshot);
         match instant {
             Instant::Output(row) => {
                 self.totals.row(row, &snapshot, self.unit);
-                if let Some(density) = &mut self.density {
-                    density.row(row, &snapshot);
+                if let (Some(motion), Some(extremes)) = (&self.folds.motion, &mut self.totals.counts.extremes) {
+                    extremes.row(row, self.rows, &self.record.levels, motion, snapshot.displacement);
                 }
                 if let Some(spectrum) = &mut self.spectrum {
                     spectrum.row(row, &snapshot);
@@ -210,11 +196,11 @@ impl Observer for BlockObserver {
                 for kept in &mut self.trajectories.1 {
                     let lane = kept.lane;
                     let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
-                    let b = self.model.total_force(snapshot.time, t, x, v);
+                    let b = self.folds.model.total_force(snapshot.time, t, x, v);
                     // At rest in a slip, at a turning point or at the end of a stick, the body is
                     // about to follow b.
-                    let direction = if v == 0.0 { Sign::of(b) } else { self.paths[lane].direction };
-                    let sliding = self.model.friction.dynamic_force * direction.value();
+                    let direction = if v == 0.0 { Sign::of(b) } else { self.folds.paths[lane].direction };
+                    let sliding = self.folds.model.friction.dynamic_force * direction.value();
                     let is_static = snapshot.is_static[lane];
                     let seen = TrajectoryRow {
                         displacement: x,
@@ -228,10 +214,7 @@ impl Observer for BlockObserver {
                 }
             }
             Instant::Period(n) => self.periods.observe(n, &snapshot),
-            Instant::Counting => {
-                let paths = self.paths.iter_mut().zip(snapshot.displacement);
-                paths.for_each(|(path, &displacement)| path.count_from_here(displacement));
-            }
+            Instant::Counting => self.folds.at(instant, &snapshot, |_, _| ()),
             Instant::End => self.end(&snapshot),
         }
     }

@@ -444,14 +444,6 @@ impl Merge for Totals {
     }
 }
 
-/// What is folded on request, path by path.
-#[derive(Clone, Copy)]
-pub(super) struct Folds<'a> {
-    pub laws: Option<&'a [LawFold]>,
-    pub motion: Option<&'a [MotionFold]>,
-    pub record: &'a Record,
-}
-
 impl PhaseSums {
     /// The sums of no paths.
     pub(super) fn empty(timeline: &Timeline) -> Self {
@@ -469,15 +461,14 @@ impl PhaseSums {
         paths: &[PathFold],
         dynamic_force: f64,
         periods: PeriodSums,
-        Folds { laws, motion, record }: Folds<'_>,
+        (laws, motion, record): (Option<&[LawFold]>, &[MotionFold], &Record),
         unit: Unit,
     ) -> Self {
-        let motion = motion.unwrap_or_default();
         PhaseSums {
             cascade: CascadeSums::of(paths, dynamic_force, unit),
             periods,
             laws: laws.map(|laws| Box::new(LawsSums::of(laws, unit))),
-            energy: record.energy.then(|| Box::new(EnergySums::of(motion, unit))),
+            energy: record.energy.then(|| Box::new(EnergySums::of(motion, dynamic_force, unit))),
             extremes: (!record.levels.is_empty()).then(|| Box::new(ExtremeSums::of(motion, unit))),
         }
     }

@@ -125,10 +125,10 @@ impl Grid {
         self.counts.chunks(self.batches)
     }
 
-    /// Count these pairs, whose numbers are finite, each with its batch.
-    pub fn count(&mut self, pairs: impl Iterator<Item = ([f64; 2], usize)> + Clone) {
+    /// Count these pairs, whose numbers are finite, each so many times and with its batch.
+    pub fn count(&mut self, pairs: impl Iterator<Item = ([f64; 2], u64, usize)> + Clone) {
         let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        for (pair, _) in pairs.clone() {
+        for (pair, ..) in pairs.clone() {
             for (ends, number) in ends.iter_mut().zip(pair) {
                 // Faster than `min` and `max`, which look for NaN.
                 *ends =
@@ -142,9 +142,9 @@ impl Grid {
         self.rise_to(std::array::from_fn(|i| self.axes[i].with(needed[i], self.most[i])));
         let inverse = self.axes.map(|axis| width(-axis.level));
         let [first, second] = self.axes;
-        for ([x, y], batch) in pairs {
+        for ([x, y], times, batch) in pairs {
             let (row, column) = (cell(x, inverse[0]) - first.first, cell(y, inverse[1]) - second.first);
-            self.counts[(row as usize * second.cells + column as usize) * self.batches + batch] += 1;
+            self.counts[(row as usize * second.cells + column as usize) * self.batches + batch] += times;
         }
     }
 
@@ -226,7 +226,7 @@ mod tests {
 
     fn grid(of: &[f64]) -> Grid {
         let mut grid = Grid::empty([16, 4], 2);
-        of.iter().for_each(|x| grid.count(std::iter::once(([*x, -x], usize::from(*x > 0.0)))));
+        of.iter().for_each(|x| grid.count(std::iter::once(([*x, -x], 1, usize::from(*x > 0.0)))));
         grid
     }
 
@@ -235,7 +235,7 @@ mod tests {
         fn counts_are_those_of_all_numbers_however_they_are_merged(a in numbers(), b in numbers()) {
             let whole = grid(&[a.clone(), b.clone()].concat());
             let mut other = Grid::empty([16, 4], 2);
-            other.count(b.iter().chain(&a).map(|x| ([*x, -x], usize::from(*x > 0.0))));
+            other.count(b.iter().chain(&a).map(|x| ([*x, -x], 1, usize::from(*x > 0.0))));
             let mut merged = grid(&b);
             merged.merge(&grid(&a));
             prop_assert_eq!(&whole, &other);
@@ -259,9 +259,9 @@ mod tests {
     #[test]
     fn equal_numbers_have_one_cell_and_the_others_about_as_many_as_there_may_be() {
         let mut grid = Grid::empty([256, 1], 1);
-        grid.count([([0.0, 0.0], 0); 3].into_iter());
+        grid.count([([0.0, 0.0], 2, 0), ([0.0, 0.0], 1, 0)].into_iter());
         assert_eq!((grid.axes()[0].cells(), grid.cells().next().unwrap()[0]), (1, 3));
-        grid.count((0..1000).map(|i| ([f64::from(i) / 1000.0 - 0.3, 0.0], 0)));
+        grid.count((0..1000).map(|i| ([f64::from(i) / 1000.0 - 0.3, 0.0], 1, 0)));
         assert!((128..=256).contains(&grid.axes()[0].cells()), "{:?}", grid.axes());
         assert_eq!(grid.cells().map(|counts| counts[0]).sum::<u64>(), 1003);
     }

@@ -5,7 +5,7 @@ use super::reading::Reader;
 use crate::lanes::InstructionSet;
 use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
-use crate::scheme::{Observer, Simulate, Snapshot, Timeline};
+use crate::scheme::{Course, Glide, Observer, Simulate, Snapshot, Timeline};
 
 /// A path counts as diverged beyond this multiple of the largest displacement to be expected of the
 /// exact model.
@@ -124,6 +124,7 @@ impl Simulate for DiscreteSimulation {
         let mut diverged = vec![false; paths];
         let mut sampled = Samples::default();
         let mut turns = Vec::new();
+        let mut followed = observer.follows().then(Followed::default);
 
         let mut n = 0u64;
         for stop in self.timeline.stops() {
@@ -133,13 +134,20 @@ impl Simulate for DiscreteSimulation {
                 if observer.is_stopped() {
                     return Vec::new();
                 }
-                let steps = RUN.min((target - n) as usize);
+                let steps = if followed.is_some() { 1 } else { RUN.min((target - n) as usize) };
                 self.clock.fill(n, &mut harmonics[..=steps]);
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
                     *force = to_force * harmonic;
                 }
+                if let Some(followed) = &mut followed {
+                    followed.begin(&state, reader.statics(&kernel, &state, forcing[0], n));
+                }
                 kernel.advance(n, &forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
+                if let Some(followed) = &followed {
+                    let temperature = |noise: f64| harmonics[0] + kernel.noise.temperature * noise;
+                    followed.tell(n, self.h, temperature, &state, observer);
+                }
                 // All lanes are tested together first, because a path hardly ever diverges.
                 let is_bounded = |x: &f64| x.abs() <= bound;
                 if !state.displacement[..paths].iter().fold(true, |all, x| all & is_bounded(x)) {
@@ -169,6 +177,36 @@ impl Simulate for DiscreteSimulation {
             }
         }
         (0..paths).filter(|&lane| diverged[lane]).collect()
+    }
+}
+
+/// The paths at the start of a step, if their motion is followed.
+#[derive(Default)]
+struct Followed {
+    state: Option<Paths>,
+    is_static: Vec<bool>,
+}
+
+impl Followed {
+    fn begin(&mut self, state: &Paths, statics: impl Iterator<Item = bool>) {
+        match &mut self.state {
+            Some(before) => before.clone_from(state),
+            before => *before = Some(state.clone()),
+        }
+        self.is_static.clear();
+        self.is_static.extend(statics);
+    }
+
+    /// Tells the step n, which has led to `after`, of all paths in motion.
+    fn tell(&self, n: u64, h: f64, temperature: impl Fn(f64) -> f64, after: &Paths, observer: &mut dyn Observer) {
+        let Some(before) = &self.state else { return };
+        for (lane, _) in self.is_static.iter().enumerate().filter(|(_, is_static)| !**is_static) {
+            let (x, v) = (before.displacement[lane], before.velocity[lane]);
+            let course = Course::Step { temperature: temperature(before.noise[lane]) };
+            let (way, velocity) = (after.displacement[lane] - x, [v, after.velocity[lane]]);
+            let start = n as f64 * h;
+            observer.glide(lane, &Glide { start, length: h, displacement: x, way, velocity, course });
+        }
     }
 }
 

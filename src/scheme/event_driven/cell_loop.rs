@@ -13,7 +13,7 @@
 //!
 //! The state at an instant inside a cell is drawn separately and does not change the path.
 
-use super::alone::{Cascade, Glances, Path, PendingNodes, cross};
+use super::alone::{Cascade, Follower, Glances, Path, PendingNodes, cross};
 use super::law::cells::Cell;
 use super::law::inside::Glance;
 use super::work::Simulated;
@@ -21,7 +21,7 @@ use crate::model::Event;
 use crate::noise::looking_place;
 use crate::scheme::columns::{Columns, LOST};
 use crate::scheme::timeline::Stop;
-use crate::scheme::{Instant, Observer};
+use crate::scheme::{Glide, Instant, Observer};
 
 /// A stop lies on the end of a cell if their times differ by at most this fraction, which is
 /// rounding.
@@ -52,7 +52,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &mut dyn Obser
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
     let mut columns = Columns::new(count);
-    let (mut quiet, mut inside) = (Vec::new(), Inside::default());
+    let (mut quiet, mut inside) = (Vec::new(), Inside { glides: observer.follows().then(Vec::new), ..Inside::default() });
     let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
@@ -103,6 +103,8 @@ pub struct Inside {
     /// The states of all paths at each of `glances`. There may be more than needed.
     pub seen: Vec<Columns>,
     pub events: Vec<(usize, Event)>,
+    /// The motion in the cell, if it is followed.
+    glides: Option<Vec<(usize, Glide)>>,
 }
 
 impl Inside {
@@ -147,12 +149,13 @@ impl Inside {
         path: &mut Path<C::Memory>,
         scratch: &mut (C::Scratch, PendingNodes),
     ) {
-        let Inside { glances, seen, events, .. } = self;
+        let Inside { glances, seen, events, glides, .. } = self;
         let draws = path.draws.at(cell.index, 0);
-        let mut watch = Glances { glances, cell_start: cell.start, draws, lane, seen, passed: 0 };
+        let watch = Glances { glances, cell_start: cell.start, draws, lane, seen, passed: 0 };
+        let mut watch = Follower { watch, lane, glides: glides.as_mut() };
         let emit = |event| events.push((lane, event));
         path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
-        let passed = watch.passed;
+        let (passed, seen) = (watch.watch.passed, watch.watch.seen);
         if passed < glances.len() {
             seen[passed..glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
         }
@@ -161,6 +164,9 @@ impl Inside {
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no
     /// later stop, and events after the last one are dropped.
     fn tell(&mut self, observer: &mut dyn Observer, is_over: bool) {
+        for (lane, glide) in self.glides.iter_mut().flat_map(|glides| glides.drain(..)) {
+            observer.glide(lane, &glide);
+        }
         for (stop, &place) in self.stops.iter().zip(&self.places) {
             self.events.retain(|&(lane, event)| {
                 let is_due = event.time <= stop.time;

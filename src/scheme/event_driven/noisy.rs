@@ -60,7 +60,8 @@ const TWO_SCALES: f64 = 16.0;
 /// The most halvings of a slip step under a force of the user's own.
 const FINEST_HALVING: u32 = 24;
 
-/// Up to this number of paths are simulated one by one, because they do not fill the lanes.
+/// Up to this number of paths are simulated one by one, because they do not fill the lanes. So are
+/// those whose motion is followed.
 const FEW: usize = 8;
 
 impl Noisy {
@@ -136,11 +137,13 @@ impl Noisy {
     /// Simulates the paths with these numbers.
     pub fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         let instructions = InstructionSet::detect();
-        if paths.len() > FEW && self.has_equal_cells() {
+        let follows = observer.follows();
+        if paths.len() > FEW && self.has_equal_cells() && !follows {
             let mut all = Abreast::new(self, instructions, seed, paths);
             return cell_loop::simulate(&mut all, paths.len(), observer);
         }
-        let mut all = OneByOne::new(self, instructions, seed, paths);
+        let all = OneByOne::new(self, instructions, seed, paths);
+        let mut all = if follows { all.followed() } else { all };
         cell_loop::simulate(&mut all, paths.len(), observer)
     }
 }

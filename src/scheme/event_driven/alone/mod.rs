@@ -24,4 +24,4 @@ pub use one_by_one::OneByOne;
 pub use path::{Cascade, Path, cross, start};
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;
-pub use watch::{Glances, Nobody, Watch, WatchedPiece};
+pub use watch::{Follower, Glances, Nobody, Watch, WatchedPiece};

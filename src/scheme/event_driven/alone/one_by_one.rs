@@ -2,10 +2,10 @@
 
 use super::path::{Cascade, Path, cross, start};
 use super::stick::PendingNodes;
-use super::watch::Nobody;
+use super::watch::{Follower, Nobody};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
-use crate::scheme::Observer;
+use crate::scheme::{Glide, Observer};
 use crate::scheme::columns::{Columns, LOST, Seen};
 use crate::scheme::event_driven::cell_loop::{Inside, PathSet};
 use crate::scheme::event_driven::law::cells::Cell;
@@ -18,6 +18,8 @@ pub struct OneByOne<'a, C: Cascade> {
     paths: Vec<Path<C::Memory>>,
     /// The events of the cells that were crossed last, with their lanes.
     events: Vec<(usize, Event)>,
+    /// The motion of these cells, if it is followed.
+    glides: Option<Vec<(usize, Glide)>>,
     scratch: (C::Scratch, PendingNodes),
 }
 
@@ -29,8 +31,14 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
             instructions,
             paths: paths.iter().map(|&path| start(cascade, seed, path)).collect(),
             events: Vec::new(),
+            glides: None,
             scratch: (cascade.scratch(), PendingNodes::new()),
         }
+    }
+
+    /// The same paths, whose motion is told as well.
+    pub fn followed(self) -> Self {
+        OneByOne { glides: Some(Vec::new()), ..self }
     }
 }
 
@@ -48,7 +56,7 @@ struct CrossOneByOne<'p, 'a, C: Cascade> {
 impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let OneByOne { cascade, paths, events, scratch, .. } = &mut *self.all;
+        let OneByOne { cascade, paths, events, glides, scratch, .. } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
             if (self.is_stopped)() {
@@ -59,7 +67,8 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                     inside.cross(lane, *cascade, cell, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
-                    path.is_lost = cross(*cascade, cell, path, scratch, &mut Nobody, emit).is_err();
+                    let mut watch = Follower { watch: Nobody, lane, glides: glides.as_mut() };
+                    path.is_lost = cross(*cascade, cell, path, scratch, &mut watch, emit).is_err();
                 }
             }
         }
@@ -79,6 +88,9 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
         instructions.run(&mut CrossOneByOne { all: self, cells, inside: None, is_stopped });
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
+        }
+        for (lane, glide) in self.glides.iter_mut().flat_map(|glides| glides.drain(..)) {
+            observer.glide(lane, &glide);
         }
     }
 

@@ -9,7 +9,7 @@ use super::stop_search::{Passed, PendingIntervals};
 use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
-use crate::scheme::Timeline;
+use crate::scheme::{Course, Glide, Timeline};
 use crate::scheme::columns::Seen;
 use crate::scheme::event_driven::law::cells::{Cell, WHOLE_PLACE};
 use crate::scheme::event_driven::law::corridor::Corridor;
@@ -151,6 +151,9 @@ impl Slip<'_> {
                 return Err(Unresolved);
             }
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
+            if watch.follows() {
+                passed.iter().for_each(|piece| watch.glide(self.glide(began, start.x, piece)));
+            }
             if event.is_some() || is_last {
                 return Ok(event);
             }
@@ -246,6 +249,21 @@ impl Slip<'_> {
         Event { kind, time: self.cell.start + path.after, displacement: path.displacement, force }
     }
 
+    /// The motion on an interval that was passed, of a step that began at this time and x.
+    #[inline(always)]
+    fn glide(&self, began: f64, x0: f64, &Passed { after, travel, start, interval }: &Passed) -> Glide {
+        let eps = self.direction.value();
+        let SlipVelocity { velocity, acceleration } = interval.end;
+        Glide {
+            start: self.cell.start + (began + after),
+            length: interval.length,
+            displacement: x0 + eps * travel,
+            way: eps * interval.travel,
+            velocity: [eps * start.velocity, eps * velocity],
+            course: Course::Smooth { acceleration: [eps * start.acceleration, eps * acceleration] },
+        }
+    }
+
     /// Crosses the remainder of the cell with uniform acceleration, where it is too short for the
     /// noise to be distinguished from rounding.
     fn coast(&self, path: &mut Path<f64>, watch: &mut impl Watch) {
@@ -260,6 +278,14 @@ impl Slip<'_> {
         };
         watch.look(scene, || piece);
         (path.displacement, path.motion) = piece.at(cell.length);
+        watch.glide(Glide {
+            start: cell.start + path.after,
+            length: cell.length - path.after,
+            displacement: piece.displacement,
+            way: path.displacement - piece.displacement,
+            velocity: [piece.velocity, path.motion],
+            course: Course::Smooth { acceleration: [piece.acceleration; 2] },
+        });
         path.noise = end_noise;
         path.force =
             cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;

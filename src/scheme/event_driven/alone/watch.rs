@@ -9,19 +9,64 @@
 //! run has recorded.
 
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
+use crate::scheme::Glide;
 use crate::scheme::columns::{Columns, Seen};
 use crate::scheme::event_driven::law::inside::{Bridge, Glance, StickEnd, StickPiece, Stuck, TRIES};
 use crate::scheme::event_driven::law::scene::Scene;
 
 /// An observer of one path inside a cell.
 pub trait Watch {
-    /// Whether there are instants to observe inside this cell.
+    /// Whether the pieces of the path inside this cell are observed.
     fn is_looking(&self) -> bool;
     /// Whether there are instants to observe before this time after the start of the cell.
     fn is_ahead(&self, end: f64) -> bool;
     /// Observes a piece of the path: draws the state at all instants before the end of the piece.
     /// One at its end belongs to the next piece.
     fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P);
+    /// Whether the motion is followed, piece by piece.
+    #[inline(always)]
+    fn follows(&self) -> bool {
+        false
+    }
+    /// Takes a piece of the motion.
+    #[inline(always)]
+    fn glide(&mut self, _: Glide) {}
+}
+
+/// Observes one path as `watch` does, and follows its motion where there is a place for it.
+pub struct Follower<'a, W> {
+    pub watch: W,
+    pub lane: usize,
+    pub glides: Option<&'a mut Vec<(usize, Glide)>>,
+}
+
+impl<W: Watch> Watch for Follower<'_, W> {
+    #[inline(always)]
+    fn is_looking(&self) -> bool {
+        self.watch.is_looking() || self.follows()
+    }
+
+    #[inline(always)]
+    fn is_ahead(&self, end: f64) -> bool {
+        self.watch.is_ahead(end)
+    }
+
+    #[inline(always)]
+    fn look<P: WatchedPiece>(&mut self, scene: &Scene, piece: impl FnOnce() -> P) {
+        self.watch.look(scene, piece);
+    }
+
+    #[inline(always)]
+    fn follows(&self) -> bool {
+        self.glides.is_some()
+    }
+
+    #[inline(always)]
+    fn glide(&mut self, glide: Glide) {
+        if let Some(glides) = &mut self.glides {
+            glides.push((self.lane, glide));
+        }
+    }
 }
 
 /// There are no instants to observe inside this cell.

@@ -21,7 +21,7 @@ use crate::model::{
     can_be_computed_with,
 };
 use crate::scheme::columns::Columns;
-use crate::scheme::{Observer, Timeline};
+use crate::scheme::{Course, Glide, Instant, Observer, Timeline};
 
 /// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
@@ -46,6 +46,13 @@ impl Leg {
         Some((end, is_due))
     }
 }
+
+/// The length of a piece of the motion in units of the fastest time scale. A quintic leaves the
+/// sixth power of it over 46 080.
+const PIECE: f64 = 0.1;
+
+/// The most pieces of one leg.
+const MOST_PIECES: f64 = 1e6;
 
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
@@ -98,15 +105,27 @@ impl Noiseless {
         let mut columns = Columns::new(lanes);
         let mut work = WorkLeft::new(self.work_limit);
         let mut leg = self.initial_leg(&mut work);
+        let follows = observer.follows();
+        let follow = |leg: &Leg, duration: f64, observer: &mut dyn Observer| {
+            if follows {
+                self.glides(leg, duration, |glide| (0..lanes).for_each(|lane| observer.glide(lane, &glide)));
+            }
+        };
         for stop in self.timeline.stops() {
             while let Ok(Some((end, is_due))) = leg.as_ref().map(|leg| leg.end_by(stop.time)) {
                 if !is_due || observer.is_stopped() {
                     break;
                 }
+                if let Ok(leg) = &leg {
+                    follow(leg, leg.end.map_or(0.0, |(duration, _)| duration), observer);
+                }
                 if let End::Event(event) = end {
                     (0..lanes).for_each(|lane| observer.event(lane, event));
                 }
                 leg = leg.and_then(|leg| self.next_leg(&leg, &mut work));
+            }
+            if let (Ok(leg), Instant::End) = (&leg, stop.instant) {
+                follow(leg, leg.start.until(stop.time), observer);
             }
             match &leg {
                 Ok(leg) => columns.fill(self.state(leg, stop.time)),
@@ -146,6 +165,26 @@ impl Noiseless {
                 let force = friction + self.model.oscillator.mass * state.acceleration;
                 self.slip(start, leg.displacement + state.displacement, (state.velocity, force), terms, direction, work)
             }
+        }
+    }
+
+    /// The first part of a leg, of this duration, in pieces that a quintic describes.
+    fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) {
+        let Phase::Slip(direction) = leg.phase else { return };
+        let (flow, pieces) = (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
+        let (mut here, mut i) = (flow.at(0.0), 0.0);
+        while i < pieces {
+            let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
+            let there = flow.at(end);
+            tell(Glide {
+                start: leg.start.after(start).value(),
+                length: end - start,
+                displacement: leg.displacement + here.displacement,
+                way: there.displacement - here.displacement,
+                velocity: [here.velocity, there.velocity],
+                course: Course::Smooth { acceleration: [here.acceleration, there.acceleration] },
+            });
+            (here, i) = (there, i + 1.0);
         }
     }
 

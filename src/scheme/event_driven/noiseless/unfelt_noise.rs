@@ -8,7 +8,7 @@
 
 use crate::model::{Event, InitialNoise, Model, Noise};
 use crate::noise::{Stream, Transition};
-use crate::scheme::{Instant, Observer, Snapshot};
+use crate::scheme::{Glide, Instant, Observer, Snapshot};
 
 /// The fluctuations of T in a scene whose motion does not depend on them.
 #[derive(Clone, Copy, Debug)]
@@ -60,6 +60,14 @@ impl Lane {
 impl Observer for WithUnfeltNoise<'_> {
     fn event(&mut self, lane: usize, event: Event) {
         self.observer.event(lane, event);
+    }
+
+    fn follows(&self) -> bool {
+        self.observer.follows()
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.observer.glide(lane, glide);
     }
 
     fn is_stopped(&self) -> bool {

@@ -21,7 +21,7 @@ use super::slip_search::first_stop;
 use super::stick_search::{SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign};
 use crate::scheme::columns::{Columns, LOST, Seen};
-use crate::scheme::{Observer, Timeline};
+use crate::scheme::{Course, Glide, Instant, Observer, Timeline};
 
 /// The relative error of a step of a slip.
 const TOLERANCE: f64 = 1e-13;
@@ -32,6 +32,10 @@ const ROUNDING_OF_TIME: f64 = 8.0 * f64::EPSILON;
 
 /// The shortest step of a slip, as a fraction of the fastest time scale that is known.
 const SHORTEST: f64 = 1e-12;
+
+/// Pieces in which the motion of a step is told. A step is up to some three of the fastest time
+/// scales long.
+const PIECES: u32 = 24;
 
 /// The first interval of a search in a stick, as a fraction of the fastest time scale that is
 /// known.
@@ -112,15 +116,33 @@ impl GeneralNoiseless {
         let mut columns = Columns::new(lanes);
         let mut work = WorkLeft::new(self.work_limit);
         let mut stretch = self.initial_stretch(&mut work);
+        let follows = observer.follows();
+        let follow = |stretch: &Stretch, duration: f64, observer: &mut dyn Observer| -> Result<(), Unresolved> {
+            if !follows {
+                return Ok(());
+            }
+            self.glides(stretch, duration, |glide| (0..lanes).for_each(|lane| observer.glide(lane, &glide)))
+        };
         for stop in self.timeline.stops() {
             while let Ok(Some((end, true))) = stretch.as_ref().map(|stretch| stretch.end_by(stop.time)) {
                 if observer.is_stopped() {
                     return Simulated { lost: Vec::new(), evaluations: self.work_limit - work.left() };
                 }
+                if let Ok(here) = &stretch
+                    && let Err(lost) = follow(here, here.end.map_or(0.0, |(duration, _)| duration), observer)
+                {
+                    stretch = Err(lost);
+                    break;
+                }
                 if let StretchEnd::Event(event) = end {
                     (0..lanes).for_each(|lane| observer.event(lane, event));
                 }
                 stretch = stretch.and_then(|stretch| self.next_stretch(&stretch, &mut work));
+            }
+            if let (Ok(here), Instant::End) = (&stretch, stop.instant)
+                && let Err(lost) = follow(here, here.temperature.start().until(stop.time), observer)
+            {
+                stretch = Err(lost);
             }
             let seen = stretch.as_ref().map_err(|lost| *lost).and_then(|here| self.state(here, stop.time, &mut work));
             columns.fill(seen.unwrap_or(LOST));
@@ -237,6 +259,27 @@ impl GeneralNoiseless {
             }
         };
         Ok(Stretch { phase: Phase::Slip(direction), temperature, from, end })
+    }
+
+    /// The first part of a stretch, of this duration, in pieces that a quintic describes. They do
+    /// not count as work of the path, which is the same whether it is followed or not.
+    fn glides(&self, stretch: &Stretch, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+        let Phase::Slip(direction) = stretch.phase else { return Ok(()) };
+        let (motion, mut work) = (self.motion(&stretch.temperature, direction), WorkLeft::new(WORK_LIMIT));
+        let mut here = stretch.from;
+        for i in 1..=PIECES {
+            let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;
+            tell(Glide {
+                start: stretch.temperature.start().after(here.after).value(),
+                length: there.after - here.after,
+                displacement: here.displacement,
+                way: there.displacement - here.displacement,
+                velocity: [here.velocity, there.velocity],
+                course: Course::Smooth { acceleration: [here.acceleration, there.acceleration] },
+            });
+            here = there;
+        }
+        Ok(())
     }
 
     /// The equation of motion of a sub-phase.

@@ -1,0 +1,84 @@
+//! The folds of paths that are simulated together: of the cascade of each path, and of its laws and
+//! its motion where they are asked for. A run, its bias and a sweep read these and no others.
+
+use super::law::PhaseLaw;
+use super::laws::LawFold;
+use super::motion::MotionFold;
+use super::path::{Censored, Completed, PathFold};
+use super::periods::PeriodSums;
+use super::totals::PhaseSums;
+use super::Record;
+use crate::model::{Event, Model};
+use crate::scheme::{Glide, Instant, Snapshot, Timeline};
+use crate::sums::Unit;
+use std::borrow::Cow;
+
+/// The folds of some paths, one of each kind a path.
+pub(super) struct PathFolds {
+    pub paths: Vec<PathFold>,
+    pub laws: Option<Vec<LawFold>>,
+    pub motion: Option<Vec<MotionFold>>,
+    pub model: Model,
+    timeline: Timeline,
+    record: Record,
+}
+
+impl PathFolds {
+    /// This many paths at rest at x0.
+    pub fn new(model: &Model, timeline: &Timeline, record: &Record, count: usize) -> Self {
+        let path = PathFold::starting_at(model.initial_displacement).counted_after(timeline.after);
+        PathFolds {
+            paths: vec![path; count],
+            laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); count]),
+            motion: record.has_motion().then(|| vec![MotionFold::starting_at(model); count]),
+            model: model.clone(),
+            timeline: *timeline,
+            record: *record,
+        }
+    }
+
+    /// Add an event. Returns the counted phase that it completes; `law` receives the completed
+    /// values of the laws.
+    #[inline]
+    pub fn event(&mut self, lane: usize, event: &Event, law: impl FnMut(PhaseLaw, f64)) -> Option<Completed> {
+        if let Some(laws) = &mut self.laws {
+            laws[lane].event(event, law);
+        }
+        if let Some(motion) = &mut self.motion {
+            motion[lane].event(event.displacement);
+        }
+        self.paths[lane].event(event)
+    }
+
+    /// Add a piece of the motion.
+    pub fn glide(&mut self, lane: usize, glide: &Glide) {
+        if let Some(motion) = &mut self.motion {
+            motion[lane].glide(&self.model, &self.timeline, glide);
+        }
+    }
+
+    /// Add the states at an instant. `end` receives the phase of each path that runs at the end.
+    pub fn at(&mut self, instant: Instant, seen: &Snapshot<'_>, mut end: impl FnMut(usize, Option<Censored>)) {
+        for (lane, (path, &x)) in self.paths.iter_mut().zip(seen.displacement).enumerate() {
+            match instant {
+                Instant::Counting => path.count_from_here(x),
+                Instant::End => end(lane, path.end(seen.time, x)),
+                Instant::Output(_) | Instant::Period(_) => return,
+            }
+            if let Some(motion) = &mut self.motion {
+                motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path.travel);
+            }
+        }
+    }
+
+    /// The sums over the paths in these lanes, or over all.
+    pub fn sums(&self, lanes: Option<&[usize]>, periods: PeriodSums, unit: Unit) -> PhaseSums {
+        fn of<'a, T: Copy>(all: &'a [T], lanes: Option<&[usize]>) -> Cow<'a, [T]> {
+            lanes.map_or(Cow::Borrowed(all), |lanes| lanes.iter().map(|&lane| all[lane]).collect())
+        }
+        let laws = self.laws.as_deref().map(|laws| of(laws, lanes));
+        let motion = of(self.motion.as_deref().unwrap_or_default(), lanes);
+        let dynamic_force = self.model.friction.dynamic_force;
+        PhaseSums::of(&of(&self.paths, lanes), dynamic_force, periods, (laws.as_deref(), &motion, &self.record), unit)
+    }
+}
