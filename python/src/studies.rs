@@ -123,6 +123,10 @@ pub fn sweep<'py>(
     } else {
         star(py, scenario, elasticity, relative_step)?
     };
+    if let Some(key) = scenario.checked.record.curve() {
+        let remedy = format!("leave it out, or run each point with ss.run and {key} = true");
+        return Err(errors::of_argument(py, "scenario", key, "a sweep keeps statistics, and no curves", &remedy));
+    }
     let laid = |Setting { key, value }: &Setting| Override::number(&format!("{key}, swept to"), key, *value);
     let point = |settings: &[Setting]| {
         let own: Vec<Override> = settings.iter().map(laid).collect();

@@ -4,6 +4,7 @@
 use crate::model::{Event, Model};
 use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::stats::{BlockObserver, GroupValues, Record, Statistic, Totals};
+use crate::sums::Merge as _;
 use crate::sums::jackknife;
 
 /// The statistics of paths in groups; NaN for one that is not wanted.

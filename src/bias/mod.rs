@@ -100,7 +100,12 @@ impl BiasPlan {
             let absent = || if is_stopped { NoBias::Stopped } else { NoBias::Corrected };
             return Ok(BesideRun { extrapolated: Vec::new(), referenced: Some(referenced.ok_or_else(absent)?) });
         };
-        Ok(BesideRun { extrapolated: differences.estimate(threads, stop)?, referenced })
+        let extrapolated = match differences.estimate(threads, stop) {
+            // The reference run needs no coarse step, and stands where 2h or 4h is unstable.
+            Err(NoBias::Diverged { .. }) if referenced.is_some() => Vec::new(),
+            found => found?,
+        };
+        Ok(BesideRun { extrapolated, referenced })
     }
 }
 

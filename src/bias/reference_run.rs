@@ -10,6 +10,7 @@ use crate::ensemble::{Plan, in_order};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
+use crate::sums::Merge as _;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;

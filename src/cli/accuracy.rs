@@ -117,6 +117,9 @@ impl Chooser<'_> {
                 };
                 Failure::usage(format!("--accuracy: {}", why_not(statistic, standing)), remedy)
             }
+            AccuracyError::Unasked { .. } => {
+                Failure::usage(format!("--accuracy: {error}"), "write the distances, `--set 'statistics.levels=[3.0]'`")
+            }
             AccuracyError::NothingToChoose => Failure::usage(
                 "--accuracy: no statistic of this scene has an error to choose for: each is zero, absent or without a limit",
                 "leave out --accuracy; mc trade says more",

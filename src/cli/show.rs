@@ -10,7 +10,7 @@ use super::terminal::Letters;
 use super::{calibrate, calibrate_report, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::engine::{LimitCycle, Provenance};
+use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Family, Fit, FitError, PhaseLaw, Statistic, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
@@ -269,7 +269,6 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),
-        cycle: scenario.and_then(LimitCycle::of),
     }
 }
 

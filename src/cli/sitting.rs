@@ -7,7 +7,7 @@ use super::report::{self, RunInfo};
 use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, ranks, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
-use stick_slip::engine::{Asked, EndedBy, LimitCycle, Outcome, Run, RunError, Sink, SoFar, Status};
+use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
 use stick_slip::ensemble::BLOCK_SIZE;
 use stick_slip::model::Model;
 use stick_slip::scenario::Scenario;
@@ -202,8 +202,6 @@ impl<'a> Sitting<'a> {
             file: file.display().to_string(),
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
-            // It takes one path more, for which a run that is interrupted does not wait.
-            cycle: if outcome.status == Status::Interrupted { None } else { LimitCycle::of(scenario) },
         }
     }
 }

@@ -95,6 +95,11 @@ impl Sweep {
     /// The sweep that is asked for, with the scenario of every point checked.
     fn question(&self) -> Result<SweepQuestion, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
+        if let Some(key) = scenario.record.curve() {
+            let remedy =
+                format!("leave it out with --set {key}=false, or run each point with `mc run --set KEY=VALUE`");
+            return Err(Failure::usage(format!("{key}: a sweep keeps statistics, and no curves"), remedy));
+        }
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
         let point = |settings: &[Setting]| self.overrides.scenario_with(&self.scenario, &shown.overrides(settings));
         let seeds = if self.independent { Seeds::Independent } else { Seeds::Common };

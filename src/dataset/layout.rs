@@ -151,6 +151,13 @@ table! {
     TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,
         "standard error of that mean, the path being the independent unit");
 
+    CYCLE_NUMBER = variable("cycle_number", &["cycle_number"], Unit::None, "name of a number of the cycle");
+    CYCLE = variable("cycle", &["cycle_number"], Unit::None,
+        "what the path of a scene without noise does in the end, missing where no state comes back");
+    SECTION_STATE = variable("section_state", &["section_state"], Unit::ONE, "number of a state of the section");
+    SECTION = variable("section", &["section_state"], Unit::LENGTH,
+        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips");
+
     DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");
 

@@ -5,8 +5,8 @@ use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
 use crate::stats::{
     Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extremes, FirstSticks, Fluctuations,
-    Histogram, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary,
-    Transient,
+    Histogram, LimitCycle, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic,
+    SubPhaseCounts, Summary, Transient,
 };
 use crate::sums::batches::BATCHES;
 use crate::sums::{Ends, Measurement};
@@ -50,6 +50,7 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
         densities: None,
         spectrum: None,
         extremes: None,
+        cycle: None,
         asked: names.iter().filter_map(|name| Statistic::from_name(name)).collect(),
         sub_phases: SubPhaseCounts::default(),
         transient: None,
@@ -81,6 +82,7 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
         densities,
         spectrum,
         extremes,
+        cycle,
         asked: _,
     } = summary;
     walk_estimates(walk, estimates, names)?;
@@ -105,6 +107,9 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
     }
     if let Some(spectrum) = walk.present(&layout::SPECTRUM_SEGMENTS, spectrum) {
         walk_spectrum(walk, spectrum)?;
+    }
+    if let Some(cycle) = walk.present(&layout::CYCLE, cycle) {
+        walk_cycle(walk, cycle)?;
     }
     if let Some(transient) = walk.present(&layout::TRANSIENT_END, transient) {
         walk_transient(walk, transient)?;
@@ -308,6 +313,16 @@ fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W
     walk.variable(&layout::VELOCITY_LINE, &mut v)?;
     let line = |((frequency, displacement), velocity)| Line { frequency, displacement, velocity };
     *lines = at.into_iter().zip(x).zip(v).map(line).collect();
+    Ok(())
+}
+
+fn walk_cycle<W: Walk>(walk: &mut W, cycle: &mut LimitCycle) -> Result<(), W::Error> {
+    let (mut numbers, mut section) = (cycle.numbers().to_vec(), std::mem::take(&mut cycle.section));
+    walk.derived(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS))?;
+    walk.derived(&layout::SECTION_STATE, &(0..section.len() as u32).collect::<Vec<u32>>())?;
+    walk.sized(&layout::CYCLE, &mut numbers, LimitCycle::NUMBERS.len())?;
+    walk.variable(&layout::SECTION, &mut section)?;
+    *cycle = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), &section);
     Ok(())
 }
 

@@ -10,7 +10,7 @@ use super::{Destination, Source, columns_of, read_attribute_of, read_variable, s
 use crate::engine::{Provenance, Status, other_program};
 use crate::model::Series;
 use crate::scenario::Scenario;
-use crate::stats::{GROUPS, GroupValues, Statistic};
+use crate::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
 use crate::study::sweep::{Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion};
 use std::sync::Arc;
 
@@ -218,6 +218,10 @@ fn points<W: Walk>(
     walk.derived(&along(&own::POINT_SEED, &shape, &[]), seeds)?;
     walk.sized(&along(&own::POINT_SECONDS, &shape, &[]), &mut seconds, count)?;
 
+    let mut cycles: Vec<Option<LimitCycle>> =
+        points.iter().map(|point| point.as_ref().and_then(|point| point.cycle.clone())).collect();
+    walk_cycles(walk, &shape, &mut cycles)?;
+
     points.clear();
     for p in 0..count {
         if diverged[p] > completed[p] && status[p] != 0 {
@@ -234,9 +238,39 @@ fn points<W: Walk>(
             completed_paths: completed[p],
             diverged_paths: diverged[p],
             seconds: seconds[p],
+            cycle: cycles[p].clone(),
             // There are fewer groups where there are fewer paths.
             without: groups.take_while(|values| values.iter().any(|x| !x.is_nan())).collect(),
         }));
+    }
+    Ok(())
+}
+
+/// Walk over the cycles of the points of a design of this shape, if a point has one.
+fn walk_cycles<W: Walk>(walk: &mut W, shape: &[&str], cycles: &mut [Option<LimitCycle>]) -> Result<(), W::Error> {
+    const NUMBERS: usize = LimitCycle::NUMBERS.len();
+    let dimensions = |axes: &[&'static str]| [shape, axes].concat();
+    let mut there = cycles.iter().any(Option::is_some).then_some(());
+    if walk.present(&own::CYCLE, &mut there).is_none() {
+        return Ok(());
+    }
+    let numbers = |cycle: &Option<LimitCycle>| cycle.as_ref().map_or([f64::NAN; NUMBERS], LimitCycle::numbers);
+    let mut all: Vec<f64> = cycles.iter().flat_map(numbers).collect();
+    let section = |cycle: &Option<LimitCycle>| {
+        let mut states = cycle.as_ref().map_or_else(Vec::new, |cycle| cycle.section.clone());
+        states.resize(LimitCycle::STATES, f64::NAN);
+        states
+    };
+    let mut sections: Vec<f64> = cycles.iter().flat_map(section).collect();
+    walk.derived(&own::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS))?;
+    walk.derived(&own::SECTION_STATE, &(0..LimitCycle::STATES as u32).collect::<Vec<u32>>())?;
+    walk.sized(&along(&own::CYCLE, &dimensions(own::CYCLE.axes), &[]), &mut all, cycles.len() * NUMBERS)?;
+    let states = cycles.len() * LimitCycle::STATES;
+    walk.sized(&along(&own::SECTION, &dimensions(own::SECTION.axes), &[]), &mut sections, states)?;
+    let found = all.chunks(NUMBERS).zip(sections.chunks(LimitCycle::STATES));
+    for (cycle, (numbers, section)) in cycles.iter_mut().zip(found) {
+        let there = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), section);
+        *cycle = (!numbers[0].is_nan()).then_some(there);
     }
     Ok(())
 }

@@ -19,6 +19,13 @@ table! {
     ESTIMATE_WITHOUT = variable("estimate_without", &["group", "statistic"], Unit::None,
         "estimate from all paths but those of the group");
 
+    CYCLE_NUMBER = variable("cycle_number", &["cycle_number"], Unit::None, "name of a number of the cycle");
+    SECTION_STATE = variable("section_state", &["section_state"], Unit::ONE, "number of a state of the section");
+    CYCLE = variable("cycle", &["cycle_number"], Unit::None,
+        "what the path of a scene without noise does in the end, missing where no state comes back");
+    SECTION = variable("section", &["section_state"], Unit::LENGTH,
+        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
+
     POINT_STATUS = variable("point_status", &[], Unit::None, "whether the point is done")
         .flags(&[0, 1, 2], &[("flag_meanings", "missing complete lost")]);
     POINT_COMPLETED_PATHS = variable("point_completed_paths", &[], Unit::ONE, "paths simulated to the end");

@@ -33,7 +33,6 @@ mod sink;
 
 pub use asked::{Asked, NoPart, Part};
 pub use crew::{Crew, Deliver, Portion, Work};
-pub use cycle::{LimitCycle, Repeats};
 pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use error::RunError;
 pub use outcome::{BiasReport, Outcome, Status};

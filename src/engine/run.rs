@@ -9,7 +9,7 @@ use super::{Asked, BiasReport, Crew, EndedBy, Outcome, Part, Progress, RunError,
 use crate::bias::NoBias;
 use crate::ensemble::{MOST_THREADS, check_threads};
 use crate::scenario::Scenario;
-use crate::stats::{Companion as _, Goal, RunTotals, Summary, Tallied, Tally};
+use crate::stats::{Companion as _, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
 use crate::sums::{Measurement, Merge};
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -212,6 +212,10 @@ impl<'a> Run<'a> {
             alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
             let paths = summary.completed_paths;
             bias = alarm.watching(|| self.add_bias(paths, &alarm.end, course.progress(), &mut summary));
+        }
+        // It takes one path more, for which a run that is interrupted does not wait.
+        if course.broken.is_none() && !is_stopped() {
+            summary.cycle = LimitCycle::of(self.scenario);
         }
         let status = match course.ended_by {
             _ if course.broken.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {

@@ -3,8 +3,7 @@
 
 use super::sweep::horizontal;
 use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
-use crate::engine::LimitCycle;
-use crate::stats::Dimension;
+use crate::stats::{Dimension, LimitCycle};
 use crate::study::sweep::Sweep;
 
 /// The figure.
@@ -19,9 +18,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         return Err(Absent::Elsewhere("a sweep over one key (--vary)"));
     }
     let axis = &sweep.question.design.axes()[0];
-    let points = axis.values.iter().zip(&sweep.question.points);
-    let cycles: Vec<(f64, LimitCycle)> =
-        points.filter_map(|(at, scenario)| Some((*at, LimitCycle::of(scenario)?))).collect();
+    let points = axis.values.iter().zip(&sweep.points);
+    let cycles: Vec<(f64, &LimitCycle)> =
+        points.filter_map(|(at, point)| Some((*at, point.as_ref()?.cycle.as_ref()?))).collect();
     if cycles.is_empty() {
         return Err(Absent::Nothing("something is random at every point, or the paths are lost"));
     }

@@ -383,7 +383,8 @@ impl Cascade for NoisyRecursion {
         let began_at = path.motion.0;
         if watch.follows() {
             let from = cell.start + path.after - began_at;
-            let until = if end < cell.length { self.slip.response.duration } else { cell.start + cell.length - began_at };
+            let until =
+                if end < cell.length { self.slip.response.duration } else { cell.start + cell.length - began_at };
             self.slip.glides(began_at, x0, direction, excess, [from, until], |glide| watch.glide(glide));
         }
         (path.after, path.noise) = piece.ends[1];

@@ -4,7 +4,6 @@ use super::certain::Certain;
 use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
-use crate::sums::Unit;
 use crate::sums::bins::Shape;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
@@ -12,6 +11,7 @@ use crate::sums::ordered::Ordered;
 use crate::sums::range::{NORMAL, Range, Sample};
 use crate::sums::sketch::Sketch;
 use crate::sums::{Codec, Damaged, Reader};
+use crate::sums::{Merge, Unit};
 use ndarray::Array2;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -39,6 +39,18 @@ pub(super) struct BandSums {
     within: Option<[Vec<f64>; VARIABLES]>,
 }
 
+impl Merge for BandSums {
+    fn merge(&mut self, other: &Self) {
+        for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
+            mine.merge(more);
+        }
+        if let Some(more) = &other.within {
+            let within = self.within.get_or_insert_with(|| no_squares(more[0].len()));
+            within.iter_mut().flatten().zip(more.iter().flatten()).for_each(|(mine, more)| *mine += more);
+        }
+    }
+}
+
 impl BandSums {
     pub fn empty(rows: usize) -> Self {
         BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]), within: None }
@@ -59,16 +71,6 @@ impl BandSums {
             for (within, values) in within.iter_mut().zip(variables(snapshot)) {
                 within[row] = values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a - b) * (a - b)).sum();
             }
-        }
-    }
-
-    pub fn merge(&mut self, other: &BandSums) {
-        for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
-            mine.merge(more);
-        }
-        if let Some(more) = &other.within {
-            let within = self.within.get_or_insert_with(|| no_squares(more[0].len()));
-            within.iter_mut().flatten().zip(more.iter().flatten()).for_each(|(mine, more)| *mine += more);
         }
     }
 
@@ -153,6 +155,22 @@ pub(super) struct BandCounts {
     occupancy: Vec<[u64; 2]>,
 }
 
+impl Merge for BandCounts {
+    fn merge(&mut self, other: &Self) {
+        let theirs = other.rows.iter().flatten();
+        self.rows.iter_mut().flatten().zip(theirs).for_each(|(mine, more)| mine.merge(more));
+        for (mine, more) in self.occupancy.iter_mut().zip(&other.occupancy) {
+            mine[0] += more[0];
+            mine[1] += more[1];
+        }
+        self.waiting.extend_from_slice(&other.waiting);
+        let together = |of: fn(&BlockValues) -> usize| self.waiting.iter().map(|block| of(block)).sum::<usize>();
+        if together(|block| block.paths) >= WAITING_PATHS || together(|block| block.values.len()) >= WAITING_VALUES {
+            self.count_waiting();
+        }
+    }
+}
+
 impl BandCounts {
     /// Counts of no paths. The centres of the sketches are values that many paths may share: x0,
     /// where every path starts and where a path that never slips stays, and the velocity zero.
@@ -184,20 +202,6 @@ impl BandCounts {
         variables(snapshot).iter().for_each(|values| block.values.extend_from_slice(values));
         let is_static = snapshot.is_static.iter().map(|&s| u64::from(s)).sum();
         self.occupancy[row] = [paths as u64, is_static];
-    }
-
-    pub fn merge(&mut self, other: &BandCounts) {
-        let theirs = other.rows.iter().flatten();
-        self.rows.iter_mut().flatten().zip(theirs).for_each(|(mine, more)| mine.merge(more));
-        for (mine, more) in self.occupancy.iter_mut().zip(&other.occupancy) {
-            mine[0] += more[0];
-            mine[1] += more[1];
-        }
-        self.waiting.extend_from_slice(&other.waiting);
-        let together = |of: fn(&BlockValues) -> usize| self.waiting.iter().map(|block| of(block)).sum::<usize>();
-        if together(|block| block.paths) >= WAITING_PATHS || together(|block| block.values.len()) >= WAITING_VALUES {
-            self.count_waiting();
-        }
     }
 
     /// Count the values of the blocks that wait.

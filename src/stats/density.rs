@@ -8,14 +8,14 @@
 //!
 //! Times are counted in whole ticks, which merge exactly in any order.
 
-use super::{Densities, DensityCurve};
 use super::motion::counted_part;
+use super::{Densities, DensityCurve};
 use crate::model::{Event, EventKind, Phase};
 use crate::scheme::{Course, Glide, Timeline};
 use crate::sums::Ends;
 use crate::sums::Unit;
 use crate::sums::batches::{BATCHES, Share, batch_of};
-use crate::sums::codec::codec_of_fields;
+use crate::sums::codec::sums_of_fields;
 use crate::sums::grid::Grid;
 use ndarray::Array2;
 
@@ -46,7 +46,7 @@ pub(super) struct DensityCounts {
     at_rest: [u64; BATCHES],
 }
 
-codec_of_fields!(DensityCounts { displacement, velocity, joint, all, at_rest });
+sums_of_fields!(DensityCounts { displacement, velocity, joint, all, at_rest });
 
 impl Default for DensityCounts {
     fn default() -> Self {
@@ -57,14 +57,6 @@ impl Default for DensityCounts {
 }
 
 impl DensityCounts {
-    pub fn merge(&mut self, other: &DensityCounts) {
-        self.displacement.merge(&other.displacement);
-        self.velocity.merge(&other.velocity);
-        self.joint.merge(&other.joint);
-        self.all.iter_mut().zip(&other.all).for_each(|(mine, more)| *mine += more);
-        self.at_rest.iter_mut().zip(&other.at_rest).for_each(|(mine, more)| *mine += more);
-    }
-
     /// The densities. `chance` is the number of units, if these are random.
     pub fn summary(&self, chance: Option<u64>) -> Densities {
         let curve = |grid: &Grid| {

@@ -1,13 +1,13 @@
 //! The folds of paths that are simulated together: of the cascade of each path, and of its laws and
 //! its motion where they are asked for. A run, its bias and a sweep read these and no others.
 
+use super::Record;
 use super::law::PhaseLaw;
 use super::laws::LawFold;
 use super::motion::MotionFold;
 use super::path::{Censored, Completed, PathFold};
 use super::periods::PeriodSums;
 use super::totals::PhaseSums;
-use super::Record;
 use crate::model::{Event, Model};
 use crate::scheme::{Glide, Instant, Snapshot, Timeline};
 use crate::sums::Unit;

@@ -11,9 +11,8 @@
 //! The path is the independent unit, because the phases of a path depend on each other.
 
 use super::Dimension;
-use crate::sums::Merge as _;
 use crate::sums::Unit;
-use crate::sums::codec::codec_of_fields;
+use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
 use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
@@ -116,7 +115,7 @@ pub(super) struct LawSums {
     contributing: u64,
 }
 
-codec_of_fields!(LawSums { units, mean_tails, number_tails, sd_tails, contributing });
+sums_of_fields!(LawSums { units, mean_tails, number_tails, sd_tails, contributing });
 
 const NUMBER: usize = 0;
 const SUM: usize = 1;
@@ -148,14 +147,6 @@ impl LawSums {
             contributing: unit.count(paths, |path| of(path).count > 0),
             units,
         }
-    }
-
-    pub fn merge(&mut self, other: &LawSums) {
-        self.units.merge(&other.units);
-        self.mean_tails.merge(&other.mean_tails);
-        self.number_tails.merge(&other.number_tails);
-        self.sd_tails.merge(&other.sd_tails);
-        self.contributing += other.contributing;
     }
 
     /// Number of units that have any value.

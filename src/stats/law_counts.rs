@@ -6,7 +6,6 @@
 
 use super::survival::Survival;
 use super::{Distribution, Histogram, QUANTILE_LEVELS};
-use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::bins::Shape;
 use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
@@ -17,6 +16,7 @@ use crate::sums::ordered::Ordered;
 use crate::sums::quantile;
 use crate::sums::range::Sample;
 use crate::sums::sketch::Sketch;
+use crate::sums::{Ends, Merge};
 use std::borrow::Cow;
 
 /// Fine bins per bin of the public histogram, which has 8 bins per octave.
@@ -70,6 +70,20 @@ pub(super) struct LawCounts {
     /// order in which they ended. [`LawCounts::merge`] counts them in the batches of the run,
     /// so that mostly a block has no batches of its own to fill.
     listed: Vec<(u32, f64)>,
+}
+
+/// Add the counts of `other`. Counts that are still empty take over the step of `other`.
+impl Merge for LawCounts {
+    fn merge(&mut self, other: &Self) {
+        if self.step != other.step && other.step.is_some() {
+            debug_assert_eq!(self.step, None, "durations of different steps");
+            self.set_step(other.step);
+        }
+        for (mine, more) in self.batches.iter_mut().zip(&other.batches) {
+            mine.merge(more);
+        }
+        count(&mut self.batches, &other.listed, self.step, self.grid);
+    }
 }
 
 impl LawCounts {
@@ -126,18 +140,6 @@ impl LawCounts {
     /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted for `so_far`.
     pub fn censored(&mut self, unit: u64, so_far: f64) {
         self.batches[batch_of(unit)].censored.push(self.grid.key(so_far));
-    }
-
-    /// Add the counts of `other`. Counts that are still empty take over the step of `other`.
-    pub fn merge(&mut self, other: &LawCounts) {
-        if self.step != other.step && other.step.is_some() {
-            debug_assert_eq!(self.step, None, "durations of different steps");
-            self.set_step(other.step);
-        }
-        for (mine, more) in self.batches.iter_mut().zip(&other.batches) {
-            mine.merge(more);
-        }
-        count(&mut self.batches, &other.listed, self.step, self.grid);
     }
 
     /// The durations of each batch, and those of all batches, in order.

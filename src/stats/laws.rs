@@ -2,11 +2,14 @@
 //! to slip, folded path by path ([`LawFold`]), as moments ([`LawsSums`]) and as counts
 //! ([`LawsCounts`]).
 
+use super::Statistic;
 use super::law::{Folded, LawSums, PhaseLaw};
 use super::law_counts::LawCounts;
+use super::measure::{Measure, Sampled};
 use crate::model::{Event, EventKind};
 use crate::sums::Unit;
-use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
+use crate::sums::codec::sums_of_fields;
+use crate::sums::interval::Measured;
 
 /// Number of these laws.
 pub(super) const LAWS: usize = PhaseLaw::ASKED.len();
@@ -91,7 +94,7 @@ pub(super) struct LawsSums {
     signed_jumps: LawSums,
 }
 
-codec_of_fields!(LawsSums { laws, signed_jumps });
+sums_of_fields!(LawsSums { laws, signed_jumps });
 
 impl LawsSums {
     /// The sums over the paths of a block.
@@ -102,64 +105,63 @@ impl LawsSums {
         }
     }
 
-    pub fn merge(&mut self, other: &LawsSums) {
-        self.laws.iter_mut().zip(&other.laws).for_each(|(mine, more)| mine.merge(more));
-        self.signed_jumps.merge(&other.signed_jumps);
-    }
-
     /// The moments of a law.
     pub fn law(&self, law: PhaseLaw) -> &LawSums {
         &self.laws[place(law)]
     }
+}
 
-    /// The moments of signed jumps.
-    pub fn signed_jumps(&self) -> &LawSums {
-        &self.signed_jumps
+impl Measure for LawsSums {
+    fn measured(&self, statistic: Statistic, Sampled { unit, .. }: &Sampled) -> Option<Measured> {
+        let [slip, jump, recurrence] = [PhaseLaw::Slip, PhaseLaw::Jump, PhaseLaw::Recurrence].map(|law| self.law(law));
+        Some(match statistic {
+            Statistic::SlipDurationMean => slip.mean(),
+            Statistic::SlipDurationSd => slip.sd(*unit),
+            Statistic::SlipDurationCv => slip.coefficient_of_variation(*unit),
+            Statistic::JumpSd => self.signed_jumps.sd(*unit),
+            Statistic::JumpAbsSd => jump.sd(*unit),
+            Statistic::JumpAbsCv => jump.coefficient_of_variation(*unit),
+            Statistic::RecurrenceTimeMean => recurrence.mean(),
+            Statistic::RecurrenceTimeSd => recurrence.sd(*unit),
+            Statistic::RecurrenceTimeCv => recurrence.coefficient_of_variation(*unit),
+            _ => return None,
+        })
     }
 }
 
 /// The values of each law.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct LawsCounts([LawCounts; LAWS]);
+pub(super) struct LawsCounts {
+    laws: [LawCounts; LAWS],
+}
+
+sums_of_fields!(LawsCounts { laws });
 
 impl LawsCounts {
     /// No values. The largest duration and the largest length that are to be expected, roughly,
     /// determine the bins.
     pub fn empty([time, length]: [f64; 2]) -> Self {
-        LawsCounts(PhaseLaw::ASKED.map(|law| LawCounts::empty(if law.is_of_time() { time } else { length })))
+        let empty = |law: PhaseLaw| LawCounts::empty(if law.is_of_time() { time } else { length });
+        LawsCounts { laws: PhaseLaw::ASKED.map(empty) }
     }
 
     /// Set the step of the scheme, if it has one, before anything is counted.
     pub fn set_step(&mut self, step: Option<f64>) {
-        let of_time = self.0.iter_mut().zip(PhaseLaw::ASKED).filter(|(_, law)| law.is_of_time());
+        let of_time = self.laws.iter_mut().zip(PhaseLaw::ASKED).filter(|(_, law)| law.is_of_time());
         of_time.for_each(|(counts, _)| counts.set_step(step));
     }
 
     /// The counts of a law.
     pub fn law(&self, law: PhaseLaw) -> &LawCounts {
-        &self.0[place(law)]
+        &self.laws[place(law)]
     }
 
     pub fn law_mut(&mut self, law: PhaseLaw) -> &mut LawCounts {
-        &mut self.0[place(law)]
+        &mut self.laws[place(law)]
     }
 
     pub fn settle(&mut self) {
-        self.0.iter_mut().for_each(LawCounts::settle);
-    }
-
-    pub fn merge(&mut self, other: &LawsCounts) {
-        self.0.iter_mut().zip(&other.0).for_each(|(mine, more)| mine.merge(more));
-    }
-}
-
-impl Codec for LawsCounts {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.0.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.0.read(from)
+        self.laws.iter_mut().for_each(LawCounts::settle);
     }
 }
 

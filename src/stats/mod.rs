@@ -15,12 +15,16 @@
 
 mod absence;
 mod bands;
+mod cascade;
 mod catalogue;
 mod certain;
 pub(crate) mod column;
 mod corrected;
+mod cycle;
 mod density;
 mod dimension;
+mod energy;
+mod extremes;
 mod fit;
 mod folds;
 mod goal;
@@ -28,6 +32,7 @@ mod groups;
 mod law;
 mod law_counts;
 mod laws;
+mod measure;
 mod motion;
 mod need;
 mod observer;
@@ -39,6 +44,7 @@ mod request;
 mod run_totals;
 mod settling;
 mod spectrum;
+mod sub_phases;
 mod summary;
 mod survival;
 #[cfg(test)]
@@ -49,6 +55,7 @@ mod totals;
 pub use catalogue::Statistic;
 pub(crate) use catalogue::StepError;
 pub use corrected::Corrected;
+pub use cycle::{LimitCycle, Repeats};
 pub use dimension::{Dimension, Units};
 pub use fit::{Family, Fit, FitError};
 pub use goal::{Bound, Goal, GoalError, Verdict};
@@ -59,9 +66,10 @@ pub use record::{BlockResult, EventColumns, PathColumns, TrajectoryRows};
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
 pub use request::{PassageLevels, Record};
 pub use run_totals::RunTotals;
+pub use sub_phases::SUB_PHASE_CAP;
 pub use summary::{
     Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, Extremes, FirstSticks, Fluctuations, Histogram,
     Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, SubPhaseCounts, Summary, Transient,
 };
 pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
-pub use totals::{Counts, SUB_PHASE_CAP, Sums, Totals};
+pub use totals::{Counts, Sums, Totals};

@@ -17,31 +17,23 @@
 //! it is the change of the kinetic energy and of that of the spring, plus the works of damping and
 //! friction, less that of g. The balance then closes up to rounding, and tells nothing more.
 
-use super::law_counts::LawCounts;
-use super::{Extremes, PassageLevels, Passages};
 use crate::model::Model;
 use crate::scheme::{Course, Glide, Instant, Timeline};
-use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
-use crate::sums::interval::Measured;
-use crate::sums::moments::Moments;
-use crate::sums::range::Sample;
-use crate::sums::spread::SpreadMoments;
-use crate::sums::{Ends, Unit};
 
 /// The energy that each force gave to the body, or took from it, since the end of the burn-in.
 /// That of friction is known from the events.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Works {
-    temperature: f64,
-    own_force: f64,
+    pub temperature: f64,
+    pub own_force: f64,
     /// This one is taken.
-    damping: f64,
+    pub damping: f64,
     /// Kinetic energy and that of the spring, at the beginning and at the end.
     stored: [f64; 2],
 }
 
 impl Works {
-    fn change(&self) -> f64 {
+    pub fn change(&self) -> f64 {
         self.stored[1] - self.stored[0]
     }
 }
@@ -49,10 +41,10 @@ impl Works {
 /// One path.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MotionFold {
-    start: f64,
+    pub start: f64,
     /// The largest |x - x0| at events, and the largest |x'|, so far.
-    largest: [f64; 2],
-    works: Works,
+    pub largest: [f64; 2],
+    pub works: Works,
     /// The sliding path since the end of the burn-in; known at the end.
     travel: f64,
 }
@@ -142,7 +134,7 @@ impl MotionFold {
     }
 
     /// What is left of the balance.
-    fn residual(&self, dynamic_force: f64) -> f64 {
+    pub fn residual(&self, dynamic_force: f64) -> f64 {
         let Works { temperature, own_force, damping, .. } = self.works;
         temperature + own_force - damping - dynamic_force * self.travel - self.works.change()
     }
@@ -165,175 +157,3 @@ pub(super) fn counted_part(timeline: &Timeline, glide: &Glide) -> [f64; 2] {
         }
     }
 }
-
-/// Moments over paths of the works.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct EnergySums {
-    temperature: Moments,
-    own_force: Moments,
-    damping: Moments,
-    change: Moments,
-    residual: SpreadMoments,
-}
-
-codec_of_fields!(EnergySums { temperature, own_force, damping, change, residual });
-
-impl EnergySums {
-    /// The sums over the paths of a block.
-    pub fn of(paths: &[MotionFold], dynamic_force: f64, unit: Unit) -> Self {
-        let column = |of: fn(&Works) -> f64| paths.iter().map(|path| of(&path.works)).collect::<Vec<f64>>();
-        let moments = |of: fn(&Works) -> f64| Moments::of(&unit.means(&column(of)));
-        let residuals: Vec<f64> = paths.iter().map(|path| path.residual(dynamic_force)).collect();
-        EnergySums {
-            temperature: moments(|works| works.temperature),
-            own_force: moments(|works| works.own_force),
-            damping: moments(|works| works.damping),
-            change: moments(Works::change),
-            residual: SpreadMoments::of(&residuals, unit),
-        }
-    }
-
-    pub fn merge(&mut self, other: &EnergySums) {
-        self.temperature.merge(&other.temperature);
-        self.own_force.merge(&other.own_force);
-        self.damping.merge(&other.damping);
-        self.change.merge(&other.change);
-        self.residual.merge(&other.residual);
-    }
-
-    pub fn temperature(&self) -> Measured {
-        Measured::mean(&self.temperature)
-    }
-
-    pub fn own_force(&self) -> Measured {
-        Measured::mean(&self.own_force)
-    }
-
-    pub fn damping(&self) -> Measured {
-        Measured::mean(&self.damping)
-    }
-
-    pub fn change(&self) -> Measured {
-        Measured::mean(&self.change)
-    }
-
-    pub fn residual(&self) -> Measured {
-        Measured::mean(&self.residual.units)
-    }
-
-    pub fn residual_sd(&self) -> Measured {
-        self.residual.standard_deviation()
-    }
-}
-
-/// Moments over paths of the largest |x - x0| and the largest |x'|.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct ExtremeSums {
-    displacement: SpreadMoments,
-    velocity: SpreadMoments,
-}
-
-codec_of_fields!(ExtremeSums { displacement, velocity });
-
-impl ExtremeSums {
-    /// The sums over the paths of a block.
-    pub fn of(paths: &[MotionFold], unit: Unit) -> Self {
-        let column =
-            |i: usize| SpreadMoments::of(&paths.iter().map(|path| path.largest[i]).collect::<Vec<f64>>(), unit);
-        ExtremeSums { displacement: column(0), velocity: column(1) }
-    }
-
-    pub fn merge(&mut self, other: &ExtremeSums) {
-        self.displacement.merge(&other.displacement);
-        self.velocity.merge(&other.velocity);
-    }
-
-    /// Of |x - x0|.
-    pub fn displacement(&self) -> &SpreadMoments {
-        &self.displacement
-    }
-
-    /// Of |x'|.
-    pub fn velocity(&self) -> &SpreadMoments {
-        &self.velocity
-    }
-}
-
-/// Counts of the largest |x - x0| and |x'|, and of the paths that have not yet reached a level.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct ExtremeCounts {
-    largest: [LawCounts; 2],
-    /// For each level and row of the output grid, the number of paths whose |x - x0| has stayed
-    /// below the level until then.
-    below: Vec<u64>,
-}
-
-impl ExtremeCounts {
-    /// No paths. The largest duration and the largest length that are to be expected, roughly,
-    /// determine the bins.
-    pub fn empty([time, length]: [f64; 2]) -> Self {
-        let speed = if time > 0.0 { length / time } else { length };
-        ExtremeCounts { largest: [length, speed].map(LawCounts::empty), below: Vec::new() }
-    }
-
-    pub fn settle(&mut self) {
-        self.largest.iter_mut().for_each(LawCounts::settle);
-    }
-
-    pub fn merge(&mut self, other: &ExtremeCounts) {
-        self.largest.iter_mut().zip(&other.largest).for_each(|(mine, more)| mine.merge(more));
-        if self.below.is_empty() {
-            self.below = vec![0; other.below.len()];
-        }
-        self.below.iter_mut().zip(&other.below).for_each(|(mine, more)| *mine += more);
-    }
-
-    /// Add the paths of a block at a row of the output grid, where they are at these x.
-    pub fn row(&mut self, row: usize, rows: usize, levels: &PassageLevels, paths: &[MotionFold], at: &[f64]) {
-        self.below.resize(levels.iter().count() * rows, 0);
-        for (i, level) in levels.iter().enumerate() {
-            let is_below = |(path, x): &(&MotionFold, &f64)| path.largest[0].max((*x - path.start).abs()) < level;
-            self.below[i * rows + row] += paths.iter().zip(at).filter(is_below).count() as u64;
-        }
-    }
-
-    /// Add a path that has ended.
-    pub fn end(&mut self, unit: u64, path: &MotionFold) {
-        self.largest.iter_mut().zip(path.largest).for_each(|(counts, largest)| counts.completed(unit, largest));
-    }
-
-    /// What is reported. `chance` is the number of units, if these are random.
-    pub fn summary(
-        &self,
-        levels: &PassageLevels,
-        timeline: &Timeline,
-        chance: Option<u64>,
-        sample: Sample,
-    ) -> Extremes {
-        let certain = [sample.paths as f64; 2];
-        let [displacement, velocity] =
-            self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), certain, chance, sample, true));
-        let rows = timeline.rows();
-        let below = |i: usize| self.below.get(i * rows..(i + 1) * rows).unwrap_or_default();
-        let passages = levels.iter().enumerate().map(|(i, level)| Passages {
-            level,
-            survival: below(i).iter().map(|count| *count as f64 / sample.paths as f64).collect(),
-            survival_ends: below(i).iter().map(|count| sample.share(*count)).collect::<Ends>(),
-        });
-        Extremes { displacement, velocity, passages: passages.collect() }
-    }
-}
-
-impl Codec for ExtremeCounts {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.largest.write(out);
-        self.below.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.largest.read(from)?;
-        self.below = vec![0; from.clone().length()?];
-        self.below.read(from)
-    }
-}
-

@@ -156,12 +156,8 @@ impl Observer for BlockObserver {
         });
         match completed {
             Some(Completed::FirstStick) => self.totals.counts.first_completed += 1,
-            Some(Completed::Stick(duration)) => {
-                self.totals.counts.sticks.completed(unit, duration)
-            }
-            Some(Completed::Slip(sub_phases)) => {
-                self.totals.counts.sub_phases.completed(unit, sub_phases)
-            }
+            Some(Completed::Stick(duration)) => self.totals.counts.sticks.completed(unit, duration),
+            Some(Completed::Slip(sub_phases)) => self.totals.counts.sub_phases.completed(unit, sub_phases),
             None => {}
         }
         if let Some(density) = &mut self.density {

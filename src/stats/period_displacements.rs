@@ -15,10 +15,10 @@
 
 use crate::scheme::Timeline;
 use crate::sums::Unit;
+use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
 use crate::sums::spread::Tails;
-use crate::sums::{Codec, Damaged, Reader};
 
 /// Moments of the displacements from period to period.
 #[derive(Clone, Debug, PartialEq)]
@@ -38,11 +38,6 @@ impl PeriodDisplacements {
             paths: JointMoments::default(),
             tails: Tails::default(),
         }
-    }
-
-    pub fn merge(&mut self, other: &PeriodDisplacements) {
-        self.paths.merge(&other.paths);
-        self.tails.merge(&other.tails);
     }
 
     /// Mean of u_n.
@@ -88,17 +83,7 @@ fn variance(mean_square: f64, mean: f64) -> f64 {
     if variance <= 4.0 * f64::EPSILON * mean_square { 0.0 } else { variance }
 }
 
-impl Codec for PeriodDisplacements {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.paths.write(out);
-        self.tails.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.paths.read(from)?;
-        self.tails.read(from)
-    }
-}
+sums_of_fields!(PeriodDisplacements { paths, tails });
 
 /// Folds one block of paths, period by period.
 pub(super) struct PeriodDisplacementsFold {

@@ -10,12 +10,13 @@
 //! spread at one phase     S^2 = 1/K sum_n Var x(t_n)
 //! ```
 
-use super::PeriodMoments;
+use super::measure::{Measure, Sampled};
 use super::period_displacements::{PeriodDisplacements, PeriodDisplacementsFold};
+use super::{PeriodMoments, Statistic};
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
 use crate::sums::Unit;
-use crate::sums::codec::codec_of_fields;
+use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
 use crate::sums::range::Range;
@@ -61,7 +62,7 @@ pub(super) struct PeriodSums {
     pub period_displacements: PeriodDisplacements,
 }
 
-codec_of_fields!(PeriodSums { displacement, drift, spreading, spread, spread_tails, period_displacements });
+sums_of_fields!(PeriodSums { displacement, drift, spreading, spread, spread_tails, period_displacements });
 
 impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
@@ -73,17 +74,6 @@ impl PeriodSums {
             spread_tails: Tails::default(),
             period_displacements: PeriodDisplacements::empty(timeline),
         }
-    }
-
-    pub fn merge(&mut self, other: &PeriodSums) {
-        for (mine, more) in self.displacement.iter_mut().zip(&other.displacement) {
-            mine.merge(more);
-        }
-        self.drift.merge(&other.drift);
-        self.spreading.merge(&other.spreading);
-        self.spread.merge(&other.spread);
-        self.spread_tails.merge(&other.spread_tails);
-        self.period_displacements.merge(&other.period_displacements);
     }
 
     /// V. Two instants are needed.
@@ -234,6 +224,20 @@ fn unbiased(mut shares: Vec<f64>) -> Vec<f64> {
     }
     shares.iter_mut().for_each(|share| *share *= n / (n - 1.0));
     shares
+}
+
+impl Measure for PeriodSums {
+    fn measured(&self, statistic: Statistic, Sampled { timeline, unit }: &Sampled) -> Option<Measured> {
+        Some(match statistic {
+            Statistic::DriftVelocity => self.drift_velocity(timeline),
+            Statistic::DiffusionCoefficient => self.diffusion_coefficient(timeline),
+            Statistic::PeriodDisplacementMean => self.period_displacements.mean(),
+            Statistic::PeriodDisplacementSd => self.period_displacements.sd(*unit),
+            Statistic::PeriodDisplacementCorrelation => self.period_displacements.correlation(),
+            Statistic::PhaseDisplacementSd => self.spread_at_phase(timeline),
+            _ => return None,
+        })
+    }
 }
 
 #[cfg(test)]

@@ -81,6 +81,23 @@ impl Record {
         self.asks_for(Extra::Energy) || self.asks_for(Extra::Levels)
     }
 
+    /// What is asked for that is a curve and no statistic: its key. A sweep does not keep it.
+    pub fn curve(&self) -> Option<&'static str> {
+        let curves = [(self.density, "record.density"), (self.spectrum, "record.spectrum")];
+        curves.into_iter().find_map(|(is_asked, key)| is_asked.then_some(key))
+    }
+
+    /// The same with what this statistic needs; none if that needs a value of its own, the levels
+    /// (`statistics.levels`).
+    pub fn asking_for(self, statistic: Statistic) -> Option<Record> {
+        match statistic.row().asked_by {
+            None => Some(self),
+            Some(Extra::Laws) => Some(Record { laws: true, ..self }),
+            Some(Extra::Energy) => Some(Record { energy: true, ..self }),
+            Some(Extra::Levels) => Some(self).filter(|record| !record.levels.is_empty()),
+        }
+    }
+
     /// The same statistics, without anything of single paths or of the output grid.
     pub fn of_no_path(&self) -> Record {
         Record { laws: self.laws, energy: self.energy, levels: self.levels, ..Record::NOTHING }

@@ -26,7 +26,7 @@ use crate::sums::codec::{Codec, Damaged, Reader};
 use crate::sums::fourier::{COLUMNS, Fourier, Numbers};
 use crate::sums::interval::student;
 use crate::sums::jackknife::standard_error;
-use crate::sums::{Ends, Unit};
+use crate::sums::{Ends, Merge, Unit};
 
 /// The longest segment.
 const LONGEST: usize = 1024;
@@ -78,12 +78,14 @@ pub(super) struct SpectrumSums {
     forcing_period: f64,
 }
 
-impl SpectrumSums {
-    pub fn merge(&mut self, other: &SpectrumSums) {
+impl Merge for SpectrumSums {
+    fn merge(&mut self, other: &Self) {
         self.powers.iter_mut().zip(&other.powers).for_each(|(mine, more)| *mine += more);
         self.weights.iter_mut().zip(&other.weights).for_each(|(mine, more)| *mine += more);
     }
+}
 
+impl SpectrumSums {
     /// The sums of a variable over all batches but one, divided by their weight.
     fn mean_power(&self, variable: usize, without: Option<usize>) -> Vec<f64> {
         let frequencies = self.powers.len() / (BATCHES * VARIABLES);

@@ -1,6 +1,6 @@
 //! The summary of an ensemble: plain numbers, ready to be printed or stored.
 
-use super::{PhaseLaw, Statistic};
+use super::{LimitCycle, PhaseLaw, Statistic};
 use crate::sums::interval::Measured;
 use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
@@ -331,6 +331,8 @@ pub struct Summary {
     pub spectrum: Option<Spectrum>,
     /// How far and how fast the body gets, where levels were asked for.
     pub extremes: Option<Extremes>,
+    /// What the path does in the end, where nothing is random. It takes a path of its own.
+    pub cycle: Option<LimitCycle>,
     /// The statistics that were asked for, in the order of tables and files. The estimates of the
     /// others are NaN.
     pub asked: Vec<Statistic>,

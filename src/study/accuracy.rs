@@ -98,6 +98,12 @@ pub enum AccuracyError {
         /// The reason.
         standing: Standing,
     },
+    /// A statistic that was named is of levels, and the scenario has none.
+    #[error("{}: it is measured where the scenario has `statistics.levels`", statistic.name())]
+    Unasked {
+        /// The statistic.
+        statistic: Statistic,
+    },
     /// No statistic of this scenario has a relative error.
     #[error("no statistic of this scene has an error to choose for")]
     NothingToChoose,
@@ -122,11 +128,17 @@ pub enum AccuracyError {
 }
 
 impl Accuracy<'_> {
-    /// Measure a pilot, and choose from it. Returns the choice and what the pilot measured. Fails
-    /// if the pilot cannot be run, or if no setting reaches the target in time.
+    /// Measure a pilot, and choose from it. Returns the choice and what the pilot measured. A
+    /// statistic that a run measures only on request is requested if it is named. Fails if the
+    /// pilot cannot be run, or if no setting reaches the target in time.
     pub fn choose(&self, scenario: &Scenario, limits: Limits<'_>) -> Result<(Decision, Trade), AccuracyError> {
-        let trade = measure_within(scenario, PILOT, self.threads, limits)?;
-        Ok((self.decide(scenario, &trade)?, trade))
+        let mut scenario = scenario.clone();
+        for &statistic in self.named {
+            let unasked = AccuracyError::Unasked { statistic };
+            scenario.record = scenario.record.asking_for(statistic).ok_or(unasked)?;
+        }
+        let trade = measure_within(&scenario, PILOT, self.threads, limits)?;
+        Ok((self.decide(&scenario, &trade)?, trade))
     }
 
     /// Choose from what a pilot has measured.

@@ -157,6 +157,20 @@ macro_rules! codec_of_fields {
 }
 pub(crate) use codec_of_fields;
 
+/// Implement [`Codec`] and [`super::Merge`] for a struct of sums, field by field in the given order.
+macro_rules! sums_of_fields {
+    ($type:ty { $($field:ident),* $(,)? } $(, $const:ident)?) => {
+        $crate::sums::codec::codec_of_fields!($type { $($field),* } $(, $const)?);
+
+        impl $(<const $const: usize>)? $crate::sums::Merge for $type {
+            fn merge(&mut self, other: &Self) {
+                $($crate::sums::Merge::merge(&mut self.$field, &other.$field);)*
+            }
+        }
+    };
+}
+pub(crate) use sums_of_fields;
+
 #[cfg(test)]
 mod tests {
     use super::*;

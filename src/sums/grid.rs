@@ -6,6 +6,7 @@
 //! the smallest and the largest number, so that counts do not depend on the order in which parts
 //! are merged.
 
+use super::Merge;
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{exponent, width};
 
@@ -109,6 +110,13 @@ pub(crate) struct Grid {
     counts: Vec<u64>,
 }
 
+impl Merge for Grid {
+    fn merge(&mut self, other: &Self) {
+        self.rise_to(std::array::from_fn(|i| self.axes[i].with(other.axes[i], self.most[i])));
+        self.add(other.axes, &other.counts);
+    }
+}
+
 impl Grid {
     /// No pairs.
     pub fn empty(most: [usize; 2], batches: usize) -> Self {
@@ -146,12 +154,6 @@ impl Grid {
             let (row, column) = (cell(x, inverse[0]) - first.first, cell(y, inverse[1]) - second.first);
             self.counts[(row as usize * second.cells + column as usize) * self.batches + batch] += times;
         }
-    }
-
-    /// Add the counts of `other`.
-    pub fn merge(&mut self, other: &Grid) {
-        self.rise_to(std::array::from_fn(|i| self.axes[i].with(other.axes[i], self.most[i])));
-        self.add(other.axes, &other.counts);
     }
 
     /// Move the counts to axes that hold all of their cells.

@@ -79,21 +79,7 @@ pub struct Moments {
 codec_of_fields!(Moments { count, mean, m2 });
 
 impl Merge for Moments {
-    fn merge(&mut self, other: &Moments) {
-        Moments::merge(self, other);
-    }
-}
-
-impl Moments {
-    /// The moments of these values.
-    pub fn of(values: &[f64]) -> Self {
-        let mut fold = MomentsOf(values, Moments::default());
-        InstructionSet::detect().run(&mut fold);
-        fold.1
-    }
-
-    /// Add the values that `other` holds.
-    pub fn merge(&mut self, other: &Moments) {
+    fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
         }
@@ -106,6 +92,15 @@ impl Moments {
         self.mean += delta * (n_b / n);
         self.m2 += other.m2 + delta * delta * (n_a * n_b / n);
         self.count += other.count;
+    }
+}
+
+impl Moments {
+    /// The moments of these values.
+    pub fn of(values: &[f64]) -> Self {
+        let mut fold = MomentsOf(values, Moments::default());
+        InstructionSet::detect().run(&mut fold);
+        fold.1
     }
 
     /// The mean; NaN if there are no values.
@@ -149,21 +144,8 @@ impl<const N: usize> Default for JointMoments<N> {
 
 codec_of_fields!(JointMoments<N> { count, mean, comoment }, N);
 
-impl<const N: usize> JointMoments<N> {
-    /// The moments of N columns with one entry per path.
-    pub fn of(columns: [&[f64]; N]) -> Self {
-        let mean = columns.map(mean);
-        let mut comoment = [[0.0; N]; N];
-        for i in 0..N {
-            for j in i..N {
-                comoment[i][j] = sum_of_products(columns[i], mean[i], columns[j], mean[j]);
-            }
-        }
-        JointMoments { count: columns.first().map_or(0, |c| c.len() as u64), mean, comoment }
-    }
-
-    /// Add the paths that `other` holds.
-    pub fn merge(&mut self, other: &Self) {
+impl<const N: usize> Merge for JointMoments<N> {
+    fn merge(&mut self, other: &Self) {
         if other.count == 0 {
             return;
         }
@@ -181,6 +163,20 @@ impl<const N: usize> JointMoments<N> {
             self.mean[i] += delta[i] * (n_b / n);
         }
         self.count += other.count;
+    }
+}
+
+impl<const N: usize> JointMoments<N> {
+    /// The moments of N columns with one entry per path.
+    pub fn of(columns: [&[f64]; N]) -> Self {
+        let mean = columns.map(mean);
+        let mut comoment = [[0.0; N]; N];
+        for i in 0..N {
+            for j in i..N {
+                comoment[i][j] = sum_of_products(columns[i], mean[i], columns[j], mean[j]);
+            }
+        }
+        JointMoments { count: columns.first().map_or(0, |c| c.len() as u64), mean, comoment }
     }
 
     /// Sum over paths of (g . (z - mean))^2: the spread of the linear combination of the N numbers
@@ -219,19 +215,8 @@ pub(crate) struct FourMoments {
 
 codec_of_fields!(FourMoments { two, m3, m4 });
 
-impl FourMoments {
-    /// The moments of these values.
-    pub fn of(values: &[f64]) -> Self {
-        let two = Moments::of(values);
-        let (m3, m4) = (
-            sum(values, |v| (v - two.mean) * (v - two.mean) * (v - two.mean)),
-            sum(values, |v| ((v - two.mean) * (v - two.mean)) * ((v - two.mean) * (v - two.mean))),
-        );
-        FourMoments { two, m3, m4 }
-    }
-
-    /// Add the values that `other` holds.
-    pub fn merge(&mut self, other: &FourMoments) {
+impl Merge for FourMoments {
+    fn merge(&mut self, other: &Self) {
         if other.two.count == 0 {
             return;
         }
@@ -249,6 +234,18 @@ impl FourMoments {
             + 4.0 * delta * (a * m3_b - b * m3_a);
         self.m3 += m3_b + delta.powi(3) * n_a * b * (a - b) + 3.0 * delta * (a * m2_b - b * m2_a);
         self.two.merge(&other.two);
+    }
+}
+
+impl FourMoments {
+    /// The moments of these values.
+    pub fn of(values: &[f64]) -> Self {
+        let two = Moments::of(values);
+        let (m3, m4) = (
+            sum(values, |v| (v - two.mean) * (v - two.mean) * (v - two.mean)),
+            sum(values, |v| ((v - two.mean) * (v - two.mean)) * ((v - two.mean) * (v - two.mean))),
+        );
+        FourMoments { two, m3, m4 }
     }
 
     /// Sum over values of ((v - mean)^2 - M_2/n)^2: the spread of the squared deviations.

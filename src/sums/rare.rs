@@ -18,8 +18,7 @@
 //!
 //! docs/statistics.md says how often these intervals hold the truth.
 
-use super::codec::codec_of_fields;
-use super::tree::Merge;
+use super::codec::sums_of_fields;
 
 /// The numbers with these least contributing units have an interval, if more than half of all units
 /// do not contribute. Where most units contribute, nothing is rare.
@@ -48,13 +47,7 @@ pub(crate) struct Fourths {
     sums: [f64; 5],
 }
 
-codec_of_fields!(Fourths { sums });
-
-impl Merge for Fourths {
-    fn merge(&mut self, other: &Fourths) {
-        self.sums.iter_mut().zip(&other.sums).for_each(|(mine, more)| *mine += more);
-    }
-}
+sums_of_fields!(Fourths { sums });
 
 /// Below this share of its terms, a sum of fourth powers is lost in rounding. The influences are
 /// then below a thousandth of the numbers, and no path stands out.

@@ -14,7 +14,7 @@
 //! Biometrics Bulletin 2 (1946)), but no more than m - 1. This is a correction of second order, so
 //! that influences may be taken about the mean of each block.
 
-use super::codec::codec_of_fields;
+use super::codec::sums_of_fields;
 use super::interval::Measured;
 use super::moments::{FourMoments, Moments};
 use super::unit::Unit;
@@ -27,7 +27,7 @@ pub(crate) struct Tails {
     fourths: f64,
 }
 
-codec_of_fields!(Tails { squares, fourths });
+sums_of_fields!(Tails { squares, fourths });
 
 impl Tails {
     /// The sums over the influences of the paths of a block.
@@ -42,11 +42,6 @@ impl Tails {
         let square = influence * influence;
         self.squares += paths * square;
         self.fourths += paths * square * square;
-    }
-
-    pub fn merge(&mut self, other: &Tails) {
-        self.squares += other.squares;
-        self.fourths += other.fourths;
     }
 
     /// The sum of the squares of all influences.
@@ -73,7 +68,7 @@ pub(crate) struct SpreadMoments {
     tails: Tails,
 }
 
-codec_of_fields!(SpreadMoments { four, units, tails });
+sums_of_fields!(SpreadMoments { four, units, tails });
 
 impl SpreadMoments {
     /// The moments of the values of a block.
@@ -83,12 +78,6 @@ impl SpreadMoments {
         let units = if unit == Unit::Path { four.two } else { Moments::of(&unit.means(values)) };
         let influences: Vec<f64> = values.iter().map(|v| (v - mean) * (v - mean) - square).collect();
         SpreadMoments { four, units, tails: Tails::of(unit.means(&influences).iter().copied()) }
-    }
-
-    pub fn merge(&mut self, other: &SpreadMoments) {
-        self.four.merge(&other.four);
-        self.units.merge(&other.units);
-        self.tails.merge(&other.tails);
     }
 
     /// The standard deviation over paths, with e_i = ((x_i - mean)^2 - sd^2) / (2 sd). The

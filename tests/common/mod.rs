@@ -9,6 +9,7 @@ use stick_slip::model::*;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
 use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
+use stick_slip::sums::Merge as _;
 
 /// The model of a shipped scenario.
 pub fn shipped_model(name: &str) -> Model {

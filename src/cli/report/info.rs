@@ -1,6 +1,6 @@
 //! Everything a report says about a run besides its statistics, and the speeds that follow from it.
 
-use stick_slip::engine::{LimitCycle, Part, Provenance, Status};
+use stick_slip::engine::{Part, Provenance, Status};
 
 /// Everything a report says about a run besides its statistics.
 #[derive(Clone, Debug)]
@@ -27,8 +27,6 @@ pub struct RunInfo {
     pub status: Status,
     /// What ended the run before its last path; none if the run was not ended early.
     pub ended_by: Option<String>,
-    /// What the path does in the end, if nothing is random.
-    pub cycle: Option<LimitCycle>,
 }
 
 impl RunInfo {

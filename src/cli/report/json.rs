@@ -3,9 +3,8 @@
 use super::RunInfo;
 use crate::cli::document::{JsonWarning, document, estimate, sha256};
 use serde_json::{Map, Value, json};
-use stick_slip::engine::LimitCycle;
 use stick_slip::scenario::Units;
-use stick_slip::stats::{Estimate, Statistic, Summary, Transient};
+use stick_slip::stats::{Estimate, LimitCycle, Statistic, Summary, Transient};
 
 /// The report as one JSON object. A number that does not exist is null.
 pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> String {
@@ -48,7 +47,7 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
         // the beginning.
         "start": summary.transient.map(start),
         // What the path does in the end, where nothing is random.
-        "cycle": info.cycle.as_ref().map(cycle),
+        "cycle": summary.cycle.as_ref().map(cycle),
         "counted_periods": summary.counted_periods(),
         // The statistics that are zero once x has settled but are significantly not zero here; null
         // where the paths are too few to decide.

@@ -5,9 +5,9 @@ use super::bias::beyond_intervals;
 use super::statistics::absent;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
 use std::fmt::Write as _;
-use stick_slip::engine::{LimitCycle, Status};
+use stick_slip::engine::Status;
 use stick_slip::scheme::Timeline;
-use stick_slip::stats::{Dimension, Estimate, Statistic, SubPhaseCounts, Summary, Transient};
+use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient};
 
 /// Everything below the table, as labels and lines.
 pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
@@ -16,7 +16,7 @@ pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)>
     remarks.extend(multiples(summary).map(|line| ("", line)));
     remarks.push(("slips", slips(summary)));
     remarks.extend(long_slips(summary).map(|line| ("", line)));
-    remarks.extend(info.cycle.as_ref().map(|cycle| ("cycle", of_cycle(cycle, info))));
+    remarks.extend(summary.cycle.as_ref().map(|cycle| ("cycle", of_cycle(cycle, info))));
     remarks.extend(spectrum(summary, info).map(|line| ("", line)));
     remarks.extend(start(summary, info).map(|line| ("start", line)));
     remarks.extend(few_periods(summary).map(|line| ("drift", line)));

@@ -91,7 +91,6 @@ pub fn summary() -> Summary {
 
 pub fn info() -> RunInfo {
     RunInfo {
-        cycle: None,
         scenario: "scenarios/rho025.toml".into(),
         provenance: Provenance {
             scheme: "discrete-vi".into(),

@@ -52,7 +52,8 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &mut dyn Obser
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
     let mut columns = Columns::new(count);
-    let (mut quiet, mut inside) = (Vec::new(), Inside { glides: observer.follows().then(Vec::new), ..Inside::default() });
+    let (mut quiet, mut inside) =
+        (Vec::new(), Inside { glides: observer.follows().then(Vec::new), ..Inside::default() });
     let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;

@@ -60,7 +60,11 @@ pub enum StarError {
 }
 
 /// Names that the file of a sweep uses itself, which no axis may have.
-pub const RESERVED: [&str; 36] = [
+pub const RESERVED: [&str; 40] = [
+    "cycle_number",
+    "section_state",
+    "cycle",
+    "section",
     "statistic",
     "statistic_long_name",
     "statistic_unit",

@@ -1,6 +1,6 @@
 //! What is kept of a point of a sweep.
 
-use crate::stats::{Estimate, GroupValues, Statistic};
+use crate::stats::{Estimate, GroupValues, LimitCycle, Statistic};
 
 /// The results at one point.
 #[derive(Clone, Debug, PartialEq)]
@@ -14,6 +14,8 @@ pub struct Point {
     pub diverged_paths: u64,
     /// CPU seconds that the point took.
     pub seconds: f64,
+    /// What the path does in the end, where nothing is random.
+    pub cycle: Option<LimitCycle>,
     /// For each group of paths, the values of all statistics without that group.
     pub without: Vec<GroupValues>,
 }

@@ -11,7 +11,7 @@ use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::Simulate as _;
-use crate::stats::{Companion as _, Grouping, Groups, RunTotals};
+use crate::stats::{Companion as _, Grouping, Groups, LimitCycle, RunTotals};
 use crate::study::clock::thread_seconds;
 use crate::sums::{Overlap, Unit};
 use std::ops::ControlFlow;
@@ -171,7 +171,7 @@ impl SweepSimulation<'_> {
                 },
             }
             let Some(here) = growing.take() else { return Ok(ControlFlow::Continue(())) };
-            sweep.points[job.point] = Some(here.point(beside));
+            sweep.points[job.point] = Some(here.point(job.scenario, beside));
             job.drop_setup();
             receive(sweep).map_err(SweepEnd::Receiver)?;
             Ok(ControlFlow::Continue(()))
@@ -182,7 +182,7 @@ impl SweepSimulation<'_> {
 }
 
 impl Growing {
-    fn point(self, beside: Option<BesideRun>) -> Point {
+    fn point(self, scenario: &Scenario, beside: Option<BesideRun>) -> Point {
         let start = thread_seconds();
         let Growing { totals, seconds } = self;
         let run = totals.totals();
@@ -195,6 +195,7 @@ impl Growing {
             completed_paths: summary.completed_paths,
             diverged_paths: summary.diverged.len() as u64,
             estimates: summary.estimates,
+            cycle: LimitCycle::of(scenario),
             seconds: seconds + (thread_seconds() - start),
             without,
         }

@@ -10,6 +10,7 @@ use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Scheme, Simulate as _};
 use crate::stats::{Estimate, GroupValues, Totals};
 use crate::study::clock::Stopwatch;
+use crate::sums::Merge as _;
 use crate::sums::jackknife;
 use std::convert::Infallible;
 use std::ops::ControlFlow;

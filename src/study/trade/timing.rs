@@ -4,15 +4,14 @@ use super::rung::Cost;
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme};
-use crate::stats::Record;
 use crate::study::clock::thread_seconds;
 
-/// The ensemble that a scheme simulates for the estimates, without an output grid and without rows
-/// of single paths.
+/// The ensemble that a scheme simulates for the estimates, those on request included, without an
+/// output grid and without rows of single paths.
 pub(super) fn bare_plan(scenario: &Scenario, scheme: Scheme) -> Result<Plan, Misfit> {
     let mut scenario = scenario.with_scheme(scheme)?;
     scenario.time.output_step = scenario.time.end;
-    scenario.record = Record::NOTHING;
+    scenario.record = scenario.record.of_no_path();
     Ok(scenario.plan())
 }
 

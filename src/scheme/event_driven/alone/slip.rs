@@ -9,7 +9,6 @@ use super::stop_search::{Passed, PendingIntervals};
 use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
-use crate::scheme::{Course, Glide, Timeline};
 use crate::scheme::columns::Seen;
 use crate::scheme::event_driven::law::cells::{Cell, WHOLE_PLACE};
 use crate::scheme::event_driven::law::corridor::Corridor;
@@ -20,6 +19,7 @@ use crate::scheme::event_driven::law::scene::{Scene, forcing};
 use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipPoint, SlipStep, force, motion};
 use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::event_driven::work::Unresolved;
+use crate::scheme::{Course, Glide, Timeline};
 use std::cell::RefCell;
 
 /// Buffers for the computation of one path at a time.

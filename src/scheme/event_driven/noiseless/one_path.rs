@@ -171,7 +171,8 @@ impl Noiseless {
     /// The first part of a leg, of this duration, in pieces that a quintic describes.
     fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) {
         let Phase::Slip(direction) = leg.phase else { return };
-        let (flow, pieces) = (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
+        let (flow, pieces) =
+            (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
         let (mut here, mut i) = (flow.at(0.0), 0.0);
         while i < pieces {
             let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));

@@ -1,0 +1,173 @@
+//! What every run measures of the cascade: sticks, slips, sub-phases, jumps, the time at rest, the
+//! sliding path and its work, and x at the end.
+
+use super::Statistic;
+use super::law::{LawSums, rare_mean, rare_ratio};
+use super::measure::{Measure, Sampled};
+use super::path::PathFold;
+use crate::sums::Unit;
+use crate::sums::codec::sums_of_fields;
+use crate::sums::interval::Measured;
+use crate::sums::moments::{JointMoments, Moments};
+use crate::sums::rare::{FEWEST, Fourths, are_too_few, cautious};
+use crate::sums::spread::SpreadMoments;
+
+// Entries of `CascadeSums::slips`.
+const SLIPS: usize = 0;
+const SUB_PHASES: usize = 1;
+const MULTIPLE: usize = 2;
+const JUMP: usize = 3;
+const JUMP_ABS: usize = 4;
+
+/// Moments over paths of the numbers that describe the cascade of a path.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct CascadeSums {
+    /// Durations D_j of completed sticks, j >= 1.
+    pub sticks: LawSums,
+    /// Powers of the influences of paths on the means of positive numbers.
+    tails: CascadeTails,
+    /// Whether the first stick ended, and its D_0.
+    first_sticks: JointMoments<2>,
+    /// Completed dynamic phases, sum of k(j), number with k(j) >= 2, sum of jumps, sum of |jumps|.
+    slips: JointMoments<5>,
+    stick_time: Moments,
+    work: Moments,
+    sliding_path: Moments,
+    displacement_end: SpreadMoments,
+    pub early: EarlySums,
+    pub contributing: Contributing,
+}
+
+sums_of_fields!(CascadeSums {
+    sticks,
+    tails,
+    first_sticks,
+    slips,
+    stick_time,
+    work,
+    sliding_path,
+    displacement_end,
+    early,
+    contributing
+});
+
+/// Fourth powers of the numbers of units, for the tails of the errors of these means.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+struct CascadeTails {
+    first_stick_duration: Fourths,
+    sub_phases: Fourths,
+    jump_size: Fourths,
+    slips: Fourths,
+    stick_time: Fourths,
+}
+
+sums_of_fields!(CascadeTails { first_stick_duration, sub_phases, jump_size, slips, stick_time });
+
+/// Moments over paths of what was before the end of the burn-in.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct EarlySums {
+    /// Completed sticks, j >= 1, and slips that began before the end of the burn-in.
+    pub sticks: Moments,
+    pub slips: Moments,
+    /// x(after) - x0.
+    pub displacement: Moments,
+}
+
+sums_of_fields!(EarlySums { sticks, slips, displacement });
+
+/// Number of units that completed at least one phase of each kind.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub(super) struct Contributing {
+    pub first_sticks: u64,
+    pub slips: u64,
+    /// Units with any static time.
+    sticking: u64,
+}
+
+sums_of_fields!(Contributing { first_sticks, slips, sticking });
+
+impl CascadeSums {
+    /// The sums over the paths of a block.
+    pub fn of(paths: &[PathFold], dynamic_force: f64, unit: Unit) -> Self {
+        let of_paths = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
+        let column = |of: fn(&PathFold) -> f64| unit.means(&of_paths(of)).into_owned();
+        let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
+        let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
+        let [first_sticks, first_durations] =
+            [column(|p| f64::from(u8::from(p.first_duration.is_some()))), column(|p| p.first_duration.unwrap_or(0.0))];
+        let [slips, sub_phases, jump_sizes] =
+            [column(|p| p.slips.into()), column(|p| p.sub_phases.into()), column(|p| p.jump_abs)];
+        let stick_times = column(|p| p.stick_time);
+        let tails = CascadeTails {
+            first_stick_duration: Fourths::of(&first_durations, &first_sticks),
+            sub_phases: Fourths::of(&sub_phases, &slips),
+            jump_size: Fourths::of(&jump_sizes, &slips),
+            slips: Fourths::of_mean(&slips),
+            stick_time: Fourths::of_mean(&stick_times),
+        };
+        CascadeSums {
+            sticks: LawSums::of(paths, |path| path.sticks, unit),
+            tails,
+            first_sticks: JointMoments::of([&first_sticks, &first_durations]),
+            slips: JointMoments::of([
+                &slips,
+                &sub_phases,
+                &column(|p| p.multiple.into()),
+                &column(|p| p.jump),
+                &jump_sizes,
+            ]),
+            stick_time: Moments::of(&stick_times),
+            work: Moments::of(&unit.means(&work)),
+            sliding_path: Moments::of(&column(|p| p.travel)),
+            displacement_end: SpreadMoments::of(&of_paths(|p| p.displacement_end), unit),
+            early: EarlySums {
+                sticks: Moments::of(&column(|p| p.early_sticks.into())),
+                slips: Moments::of(&column(|p| p.early_slips.into())),
+                displacement: Moments::of(&column(|p| p.early_displacement)),
+            },
+            contributing: Contributing {
+                first_sticks: count(|p| p.first_duration.is_some()),
+                slips: count(|p| p.slips > 0),
+                sticking: count(|p| p.stick_time > 0.0),
+            },
+        }
+    }
+}
+
+impl Measure for CascadeSums {
+    fn measured(&self, statistic: Statistic, of: &Sampled) -> Option<Measured> {
+        let CascadeSums {
+            sticks, tails, first_sticks, slips, stick_time, work, sliding_path, displacement_end, ..
+        } = self;
+        let (contributing, counted) = (&self.contributing, of.timeline.counted());
+        Some(match statistic {
+            Statistic::StickDurationMean => sticks.mean(),
+            Statistic::StickDurationSd => sticks.sd(of.unit),
+            Statistic::StickDurationCv => sticks.coefficient_of_variation(of.unit),
+            Statistic::FirstStickDurationMean => {
+                rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks, 0.0)
+            }
+            Statistic::SticksPerPath => sticks.number(),
+            Statistic::SlipsPerPath => rare_mean(slips, SLIPS, &tails.slips, contributing.slips),
+            Statistic::SubPhasesMean => {
+                rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips, 1.0)
+            }
+            Statistic::SubPhasesMultipleShare => Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
+            Statistic::StickingFraction | Statistic::SlidingPathRate if of.timeline.end == 0.0 => Measured::NOTHING,
+            Statistic::StickingFraction => {
+                let freedom = tails.stick_time.freedom(stick_time.mean, stick_time.m2, stick_time.count);
+                let freedom = cautious(freedom, contributing.sticking, stick_time.count);
+                let mean = Measured::mean(stick_time).with_freedom(freedom);
+                let are_few = are_too_few(contributing.sticking, stick_time.count, FEWEST);
+                (if are_few { mean.without_interval() } else { mean }).divided_by(counted)
+            }
+            Statistic::DisplacementEndMean => Measured::mean(&displacement_end.units),
+            Statistic::DisplacementEndSd => displacement_end.standard_deviation(),
+            Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
+            Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips, 0.0),
+            Statistic::FrictionWorkMean => Measured::mean(work),
+            Statistic::SlidingPathRate => Measured::mean(sliding_path).divided_by(counted),
+            _ => return None,
+        })
+    }
+}

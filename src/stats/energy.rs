@@ -1,0 +1,52 @@
+//! The energy that each force gives to the body, on request.
+
+use super::Statistic;
+use super::measure::{Measure, Sampled};
+use super::motion::{MotionFold, Works};
+use crate::sums::Unit;
+use crate::sums::codec::sums_of_fields;
+use crate::sums::interval::Measured;
+use crate::sums::moments::Moments;
+use crate::sums::spread::SpreadMoments;
+
+/// Moments over paths of the works.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(super) struct EnergySums {
+    temperature: Moments,
+    own_force: Moments,
+    damping: Moments,
+    change: Moments,
+    residual: SpreadMoments,
+}
+
+sums_of_fields!(EnergySums { temperature, own_force, damping, change, residual });
+
+impl EnergySums {
+    /// The sums over the paths of a block.
+    pub fn of(paths: &[MotionFold], dynamic_force: f64, unit: Unit) -> Self {
+        let column = |of: fn(&Works) -> f64| paths.iter().map(|path| of(&path.works)).collect::<Vec<f64>>();
+        let moments = |of: fn(&Works) -> f64| Moments::of(&unit.means(&column(of)));
+        let residuals: Vec<f64> = paths.iter().map(|path| path.residual(dynamic_force)).collect();
+        EnergySums {
+            temperature: moments(|works| works.temperature),
+            own_force: moments(|works| works.own_force),
+            damping: moments(|works| works.damping),
+            change: moments(Works::change),
+            residual: SpreadMoments::of(&residuals, unit),
+        }
+    }
+}
+
+impl Measure for EnergySums {
+    fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
+        Some(match statistic {
+            Statistic::TemperatureWorkMean => Measured::mean(&self.temperature),
+            Statistic::OwnForceWorkMean => Measured::mean(&self.own_force),
+            Statistic::DampingWorkMean => Measured::mean(&self.damping),
+            Statistic::StoredEnergyMean => Measured::mean(&self.change),
+            Statistic::EnergyResidualMean => Measured::mean(&self.residual.units),
+            Statistic::EnergyResidualSd => self.residual.standard_deviation(),
+            _ => return None,
+        })
+    }
+}
