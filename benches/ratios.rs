@@ -19,8 +19,8 @@ use stick_slip::noise::LaneStreams;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteSimulation, EventDriven, Simulate as _};
 use stick_slip::stats::{BlockResult, Totals};
-use stick_slip::sums::Merge as _;
 use stick_slip::store::{FileSink, Writer};
+use stick_slip::sums::Merge as _;
 
 /// The straightforward loop: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`,
 /// forcing from a table, sticks counted and their durations summed. The parameters are those of set

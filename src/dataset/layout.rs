@@ -192,7 +192,7 @@ table! {
     PASSAGE_SURVIVAL = measured!("passage_survival", &["level", "time"], Unit::ONE,
         "probability that the displacement has not been so far from the start until then");
     REST_SHARE = measured!("rest_share", &[], Unit::ONE,
-        "share of the rows of the output grid that are counted at which the body is at rest");
+        "share of the counted time at which the body is at rest");
     DISPLACEMENT_AUTOCOVARIANCE = measured!("displacement_autocovariance", &["lag"], Unit::AREA,
         "autocovariance of the displacement about its mean over paths");
     VELOCITY_AUTOCOVARIANCE = measured!("velocity_autocovariance", &["lag"],
