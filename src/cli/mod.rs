@@ -26,7 +26,6 @@ mod numbers;
 mod overrides;
 mod plot;
 mod progress;
-mod ranks;
 mod replay;
 mod report;
 mod results;
@@ -45,8 +44,6 @@ mod trade;
 mod trade_report;
 mod twin;
 mod verify;
-
-pub use ranks::Ranks;
 
 // What most verbs use.
 use failure::{Failure, note, print, print_data, warn, writable};
@@ -162,28 +159,15 @@ verbs! {
     LookThrough(files),
 }
 
-/// Parses the arguments, calls one verb, and returns its exit code. Other processes that share the
-/// work are those of `ranks`.
-pub fn main(ranks: Option<&'static dyn Ranks>) -> ExitCode {
-    ranks.into_iter().for_each(ranks::share_with);
+/// Parses the arguments, calls one verb, and returns its exit code.
+pub fn main() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
-            let done = arguments.call();
+            let done = arguments.verb.call();
             say_what_stays();
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }
         Err(answer) => self::answer(&answer),
-    }
-}
-
-impl Arguments {
-    /// Calls the verb.
-    fn call(&self) -> Result<(), Failure> {
-        if ranks::crew().is_some() && !matches!(self.verb, Verb::Run(_) | Verb::Resume(_)) {
-            let problem = "several ranks share the work of `mc run` and `mc resume`, and of no other verb";
-            return Err(Failure::usage(problem, "leave out mpirun"));
-        }
-        self.verb.call()
     }
 }
 
@@ -219,7 +203,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
 
 /// How many threads this process runs at once.
 fn cores() -> usize {
-    ranks::threads(std::thread::available_parallelism().map_or(1, usize::from))
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// The names of all statistics, to choose from.

@@ -3,7 +3,7 @@
 use super::numbers::grouped;
 use super::sitting::{Leaves, RunOptions, Sitting};
 use super::sweep_sitting::SweepSitting;
-use super::{Failure, cost, files, note, ranks, stop_on_signals, sweep};
+use super::{Failure, cost, files, note, stop_on_signals, sweep};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, StoreError, Unfinished};
@@ -62,9 +62,9 @@ impl Resume {
     /// Continues a sweep, of which the file of its points says what was asked.
     fn sweep(&self, output: &Path) -> Result<(), Failure> {
         let partial = store::partial_path(output);
-        if self.end || self.options.watch.is_some() || ranks::crew().is_some() {
+        if self.end || self.options.watch.is_some() {
             let partial = partial.display();
-            let problem = format!("{partial} is a sweep, which is not resumed with --end, --watch or mpirun");
+            let problem = format!("{partial} is a sweep, which is not resumed with --end or --watch");
             return Err(Failure::usage(problem, format!("leave them out; the points that are done are in {partial}")));
         }
         if output.symlink_metadata().is_ok() && !self.force {
