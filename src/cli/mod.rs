@@ -54,13 +54,13 @@ use threads::Threads;
 use clap::Parser as _;
 use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
-use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
+use stick_slip::engine::{PROGRAM_VERSION, commit};
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 
 /// Version and commit, as `--version` shows them.
 fn version() -> String {
-    format!("{PROGRAM_VERSION} ({GIT_HASH})")
+    format!("{PROGRAM_VERSION} ({})", commit())
 }
 
 const EXAMPLES: &str = "\

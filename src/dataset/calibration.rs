@@ -10,7 +10,7 @@ use crate::bearing::calibration::{
     SearchStart, SeenSlip, Spikes, Values, response_of,
 };
 use crate::data::Start;
-use crate::engine::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{PROGRAM_VERSION, commit};
 use crate::stats::{Dimension, Units};
 
 /// The attribute `format_name` of a calibration.
@@ -89,7 +89,7 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
     let Calibration { question, lag, spikes, .. } = calibration;
     let format = (CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION);
-    walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut GIT_HASH.into()])?;
+    walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut commit().into()])?;
     walk.attribute("scenario", scenario_text)?;
     let mut method = question.method.name().to_owned();
     let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();

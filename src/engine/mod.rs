@@ -35,7 +35,7 @@ pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use error::RunError;
 pub use outcome::{BiasReport, Outcome, Status};
 pub use progress::Progress;
-pub use provenance::{GIT_HASH, PROGRAM_VERSION, Provenance, other_program};
+pub use provenance::{PROGRAM_VERSION, Provenance, built_from, commit, other_program};
 pub use replay::{Replay, ReplayRows};
 pub use run::{Run, SoFar};
 pub use sink::{Memory, Moment, Sink, SinkError};

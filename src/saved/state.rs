@@ -7,7 +7,7 @@
 use super::SavedError;
 use super::checksum::checksum;
 use super::rows::Position;
-use crate::engine::{Asked, GIT_HASH, PROGRAM_VERSION, Part, Provenance, SoFar};
+use crate::engine::{Asked, PROGRAM_VERSION, Part, Provenance, SoFar, commit};
 use crate::ensemble::{BLOCK_SIZE, Plan};
 use crate::model::Series;
 use crate::noise::GENERATOR;
@@ -76,7 +76,7 @@ impl Program {
     fn mine() -> Self {
         Program {
             version: PROGRAM_VERSION.to_string(),
-            git_hash: GIT_HASH.to_string(),
+            git_hash: commit().to_string(),
             generator: GENERATOR.to_string(),
             block_size: BLOCK_SIZE,
         }

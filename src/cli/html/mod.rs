@@ -21,7 +21,6 @@ use super::{results, sweep_report, trade_report};
 use base64::Engine as _;
 use sha2::{Digest as _, Sha256};
 use std::path::PathBuf;
-use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
 use stick_slip::figure::{FIGURES, Only, Style, Subject, escaped};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
@@ -122,7 +121,7 @@ fn pictures(subject: &Subject) -> Vec<Part> {
 
 /// The program that wrote a file; this one if it was no other.
 fn program(other: Option<&str>) -> String {
-    other.map_or_else(|| format!("mc {PROGRAM_VERSION} ({GIT_HASH})"), |other| format!("mc {other}"))
+    other.map_or_else(|| format!("mc {}", crate::cli::version()), |other| format!("mc {other}"))
 }
 
 /// The page as HTML.
