@@ -60,6 +60,15 @@ def test_parts_that_are_lost_with_their_worker_are_simulated_again():
     same(ds, ss.run("rho025", paths=10_000))
 
 
+def test_a_law_is_fitted_as_the_page_of_statistics_says():
+    pytest.importorskip("scipy")
+    names = {}
+    exec(*snippets("docs/statistics.md"), names)
+    # The place of the greatest likelihood of these counts, found by another search.
+    assert abs(names["scale"] - 2.6026) < 0.001
+    assert abs(names["shape"] - 0.59356) < 0.0001
+
+
 def test_the_snippets_of_the_guide_run(monkeypatch):
     """All of them except that with a measured temperature, whose arrays a reader must provide."""
     import numpy as np
