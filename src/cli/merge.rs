@@ -32,7 +32,7 @@ pub struct Merge {
 impl Merge {
     pub fn call(&self) -> Result<(), Failure> {
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
-        self.parts.iter().try_for_each(|part| files::look(part))?;
+        self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
         cost::check_memory(scenario, asked.paths, self.options.threads())?;

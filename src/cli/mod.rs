@@ -154,9 +154,6 @@ verbs! {
     Completions(completions),
     /// Write manual pages for `man`
     Man(man),
-    /// Read a file in a process of its own, which mc starts for files without a checksum
-    #[command(hide = true)]
-    LookThrough(files),
 }
 
 /// Parses the arguments, calls one verb, and returns its exit code.

@@ -39,7 +39,7 @@ impl Resume {
             return self.sweep(&output);
         }
         if output.is_file() {
-            files::look(&output)?;
+            files::look(&output);
         }
         let Some(Unfinished { question, so_far, sink }) = FileSink::go_on(&output, self.force)? else {
             note(&format!("{} is finished: there is nothing to resume", output.display()));

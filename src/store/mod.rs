@@ -53,7 +53,7 @@ pub use error::StoreError;
 pub use folder::{file_of, partial_path};
 pub use found::is_unfinished_sweep;
 pub use lock::lock_path;
-pub use look::{is_sealed, look_through};
+pub use look::is_sealed;
 pub use parts::PartError;
 pub use reader::{Stored, read};
 pub use remains::take_remains;
