@@ -3,7 +3,7 @@
 use super::cost::STUDY_BYTES;
 use super::document::{JsonWarning, document};
 use super::fit_temperature::without_weather;
-use super::html::{self, study::Part};
+use super::html::{self, page::Part};
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
 use super::overrides::settings;

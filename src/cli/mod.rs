@@ -128,7 +128,7 @@ verbs! {
     Show(show),
     /// Draw a run, a path or a trade as SVG, PNG or PDF
     Plot(plot),
-    /// Write a run as one page for a browser: table, warnings, and interactive charts
+    /// Write a file as one page for a browser: table, warnings and pictures
     Report(html),
     /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
     Replay(replay),

@@ -29,7 +29,7 @@ pub use csv::Csv;
 pub use info::RunInfo;
 pub use json::json;
 pub use remarks::{lost, remarks, too_few, unsettled};
-pub use statistics::{cells, rows};
+pub use statistics::{all_rows, rows};
 
 use super::numbers::{counted, fitted};
 use statistics::statistics;
