@@ -63,35 +63,10 @@ fn version() -> String {
     format!("{PROGRAM_VERSION} ({})", commit())
 }
 
-const EXAMPLES: &str = "\
-Start here:
-  mc init -o mine.toml                      write a scenario, every key of it with a comment
-  mc check mine.toml                        is it sound, and how long will it take?
-  mc run mine.toml --paths 10k              simulate; a table, and results in mine.h5
-  mc plot mine.h5                           all of it in pictures, in mine.svg
-
-More:
-  mc run mine.toml --accuracy 1% --statistic stick_duration_mean   choose step and paths
-  mc run mine.toml --set friction.static=1.3 -o stronger.h5
-  mc resume mine.h5                         continue a run that was interrupted
-  mc merge part-*.h5 -o mine.h5             join the parts that mc run --part made
-  mc show mine.h5                           the table again, from the file
-  mc report mine.h5                         a page for the browser, in mine.html
-  mc replay mine.h5 --path 4711             one path alone, event by event
-  mc verify mine.h5                         is the file what its scenario and seed come to?
-  mc trade mine.toml                        which scheme, step and paths for which accuracy
-  mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
-  mc calibrate bridge.toml data.csv         friction of a bearing from measurements
-  mc twin bridge.toml -o twin.csv           synthetic data of a bearing, to try that on
-  mc fit-temperature data.csv -o weather.toml   a measured temperature as harmonics and noise
-  mc forecast bridge.toml data.csv          what years to come do to the bearing
-
-Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted (128 + the number of the signal).";
-
 /// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
 /// is.
 #[derive(Debug, clap::Parser)]
-#[command(name = "mc", version = version(), after_help = EXAMPLES, arg_required_else_help = true)]
+#[command(name = "mc", version = version(), after_help = include_str!("help/mc.txt"), arg_required_else_help = true)]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,

@@ -8,17 +8,9 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, StoreError, Unfinished};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc resume rho025.h5
-  mc resume rho025.h5 --end      write the file of what is done, and simulate no more
-
-The finished file has the data of a run that was never interrupted, bit for bit: its goals, its time limit, of which what \
-was spent counts, and what --accuracy chose are those of the run. Only the program that began a run continues it.";
-
 /// Arguments of `mc resume`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/resume.txt"))]
 pub struct Resume {
     /// The file that the run or the sweep would have written, or FILE.partial, which it left
     file: PathBuf,

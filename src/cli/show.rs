@@ -14,19 +14,9 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Statistic, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc show rho025.h5
-  mc show rho025.h5 --json | jq .statistics
-  mc show rho025.h5 --scenario > again.toml   the scenario that was run
-  mc show coarse.h5 fine.h5                 one table, with differences from the first file
-  mc show rho025.h5 rho025-sweep.h5 --format csv   one line for each statistic
-  mc show rho025.h5 --format latex          a table for a paper
-  mc show rho025.h5 --cite                  what to write in a paper";
-
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/show.txt"))]
 pub struct Show {
     /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
@@ -101,7 +91,7 @@ impl Show {
                 "the measured temperature is in the file of results and not in the text: run it beside the CSV file that it names",
             );
         }
-        print_data(text)
+        print_data(&text)
     }
 
     fn print_one(&self, file: &Path, stored: &Stored) -> Result<(), Failure> {

@@ -45,7 +45,7 @@ mod verify;
 mod workshop;
 mod writer;
 
-pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
+pub use crate::dataset::{StoredCalibration, StoredSweep, StoredTrade};
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use calibration::{read_calibration, write_calibration};
 pub use content::{Content, FileKind, content, kind};
@@ -61,7 +61,7 @@ pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
-pub use trade::{StoredTrade, read_prices, read_rungs, read_trade, write_trade};
+pub use trade::{read_trade, write_trade};
 pub use verify::{
     Difference, Expected, Sealed, Verification, Verified, check_bytes, verify_calibration, verify_sweep, verify_trade,
 };

@@ -22,18 +22,9 @@ use stick_slip::figure::{FIGURES, Style, Subject, escaped};
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc report rho025.h5                      rho025.html, for any browser
-  mc report rho025.h5 -o report.html --force
-  mc report fit.h5                         a calibration, with its pictures
-  mc forecast bridge.toml data.csv -o bridge.html
-
-The page is one file. It works without a network, asks for nothing, and sends nothing.";
-
 /// Arguments of `mc report`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("../help/report.txt"))]
 pub struct Report {
     /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
     file: PathBuf,
@@ -54,7 +45,7 @@ impl Report {
             Content::Run(stored) => self.page_of_run(&stored),
             Content::Calibration(stored) => bearing::page(&stored, Vec::new(), Vec::new()),
             Content::Sweep(stored) => self.page_of_sweep(*stored)?,
-            Content::Trade(stored) => self.page_of_trade(&stored)?,
+            Content::Trade(stored) => self.page_of_trade(&stored),
         };
         store::write_whole(&output, page.as_bytes(), self.force)?;
         note(&format!("{}: {} kB", output.display(), page.len() / 1000));
@@ -108,19 +99,18 @@ impl Report {
         Ok(page.html())
     }
 
-    fn page_of_trade(&self, stored: &StoredTrade) -> Result<String, Failure> {
-        let prices = files::read(&self.file, |path| store::read_prices(path, None))?;
-        let table = trade_report::stored_rows(stored, Statistic::words);
+    fn page_of_trade(&self, stored: &StoredTrade) -> String {
+        let (table, prices) = (trade_report::stored_rows(stored, Statistic::words), stored.prices(None));
         let parts = std::iter::once(Part::Table("Cheapest runs", table, trade_report::LEGEND.to_string()));
         let page = Page {
-            title: &stored.title,
+            title: &stored.scenario.title,
             about: "what accuracy costs".to_string(),
             warnings: Vec::new(),
-            parts: parts.chain(pictures(&Subject::Trade(&prices))).collect(),
-            scenario: &stored.scenario_text,
+            parts: parts.chain(prices.iter().flat_map(|prices| pictures(&Subject::Trade(prices)))).collect(),
+            scenario: &stored.scenario.to_toml(),
             provenance: vec![("file", self.file.display().to_string())],
         };
-        Ok(page.html())
+        page.html()
     }
 }
 
