@@ -5,5 +5,6 @@ mod cli;
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    cli::main(None)
+    stick_slip::engine::built_from(stick_slip_commit::commit!(""));
+    cli::main()
 }

@@ -1,6 +1,5 @@
 #!/usr/bin/env bash
-# Open reports in a headless Chromium and compare what they show with their files, as described in
-# tests/python/browser.py. `tools/setup --tests` installs the browser.
+# Open reports in a headless Chromium, as described in tests/python/browser.py. `tools/setup --tests` installs the browser.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -40,7 +40,8 @@ mod _native {
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
         use pyo3::types::PyModuleMethods as _;
         module.add("VERSION", stick_slip::engine::PROGRAM_VERSION)?;
-        module.add("GIT_HASH", stick_slip::engine::GIT_HASH)?;
+        stick_slip::engine::built_from(stick_slip_commit::commit!(".."));
+        module.add("GIT_HASH", stick_slip::engine::commit())?;
         let statistics = stick_slip::stats::Statistic::ALL.map(stick_slip::stats::Statistic::name);
         module.add("STATISTICS", statistics.to_vec())?;
         module.add("SHIPPED", stick_slip::config::SHIPPED.map(|shipped| shipped.name).to_vec())

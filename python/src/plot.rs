@@ -61,8 +61,8 @@ pub fn plot_scenario(
 #[pyfunction]
 pub fn plot_trade(py: Python<'_>, trade: Handed<'_>, of: Option<&str>, drawn: Drawn) -> PyResult<Picture> {
     let of = of.map(|name| statistic(py, name)).transpose()?;
-    let prices = from_python(trade)?.prices(of).map_err(|error| damaged(py, &error))?;
-    let prices = prices.ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
+    let stored = from_python(trade)?.trade().map_err(|error| damaged(py, &error))?;
+    let prices = stored.prices(of).ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
     draw(py, &Subject::Trade(&prices), drawn)
 }
 

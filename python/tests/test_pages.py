@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import signal
 
 import pytest
 import stickslip as ss
@@ -40,21 +42,31 @@ def test_a_notebook_runs_from_end_to_end_in_any_folder(name, pictures, tmp_path)
 
 def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
     pytest.importorskip("distributed")
-    page = next(snippet for snippet in snippets("docs/dask.md") if "dask" in snippet)
     names = {"__name__": "page"}
-    exec(page, names)
+    exec(*snippets("docs/parts.md"), names)
     same(names["ds"], ss.run("rho025", paths=10_000))
 
 
-def test_the_snippet_for_ray_comes_to_the_bits_of_the_run():
-    ray = pytest.importorskip("ray", exc_type=ImportError)
-    page = next(snippet for snippet in snippets("docs/dask.md") if "ray" in snippet)
-    names = {"__name__": "page"}
-    try:
-        exec(page, names)
-    finally:
-        ray.shutdown()
-    same(names["ds"], ss.run("rho025", paths=10_000))
+def test_parts_that_are_lost_with_their_worker_are_simulated_again():
+    distributed = pytest.importorskip("distributed")
+    with distributed.Client(n_workers=2, threads_per_worker=1) as client:
+        parts = [
+            client.submit(ss.run, "rho025", paths=10_000, part=f"{i}/8", threads=1, pure=False)
+            for i in range(1, 9)
+        ]
+        distributed.wait(parts, return_when="FIRST_COMPLETED")
+        os.kill(next(iter(client.run(os.getpid).values())), signal.SIGKILL)
+        ds = ss.merge(client.gather(parts))
+    same(ds, ss.run("rho025", paths=10_000))
+
+
+def test_a_law_is_fitted_as_the_page_of_statistics_says():
+    pytest.importorskip("scipy")
+    names = {}
+    exec(*snippets("docs/statistics.md"), names)
+    # The place of the greatest likelihood of these counts, found by another search.
+    assert abs(names["scale"] - 2.6026) < 0.001
+    assert abs(names["shape"] - 0.59356) < 0.0001
 
 
 def test_the_snippets_of_the_guide_run(monkeypatch):

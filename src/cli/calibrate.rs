@@ -15,22 +15,9 @@ use stick_slip::bearing::calibration::{
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc calibrate examples/bridge/bridge.toml examples/bridge/twin.csv -o fit.h5
-  mc calibrate bridge.toml displacement.csv --temperature-file temperature.csv
-  mc calibrate bridge.toml data.csv --time Date,Time --dates dmy --zone Europe/Paris
-  mc calibrate bridge.toml data.csv --displacement gauge_3 --displacement-unit mm --lag 15m
-  mc calibrate bridge.toml data.csv --method slips --json | jq .parameters
-  mc twin bridge.toml -o twin.csv && mc calibrate bridge.toml twin.csv
-
-The last line is how to find out whether the method suits a bridge: make data of one like it, whose truth is in the scenario, and see \
-whether the intervals hold it. The scenario gives K_BP as bearing.stiffness, names the columns under [temperature.series], and needs no \
-[time]. Intervals hold the error that noise makes; they do not hold what the model leaves out.";
-
 /// Arguments of `mc calibrate`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/calibrate.txt"))]
 pub struct Calibrate {
     /// The scenario, a TOML file: the stiffness K_BP, the names of the columns, and where a search
     /// begins

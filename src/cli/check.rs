@@ -11,18 +11,9 @@ use stick_slip::advice::{Derived, DerivedQuantity};
 use stick_slip::scenario::{Period, Scenario, WrittenForce};
 use stick_slip::scheme::{Resolution, Stability};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc check scenarios/rho025.toml
-  mc check scenarios/rho025.toml --step 0.1
-  mc check scenarios/rho025.toml --scheme event-driven --tolerance 1e-4
-  mc check scenarios/rho025.toml --set friction.dynamic=1.2 > resolved.toml
-
-What is printed is itself a scenario: what follows from it, and the warnings, are comments.";
-
 /// Arguments of `mc check`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/check.txt"))]
 pub struct Check {
     /// The scenario: a TOML file, the name of a shipped one, or - for standard input
     scenario: PathBuf,

@@ -4,7 +4,7 @@ use serde::Serialize;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
 use stick_slip::advice::Warning;
-use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
+use stick_slip::engine::{PROGRAM_VERSION, commit};
 use stick_slip::stats::Estimate;
 
 /// The schema version, one for all objects together (docs/json.md). It rises where a key changes
@@ -28,7 +28,7 @@ impl JsonWarning {
 /// One object of this kind as text with a line break at its end. Numbers that are not finite are
 /// null in it.
 pub fn document(kind: &str, body: Value) -> String {
-    let program = json!({ "name": "mc", "version": PROGRAM_VERSION, "commit": GIT_HASH });
+    let program = json!({ "name": "mc", "version": PROGRAM_VERSION, "commit": commit() });
     let mut document = json!({ "document": kind, "schema_version": SCHEMA_VERSION, "program": program });
     if let (Some(document), Value::Object(body)) = (document.as_object_mut(), body) {
         document.extend(body);

@@ -12,18 +12,9 @@ use stick_slip::config;
 use stick_slip::data::{self, ColumnQuantity, Layout, Origin, Wanted};
 use stick_slip::store;
 
-const EXAMPLES: &str = "\
-Examples:
-  mc fit-temperature examples/bridge/twin.csv -o weather.toml
-  mc fit-temperature data.csv --time stamp --temperature air_degC --zone Europe/Paris --processes 1
-  cat bearing.toml weather.toml > year.toml && mc run year.toml --paths 1000
-
-FILE.toml holds [[temperature.harmonics]] and [[temperature.noise]], and makes a scenario together with one that has no temperature of \
-its own. Times count from the first sample. The fit is of largest likelihood, exact for samples at any times, and knows gaps.";
-
 /// Arguments of `mc fit-temperature`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/fit-temperature.txt"))]
 pub struct FitTemperature {
     /// The measurement, a CSV file with times and temperatures
     #[arg(value_name = "DATA.csv")]

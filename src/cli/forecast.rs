@@ -3,7 +3,7 @@
 use super::cost::STUDY_BYTES;
 use super::document::{JsonWarning, document};
 use super::fit_temperature::without_weather;
-use super::html::{self, study::Part};
+use super::html::{self, page::Part};
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
 use super::overrides::settings;
@@ -19,19 +19,9 @@ use stick_slip::bearing::weather::{PERIODS, WeatherFit, fit};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc forecast examples/bridge/bridge.toml examples/bridge/twin.csv
-  mc forecast bridge.toml data.csv --draws 100 --years 100 -o years.csv -o bridge.html
-  mc forecast bridge.toml data.csv --json | jq .levels.sliding_path
-
-The bearing is calibrated by its slips, the temperature is fitted by harmonics and processes, and years are simulated with parameters \
-drawn from what both fits leave open. `expected` is the mean of a year, and its interval holds what is not known of the parameters; the \
-interval of one year holds its weather as well. Traffic, wear, and a climate that changes are not in it.";
-
 /// Arguments of `mc forecast`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/forecast.txt"))]
 pub struct Forecast {
     /// The scenario, a TOML file: the stiffness K_BP and the names of the columns
     scenario: PathBuf,

@@ -7,16 +7,6 @@ use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, SHIPPED, Shipped, shipped};
 use stick_slip::store;
 
-const EXAMPLES: &str = "\
-Examples:
-  mc init                                       rho025.toml here
-  mc init --rho 0.4 --omega 0.5 -o mine.toml    another noise, another forcing
-  mc init --f-s 1.4 --f-d 0.9 --scheme event-driven -o mine.toml
-  mc init --from belt -o mine.toml              a belt, or a spring that is pulled; also incline, building
-  mc init --from bridge -o -                    to standard output
-
-Every key of a scenario is written, with what it means; parts that are not used are comments.";
-
 /// Arguments of `mc init`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = help())]
@@ -63,7 +53,11 @@ fn help() -> String {
         let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
         Row::labelled(format!("  {}", scenario.name), [""; 0]).noted(title.unwrap_or_default().trim_matches('"'))
     };
-    format!("{EXAMPLES}\n\nShipped scenarios:\n{}", aligned(&SHIPPED.iter().map(row).collect::<Vec<_>>(), "  "))
+    format!(
+        "{}\n\nShipped scenarios:\n{}",
+        include_str!("help/init.txt"),
+        aligned(&SHIPPED.iter().map(row).collect::<Vec<_>>(), "  ")
+    )
 }
 
 impl Init {

@@ -100,7 +100,7 @@ fn dates(word: &str) -> Result<DateOrder, String> {
 /// The columns and the layout of the files with the measurements of a bearing.
 #[derive(Debug, clap::Args)]
 pub struct Source {
-    /// The measurement, a CSV or HDF5 file with times, temperatures and displacements [default: the
+    /// The measurement, a CSV file with times, temperatures and displacements [default: the
     /// files of the scenario, under displacement.series and temperature.series]
     #[arg(value_name = "DATA.csv")]
     data: Option<PathBuf>,

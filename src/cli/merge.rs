@@ -5,16 +5,9 @@ use super::{Failure, cost, files, stop_on_signals, writable};
 use std::path::PathBuf;
 use stick_slip::store::{PartError, Parts, StoreError};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc run rho025.toml --part 1/4 -o part-1.h5      on one machine, and so on to 4/4
-  mc merge part-*.h5 -o all.h5
-
-The file has the data of a run in one piece, bit for bit; the bias of the step is estimated here.";
-
 /// Arguments of `mc merge`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/merge.txt"))]
 pub struct Merge {
     /// The files of all parts, in any order
     #[arg(required = true, value_name = "FILE")]
@@ -32,7 +25,7 @@ pub struct Merge {
 impl Merge {
     pub fn call(&self) -> Result<(), Failure> {
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
-        self.parts.iter().try_for_each(|part| files::look(part))?;
+        self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());
         cost::check_memory(scenario, asked.paths, self.options.threads())?;

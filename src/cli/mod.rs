@@ -26,7 +26,6 @@ mod numbers;
 mod overrides;
 mod plot;
 mod progress;
-mod ranks;
 mod replay;
 mod report;
 mod results;
@@ -46,8 +45,6 @@ mod trade_report;
 mod twin;
 mod verify;
 
-pub use ranks::Ranks;
-
 // What most verbs use.
 use failure::{Failure, note, print, print_data, warn, writable};
 use interrupt::stop_on_signals;
@@ -57,44 +54,19 @@ use threads::Threads;
 use clap::Parser as _;
 use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
-use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
+use stick_slip::engine::{PROGRAM_VERSION, commit};
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 
 /// Version and commit, as `--version` shows them.
 fn version() -> String {
-    format!("{PROGRAM_VERSION} ({GIT_HASH})")
+    format!("{PROGRAM_VERSION} ({})", commit())
 }
-
-const EXAMPLES: &str = "\
-Start here:
-  mc init -o mine.toml                      write a scenario, every key of it with a comment
-  mc check mine.toml                        is it sound, and how long will it take?
-  mc run mine.toml --paths 10k              simulate; a table, and results in mine.h5
-  mc plot mine.h5                           all of it in pictures, in mine.svg
-
-More:
-  mc run mine.toml --accuracy 1% --statistic stick_duration_mean   choose step and paths
-  mc run mine.toml --set friction.static=1.3 -o stronger.h5
-  mc resume mine.h5                         continue a run that was interrupted
-  mc merge part-*.h5 -o mine.h5             join the parts that mc run --part made
-  mc show mine.h5                           the table again, from the file
-  mc report mine.h5                         a page for the browser, in mine.html
-  mc replay mine.h5 --path 4711             one path alone, event by event
-  mc verify mine.h5                         is the file what its scenario and seed come to?
-  mc trade mine.toml                        which scheme, step and paths for which accuracy
-  mc sweep mine.toml --vary friction.static=1.1:1.5:9   statistics as functions of a key
-  mc calibrate bridge.toml data.csv         friction of a bearing from measurements
-  mc twin bridge.toml -o twin.csv           synthetic data of a bearing, to try that on
-  mc fit-temperature data.csv -o weather.toml   a measured temperature as harmonics and noise
-  mc forecast bridge.toml data.csv          what years to come do to the bearing
-
-Exit codes: 0 done, 1 the run failed, 2 the arguments or the scenario are wrong, 130 interrupted (128 + the number of the signal).";
 
 /// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
 /// is.
 #[derive(Debug, clap::Parser)]
-#[command(name = "mc", version = version(), after_help = EXAMPLES, arg_required_else_help = true)]
+#[command(name = "mc", version = version(), after_help = include_str!("help/mc.txt"), arg_required_else_help = true)]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
@@ -131,7 +103,7 @@ verbs! {
     Show(show),
     /// Draw a run, a path or a trade as SVG, PNG or PDF
     Plot(plot),
-    /// Write a run as one page for a browser: table, warnings, and interactive charts
+    /// Write a file as one page for a browser: table, warnings and pictures
     Report(html),
     /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
     Replay(replay),
@@ -157,33 +129,17 @@ verbs! {
     Completions(completions),
     /// Write manual pages for `man`
     Man(man),
-    /// Read a file in a process of its own, which mc starts for files without a checksum
-    #[command(hide = true)]
-    LookThrough(files),
 }
 
-/// Parses the arguments, calls one verb, and returns its exit code. Other processes that share the
-/// work are those of `ranks`.
-pub fn main(ranks: Option<&'static dyn Ranks>) -> ExitCode {
-    ranks.into_iter().for_each(ranks::share_with);
+/// Parses the arguments, calls one verb, and returns its exit code.
+pub fn main() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
-            let done = arguments.call();
+            let done = arguments.verb.call();
             say_what_stays();
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }
         Err(answer) => self::answer(&answer),
-    }
-}
-
-impl Arguments {
-    /// Calls the verb.
-    fn call(&self) -> Result<(), Failure> {
-        if ranks::crew().is_some() && !matches!(self.verb, Verb::Run(_) | Verb::Resume(_)) {
-            let problem = "several ranks share the work of `mc run` and `mc resume`, and of no other verb";
-            return Err(Failure::usage(problem, "leave out mpirun"));
-        }
-        self.verb.call()
     }
 }
 
@@ -219,7 +175,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
 
 /// How many threads this process runs at once.
 fn cores() -> usize {
-    ranks::threads(std::thread::available_parallelism().map_or(1, usize::from))
+    std::thread::available_parallelism().map_or(1, usize::from)
 }
 
 /// The names of all statistics, to choose from.

@@ -13,24 +13,9 @@ use stick_slip::stats::Statistic;
 use stick_slip::store::{self, FileKind, Stored};
 use stick_slip::study::sweep::Sweep;
 
-const EXAMPLES: &str = "\
-Examples:
-  mc plot rho025.h5                                 all that the file holds, on one page: rho025.svg
-  mc plot rho025.h5 --only fan -o fan.pdf
-  mc plot rho025.h5 --only sticks.B -o survival.pdf one panel of a figure
-  mc plot rho025.h5 --only path --path 41 --until 30
-  mc plot scenarios/shaw.toml --until 28            the path of a scenario, simulated on the spot
-  mc plot rho025.h5 --only sticks --log --theme dark --width 120 -o sticks.png
-  mc plot trade.h5 --statistic sticking_fraction
-  mc plot fit.h5 --only loops
-  mc plot event-driven.h5 discrete-vi.h5            two sweeps in the same axes
-
-A picture is drawn from the numbers in the file. A path is simulated again: it is the very path of the ensemble, and a closer look \
-does not change it. The same picture has the same bytes. PNG has 300 dots per inch.";
-
 /// Arguments of `mc plot`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/plot.txt"))]
 pub struct Plot {
     /// A scenario (TOML), or a file that `mc run`, `mc trade`, `mc sweep` or `mc calibrate` wrote
     #[arg(value_name = "SCENARIO|FILE.h5")]
@@ -123,8 +108,12 @@ impl Plot {
                 self.draw(&Subject::Calibration { title: &stored.title, calibration: &stored.calibration })
             }
             Some(FileKind::Trade) => {
-                let prices = files::read(&self.subject, |path| store::read_prices(path, self.statistic))?;
-                self.draw(&Subject::Trade(&prices))
+                let stored = files::read(&self.subject, store::read_trade)?;
+                let nothing = || {
+                    let problem = format!("{}: no statistic in it has prices", self.subject.display());
+                    Failure::run(problem, "measure again with a larger --budget")
+                };
+                self.draw(&Subject::Trade(&stored.prices(self.statistic).ok_or_else(nothing)?))
             }
         }
     }

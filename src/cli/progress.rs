@@ -3,7 +3,6 @@
 
 use super::failure::note;
 use super::numbers::{Digits, duration, grouped, percent, significant};
-use super::terminal::Letters;
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal as _};
 use std::sync::atomic::AtomicBool;
@@ -83,9 +82,9 @@ impl stick_slip::engine::Progress for Progress {
 
     fn estimate(&mut self, estimate: &Estimate) {
         let Some(watched) = &mut self.watched else { return };
-        watched.push(estimate);
+        watched.latest = Some(*estimate);
         if let (Place::Bar(bar), Some(words)) = (&self.place, watched.words()) {
-            bar.set_message(words + &watched.curves(Letters::of_locale()));
+            bar.set_message(words);
         }
     }
 
@@ -106,40 +105,15 @@ impl stick_slip::engine::Progress for Progress {
 struct Watched {
     statistic: Statistic,
     last: Instant,
-    /// Estimate and relative standard error, of every `stride`-th look.
-    seen: Vec<[f64; 2]>,
-    stride: u32,
-    looks: u32,
     latest: Option<Estimate>,
 }
 
 /// The least time between two looks at the estimate.
 const LOOK: Duration = Duration::from_millis(500);
-/// The number of looks at which every second one is dropped.
-const SHOWN: usize = 32;
 
 impl Watched {
     fn new(statistic: Statistic) -> Self {
-        Watched { statistic, last: Instant::now(), seen: Vec::new(), stride: 1, looks: 0, latest: None }
-    }
-
-    fn push(&mut self, e: &Estimate) {
-        self.latest = Some(*e);
-        self.looks += 1;
-        if !self.looks.is_multiple_of(self.stride) {
-            return;
-        }
-        self.seen.push([e.estimate, (e.standard_error / e.estimate).abs()]);
-        // Every second look is dropped, and only every second of the later ones is kept, so that
-        // the curve spans the whole run.
-        if self.seen.len() >= SHOWN {
-            let mut place = 0;
-            self.seen.retain(|_| {
-                place += 1;
-                place % 2 == 0
-            });
-            self.stride *= 2;
-        }
+        Watched { statistic, last: Instant::now(), latest: None }
     }
 
     /// The estimate and its relative error as text; none before the first estimate.
@@ -149,12 +123,6 @@ impl Watched {
         let error = (e.standard_error / e.estimate).abs();
         let error = if error.is_finite() { percent_of(error) } else { "unknown".into() };
         Some(format!("{} {}, error {error}", self.statistic.name(), digits.show(e.estimate)))
-    }
-
-    /// Small curves of how estimate and error have changed during the run.
-    fn curves(&self, letters: Letters) -> String {
-        let curve = |i: usize| letters.spark(&self.seen.iter().map(|seen| seen[i]).collect::<Vec<_>>());
-        format!("   estimate {}   error {}", curve(0), curve(1))
     }
 }
 
@@ -240,23 +208,10 @@ mod tests {
     fn a_watched_statistic_is_told_with_its_relative_error() {
         let mut watched = Watched::new(Statistic::StickDurationMean);
         assert_eq!(watched.words(), None);
-        watched.push(&estimate(f64::NAN, f64::NAN));
+        watched.latest = Some(estimate(f64::NAN, f64::NAN));
         assert_eq!(watched.words(), None);
-        watched.push(&estimate(0.5398, 0.0014));
+        watched.latest = Some(estimate(0.5398, 0.0014));
         assert_eq!(watched.words().as_deref(), Some("stick_duration_mean 0.5398, error 0.26 %"));
-    }
-
-    /// However long the run is, the curve spans it from its beginning to the latest look.
-    #[test]
-    fn the_curve_is_of_the_whole_run() {
-        let mut watched = Watched::new(Statistic::StickDurationMean);
-        for n in 1..=1000 {
-            watched.push(&estimate(1.0, 1.0 / f64::from(n).sqrt()));
-        }
-        assert!((SHOWN / 2..SHOWN).contains(&watched.seen.len()));
-        assert!(watched.seen[0][1] > 0.15, "the beginning is there: {:?}", watched.seen[0]);
-        assert!(watched.seen.windows(2).all(|pair| pair[0][1] > pair[1][1]));
-        assert!(watched.curves(Letters::Ascii).trim_end().ends_with('_'), "{}", watched.curves(Letters::Ascii));
     }
 
     #[test]

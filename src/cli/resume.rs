@@ -3,22 +3,14 @@
 use super::numbers::grouped;
 use super::sitting::{Leaves, RunOptions, Sitting};
 use super::sweep_sitting::SweepSitting;
-use super::{Failure, cost, files, note, ranks, stop_on_signals, sweep};
+use super::{Failure, cost, files, note, stop_on_signals, sweep};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::store::{self, FileSink, StoreError, Unfinished};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc resume rho025.h5
-  mc resume rho025.h5 --end      write the file of what is done, and simulate no more
-
-The finished file has the data of a run that was never interrupted, bit for bit: its goals, its time limit, of which what \
-was spent counts, and what --accuracy chose are those of the run. Only the program that began a run continues it.";
-
 /// Arguments of `mc resume`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/resume.txt"))]
 pub struct Resume {
     /// The file that the run or the sweep would have written, or FILE.partial, which it left
     file: PathBuf,
@@ -39,7 +31,7 @@ impl Resume {
             return self.sweep(&output);
         }
         if output.is_file() {
-            files::look(&output)?;
+            files::look(&output);
         }
         let Some(Unfinished { question, so_far, sink }) = FileSink::go_on(&output, self.force)? else {
             note(&format!("{} is finished: there is nothing to resume", output.display()));
@@ -62,9 +54,9 @@ impl Resume {
     /// Continues a sweep, of which the file of its points says what was asked.
     fn sweep(&self, output: &Path) -> Result<(), Failure> {
         let partial = store::partial_path(output);
-        if self.end || self.options.watch.is_some() || ranks::crew().is_some() {
+        if self.end || self.options.watch.is_some() {
             let partial = partial.display();
-            let problem = format!("{partial} is a sweep, which is not resumed with --end, --watch or mpirun");
+            let problem = format!("{partial} is a sweep, which is not resumed with --end or --watch");
             return Err(Failure::usage(problem, format!("leave them out; the points that are done are in {partial}")));
         }
         if output.symlink_metadata().is_ok() && !self.force {

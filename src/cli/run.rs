@@ -15,25 +15,9 @@ use stick_slip::stats::{Goal, Statistic};
 use stick_slip::store::FileSink;
 use stick_slip::study::accuracy::{Accuracy, Decision};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc run scenarios/rho025.toml --paths 10000
-  mc run scenarios/rho025.toml --scheme event-driven -o exact.h5
-  mc run scenarios/rho025.toml --step 0.001 -o fine.h5
-  mc run scenarios/rho025.toml --set friction.static=1.3 -o stronger.h5
-  mc run scenarios/rho025.toml --accuracy 1% --statistic stick_duration_mean
-  mc run scenarios/rho025.toml --until 'stick_duration_mean < 0.5%' --max-time 10m
-  mc run scenarios/shaw.toml --json | jq .statistics.stick_duration_mean
-
-A path's noise depends on the seed and the number of the path alone: the result is the same for any number of threads. \
-`corrected` in the table is the estimate with the error of the step taken off, shown where that error exceeds its \
-uncertainty, +-. Where it does not, keep the estimate: to subtract `bias` would add more noise than it removes. \
-The run is saved every now and then in FILE.h5.partial. After Ctrl-C, SIGTERM or a crash `mc resume FILE.h5` continues it, and \
-comes to the same numbers; `mc show FILE.h5` says what is known so far.";
-
 /// Arguments of `mc run`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/run.txt"))]
 pub struct Run {
     /// The scenario: a TOML file, the name of a shipped one, or - for standard input
     scenario: PathBuf,

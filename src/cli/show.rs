@@ -6,30 +6,17 @@ use super::files;
 use super::report::{self, Csv, RunInfo};
 use super::results;
 use super::table::{Row, comma_separated, latex, markdown};
-use super::terminal::Letters;
 use super::{calibrate, calibrate_report, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Family, Fit, FitError, PhaseLaw, Statistic, Summary};
+use stick_slip::stats::{Statistic, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
-
-const EXAMPLES: &str = "\
-Examples:
-  mc show rho025.h5
-  mc show rho025.h5 --plot
-  mc show rho025.h5 --json | jq .statistics
-  mc show rho025.h5 --scenario > again.toml   the scenario that was run
-  mc show coarse.h5 fine.h5                 one table, with differences from the first file
-  mc show rho025.h5 rho025-sweep.h5 --format csv   one line for each statistic
-  mc show rho025.h5 --format latex          a table for a paper
-  mc show rho025.h5 --fit slip              laws fitted to slip durations, if record.laws was set
-  mc show rho025.h5 --cite                  what to write in a paper";
 
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/show.txt"))]
 pub struct Show {
     /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
@@ -37,10 +24,6 @@ pub struct Show {
     /// Print JSON instead: one object, or an array of them for several files
     #[arg(long)]
     json: bool,
-    /// Add histograms of stick durations and of sub-phases, and the share of sticks that last
-    /// longer than each duration, drawn with letters
-    #[arg(long, conflicts_with_all = ["json", "format"])]
-    plot: bool,
     /// Print a table for other programs instead: comma-separated values with all digits, a line for
     /// each statistic of each file or point; or a table for a paper, with the digits that the error
     /// supports
@@ -48,18 +31,11 @@ pub struct Show {
     format: Option<TableFormat>,
     /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
     /// the model
-    #[arg(long, conflicts_with_all = ["json", "plot", "format"])]
+    #[arg(long, conflicts_with_all = ["json", "format"])]
     cite: bool,
-    /// Fit laws to a distribution of a run with `record.laws`, by maximum likelihood: exponential,
-    /// Weibull and lognormal
-    #[arg(long, value_name = "stick|slip|jump|recurrence", value_parser = law, conflicts_with_all = ["format", "plot", "cite"])]
-    fit: Option<PhaseLaw>,
-    /// Fit only what values exceed this by, to see how a tail falls
-    #[arg(long, value_name = "VALUE", requires = "fit")]
-    beyond: Option<f64>,
     /// Print the scenario that the file was made with instead, with every default written out: a
     /// file for mc run
-    #[arg(long, conflicts_with_all = ["json", "format", "plot", "cite"])]
+    #[arg(long, conflicts_with_all = ["json", "format", "cite"])]
     scenario: bool,
 }
 
@@ -77,13 +53,7 @@ impl Show {
         if self.scenario {
             return self.print_scenario();
         }
-        if let Some(law) = self.fit {
-            return self.print_fit(law);
-        }
         match self.files.as_slice() {
-            [first, ..] if self.plot && (self.files.len() > 1 || is_sweep(first)) => {
-                Err(Failure::usage("--plot draws one run", "leave it out, or draw sweeps with `mc plot`"))
-            }
             [file] => self.print_alone(file),
             files => self.print_several(files),
         }
@@ -121,7 +91,7 @@ impl Show {
                 "the measured temperature is in the file of results and not in the text: run it beside the CSV file that it names",
             );
         }
-        print_data(text)
+        print_data(&text)
     }
 
     fn print_one(&self, file: &Path, stored: &Stored) -> Result<(), Failure> {
@@ -137,13 +107,7 @@ impl Show {
             let warnings = results::warnings(&stored.summary, scenario.as_ref());
             return print_data(&report::json(&stored.summary, &info, &warnings));
         }
-        let mut text = report::table(&stored.summary, &info);
-        if self.plot {
-            text.push('\n');
-            text += &report::plots(&stored.summary, &info.provenance.units, Letters::of_locale());
-            text.push('\n');
-        }
-        print(&(text + &provenance(&stored.header)))
+        print(&(report::table(&stored.summary, &info) + &provenance(&stored.header)))
     }
 
     fn print_several(&self, files: &[PathBuf]) -> Result<(), Failure> {
@@ -162,31 +126,6 @@ impl Show {
         }
         let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
         print(&report::comparison(&summaries, &infos))
-    }
-
-    fn print_fit(&self, law: PhaseLaw) -> Result<(), Failure> {
-        let [file] = self.files.as_slice() else {
-            return Err(Failure::usage("--fit fits the values of one file", "give one file"));
-        };
-        let run = files::read(file, store::read)?;
-        let from = self.beyond.unwrap_or(0.0);
-        let fits = match run.summary.law(law) {
-            Some(distribution) => Family::ALL.into_iter().map(|family| distribution.fit_beyond(family, from)).collect(),
-            None => Err(FitError::NoBatches),
-        };
-        let fits: Vec<Fit> = fits.map_err(|error| {
-            let problem = format!("{}: {error}", file.display());
-            let remedy = match error {
-                FitError::NoBatches => "run the scenario again with --set record.laws=true",
-                FitError::TooFew => "run more paths, or choose a lower --beyond",
-            };
-            Failure::usage(problem, remedy)
-        })?;
-        let unit = law.dimension().label(&run.header.units);
-        match self.json {
-            true => print_data(&report::fits_json(law, from, &fits)),
-            false => print(&report::fits_table(law, from, &unit, &fits)),
-        }
     }
 
     fn print_citations(&self) -> Result<(), Failure> {
@@ -237,14 +176,6 @@ enum TableFormat {
     Csv,
     Markdown,
     Latex,
-}
-
-/// The law of this name.
-fn law(name: &str) -> Result<PhaseLaw, String> {
-    PhaseLaw::from_name(name).ok_or_else(|| {
-        let names: Vec<&str> = std::iter::once(PhaseLaw::Stick).chain(PhaseLaw::ASKED).map(PhaseLaw::name).collect();
-        format!("take one of {}", names.join(", "))
-    })
 }
 
 /// Whether the file holds a sweep. A file that cannot be read counts as no sweep here, because the

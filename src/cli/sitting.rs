@@ -4,7 +4,7 @@
 use super::numbers::time;
 use super::progress::Progress;
 use super::report::{self, RunInfo};
-use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, ranks, results};
+use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
@@ -14,10 +14,6 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 use stick_slip::study::accuracy::AccuracyGoal;
-
-/// The warning where several processes simulate the paths and the bias is estimated.
-const BIAS_ON_RANK_0_ALONE: &str =
-    "warning: rank 0 alone estimates the bias of the step, and the other ranks wait for it; --no-bias leaves it out";
 
 /// Options that change no number of the results.
 #[derive(Debug, clap::Args)]
@@ -82,22 +78,12 @@ impl<'a> Sitting<'a> {
         let of_accuracy_goal = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
         let watched = self.options.watch.or_else(of_goal).or_else(of_accuracy_goal);
         let mut progress = Progress::new(asked.own_paths(), self.options.quiet, watched);
-        let has_bias = asked.with_bias && asked.part.is_none() && self.scenario.bias_plan(asked.paths).is_ok();
         let run = Run::of(self.scenario)
             .asked(asked)
             .threads(self.options.threads())
             .stopped_by(self.stop)
             .with_progress(&mut progress)
             .into_sink(file);
-        let run = match ranks::crew() {
-            Some(crew) => {
-                if has_bias {
-                    note(BIAS_ON_RANK_0_ALONE);
-                }
-                run.with_crew(crew)
-            }
-            None => run,
-        };
         let ended = match so_far {
             Some(so_far) => run.go_on(so_far),
             None => run.simulate(),

@@ -15,19 +15,9 @@ use stick_slip::study::sweep::{
     estimated_seconds,
 };
 
-const EXAMPLES: &str = "\
-Examples:
-  mc sweep scenarios/rho025.toml --scheme event-driven --vary rho=temperature.noise.intensity=0:1:21
-  mc sweep rho025 --vary rho=temperature.noise.intensity=log:0.01:1:9 --dry-run
-  mc sweep rho025 --elasticity friction.static,friction.dynamic --relative-step 5%
-
-Values are START:STOP:COUNT, log:START:STOP:COUNT, or a list. Several --vary are crossed, or go together with --zip. \
-All points see the same noise, unless time.step varies, which makes differences between neighbours sharp; the table says by how much (gain), with errors \
-whose unit is the path. Ctrl-C, or a crash, leaves FILE.h5.partial with the points that are done; the same command, or mc resume FILE.h5, continues it.";
-
 /// Arguments of `mc sweep`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/sweep.txt"))]
 pub struct Sweep {
     /// The scenario: a TOML file, or the name of a shipped one
     scenario: PathBuf,

@@ -18,20 +18,9 @@ use stick_slip::stats::Statistic;
 use stick_slip::store;
 use stick_slip::study::trade::{self, Limits, Prices, Trade as Measured, TradeError};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc trade scenarios/rho025.toml
-  mc trade scenarios/rho025.toml --budget 5m -o rho025-trade.h5
-  mc trade scenarios/damped.toml --set friction.static=1.3 --statistic sticking_fraction
-  mc trade scenarios/rho025.toml --json | jq '.winners[] | select(.target == 0.01)'
-
-Every scheme that suits the scene is run over its steps or tolerances, whatever scheme the scenario names. Costs are CPU seconds on \
-one thread and vary with the machine; everything else depends on the scenario, its seed, and the paths that the budget allowed. \
-Ctrl-C ends the measuring; the table is then of what was measured.";
-
 /// Arguments of `mc trade`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/trade.txt"))]
 pub struct Trade {
     /// The scenario: a TOML file, or the name of a shipped one
     scenario: PathBuf,

@@ -11,20 +11,9 @@ use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
 use stick_slip::store;
 
-const EXAMPLES: &str = "\
-Examples:
-  mc twin examples/bridge/bridge.toml --seed 1 -o twin.csv
-  mc twin bridge --seed 2 --sensor-noise 50e-6,200e-6,2d --lag 15m --gaps 10 -o hard.csv
-  mc twin year.toml --start 2024-06-01 --drift 0.5e-3 --zero-set 150d:1e-3 -o flawed.csv
-  mc calibrate examples/bridge/bridge.toml twin.csv
-
-The scenario says the truth. Its temperature is the measured one of [temperature.series], if it has that, and otherwise drawn from its \
-harmonics and noise. Between samples it moves as weather does, as rough as from one sample to the next. Each flaw has random numbers of \
-its own, so that one more of them leaves the others as they are.";
-
 /// Arguments of `mc twin`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("help/twin.txt"))]
 pub struct Twin {
     /// The scenario with the true parameters, a TOML file
     scenario: PathBuf,

@@ -22,8 +22,8 @@ impl Start {
         PARSER.parse_timestamp(stamp).ok().map(Start)
     }
 
-    /// Read a date, with or without a time of day and a zone, as it appears in the units of a time
-    /// in a CF file. Without a zone it is UTC.
+    /// Read a date, with or without a time of day and a zone, as people write
+    /// it. Without a zone it is UTC.
     pub fn of_calendar(text: &str) -> Option<Self> {
         let stamp = stamp::stamp(text, None)?;
         let zone = stamp.offset.map_or(TimeZone::UTC, TimeZone::fixed);

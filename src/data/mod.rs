@@ -1,5 +1,4 @@
-//! Reading measured data: named columns of a CSV file, or variables of an HDF5 file. This is the
-//! only module that uses the crates `csv-core` and `jiff`.
+//! Reading measured data: named columns of a CSV file, or arrays. This is the only module that uses the crates `csv-core` and `jiff`.
 //!
 //! ```text
 //! encoding  the bytes of a file -> UTF-8
@@ -14,7 +13,6 @@
 //! repairs   what was repaired and assumed, in sentences
 //! table     the rows in order of time: a Table
 //! arrays    measurements in memory, with the same checks and repairs
-//! hdf5      variables of an HDF5 file as rows (feature `store`)
 //! pair      temperatures and displacements of a bearing on one time axis, from one file or two
 //! span      "6h" as seconds
 //! query     which columns are wanted, and how a file is laid out
@@ -30,8 +28,6 @@ mod clock;
 mod column;
 mod encoding;
 mod error;
-#[cfg(feature = "store")]
-mod hdf5;
 mod header;
 #[cfg(test)]
 mod logger_tests;
@@ -66,8 +62,8 @@ use std::path::Path;
 /// Largest file, in bytes; a usual file of this size has 2 10^7 rows.
 const MAX_FILE: u64 = 1 << 30;
 
-/// Read columns of a CSV file in one pass, or, with the feature `store`, variables of an HDF5 file
-/// along one dimension. Fails with a [`DataError`] that names the file, the place and the remedy.
+/// Read columns of a CSV file in one pass. Fails with a [`DataError`] that names the file, the place
+/// and the remedy.
 pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let name = path.display().to_string();
     let unreadable = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
@@ -88,10 +84,6 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
     if !fits {
         return Err(unreadable("it is larger than 1 GiB".into(), "cut it, or keep only the columns that are needed"));
     }
-    #[cfg(feature = "store")]
-    if bytes.starts_with(hdf5::SIGNATURE) {
-        return hdf5::read(path, layout, wanted);
-    }
     parse(&name, &bytes, layout, wanted)
 }
 
@@ -111,7 +103,10 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
 pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let foreign = |what: &str, remedy| DataError::file(name, format!("it is {what}"), remedy);
     if bytes.starts_with(b"\x89HDF\r\n\x1a\n") {
-        return Err(foreign("an HDF5 file, not CSV", "write its columns as CSV"));
+        return Err(foreign(
+            "an HDF5 file, not CSV",
+            "write its variables as columns of a CSV file, or give them to the package for Python",
+        ));
     }
     if bytes.starts_with(b"PK\x03\x04") {
         return Err(foreign("a spreadsheet or another zip archive, not CSV", "export the sheet as CSV"));

@@ -1,31 +1,9 @@
-//! Rows of cells, and a CSV file as such: its separator, and the place of each row.
+//! The rows of a CSV file: its separator, and the place of each row.
 
 use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
 
-/// Reads the rows of a table one at a time, and holds the current row.
-pub(super) trait Rows {
-    /// Whether numbers may have a decimal comma: always, as behind semicolons, or only in quoted
-    /// cells, where it may also divide thousands.
-    fn commas_are_decimal(&self) -> bool;
-
-    /// Read the next row; false at the end.
-    fn next(&mut self) -> Result<bool, DataError>;
-
-    /// Stand before the first row again.
-    fn rewind(&mut self);
-
-    /// A cell of the current row, without the blanks around it.
-    fn cell(&self, field: usize) -> &[u8];
-
-    /// The place of the current row, to be given to [`Rows::line`] later.
-    fn place(&self) -> u32;
-
-    /// The number of the line, from 1, on which the row at this place begins.
-    fn line(&self, place: u32) -> u64;
-}
-
-/// The rows of a CSV file.
+/// Reads the rows of a CSV file one at a time, and holds the current row.
 pub(super) struct CsvRows<'a> {
     file: &'a str,
     bytes: &'a [u8],
@@ -118,12 +96,15 @@ impl<'a> CsvRows<'a> {
     }
 }
 
-impl Rows for CsvRows<'_> {
-    fn commas_are_decimal(&self) -> bool {
+impl CsvRows<'_> {
+    /// Whether numbers may have a decimal comma: always, as behind semicolons, or only in quoted
+    /// cells, where it may also divide thousands.
+    pub fn commas_are_decimal(&self) -> bool {
         self.separator != b','
     }
 
-    fn next(&mut self) -> Result<bool, DataError> {
+    /// Read the next row; false at the end.
+    pub fn next(&mut self) -> Result<bool, DataError> {
         if !self.read() {
             return Ok(false);
         }
@@ -131,21 +112,25 @@ impl Rows for CsvRows<'_> {
         if is_even { Ok(true) } else { Err(self.uneven()) }
     }
 
-    fn rewind(&mut self) {
+    /// Stand before the first row again.
+    pub fn rewind(&mut self) {
         self.reader.reset();
         self.at = self.first;
     }
 
-    fn cell(&self, field: usize) -> &[u8] {
+    /// A cell of the current row, without the blanks around it.
+    pub fn cell(&self, field: usize) -> &[u8] {
         let start = if field == 0 { 0 } else { self.ends[field - 1] };
         self.cells[start..self.ends[field]].trim_ascii()
     }
 
-    fn place(&self) -> u32 {
+    /// The place of the current row, to be given to [`CsvRows::line`] later.
+    pub fn place(&self) -> u32 {
         self.row_offset as u32
     }
 
-    fn line(&self, place: u32) -> u64 {
+    /// The number of the line, from 1, on which the row at this place begins.
+    pub fn line(&self, place: u32) -> u64 {
         line_at(self.bytes, row_start(self.bytes, place as usize))
     }
 }

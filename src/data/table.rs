@@ -7,7 +7,7 @@ use super::header::Header;
 use super::marks::Marks;
 use super::query::{DateOrder, Layout, Wanted};
 use super::repairs::Repairs;
-use super::rows::Rows;
+use super::rows::CsvRows;
 use super::stamp::{Orders, is_time_of_day, needs_order};
 use super::unit;
 use std::borrow::Cow;
@@ -41,7 +41,7 @@ const MOST_UNIT_ROWS: u64 = 3;
 pub(super) fn table(
     file: &str,
     header: &Header,
-    mut rows: impl Rows,
+    mut rows: CsvRows<'_>,
     layout: &Layout,
     wanted: &[Wanted<'_>],
 ) -> Result<Table, DataError> {
@@ -156,7 +156,7 @@ pub(super) fn table(
 }
 
 /// The cell of the times of the current row; of dates and times of day, both with a blank between.
-fn time_cell<'r>(rows: &'r impl Rows, header: &Header) -> Cow<'r, str> {
+fn time_cell<'r>(rows: &'r CsvRows<'_>, header: &Header) -> Cow<'r, str> {
     let text = |field: usize| String::from_utf8_lossy(rows.cell(field));
     match header.times[..] {
         [field] => text(field),
@@ -166,7 +166,7 @@ fn time_cell<'r>(rows: &'r impl Rows, header: &Header) -> Cow<'r, str> {
 
 /// Whether a row below the names holds units, kinds of means or a format of dates: its time is no
 /// time, and no wanted cell is a number.
-fn is_row_of_units(rows: &impl Rows, header: &Header, time: &str) -> bool {
+fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
     let is_number = |cell: &[u8]| {
         std::str::from_utf8(cell).is_ok_and(|text| text.replace(',', ".").parse::<f64>().is_ok_and(f64::is_finite))
     };
@@ -181,7 +181,7 @@ fn is_row_of_units(rows: &impl Rows, header: &Header, time: &str) -> bool {
 
 /// The order of day and month, if the dates need one and only one of the two orders makes all of
 /// them dates.
-fn told_order(rows: &mut impl Rows, header: &Header) -> Result<Option<DateOrder>, DataError> {
+fn told_order(rows: &mut CsvRows<'_>, header: &Header) -> Result<Option<DateOrder>, DataError> {
     let mut orders = Orders::ALL;
     let mut looked = 0;
     let mut is_needed = false;

@@ -10,7 +10,7 @@ use crate::bearing::calibration::{
     SearchStart, SeenSlip, Spikes, Values, response_of,
 };
 use crate::data::Start;
-use crate::engine::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{PROGRAM_VERSION, commit};
 use crate::stats::{Dimension, Units};
 
 /// The attribute `format_name` of a calibration.
@@ -32,9 +32,6 @@ pub struct StoredCalibration {
     pub warnings: Vec<(String, String)>,
     /// The program that wrote the calibration, if it was another one.
     pub other_program: Option<String>,
-    /// Whether everything is known that is needed to repeat the fit. Files of format 1.0 lack some
-    /// of it.
-    pub is_repeatable: bool,
 }
 
 impl StoredCalibration {
@@ -44,7 +41,7 @@ impl StoredCalibration {
         let warnings = calibration.warnings.iter();
         let warnings = warnings.map(|warning| (warning.name().to_string(), warning.to_string())).collect();
         let (title, scenario_text) = (title.to_string(), scenario_text.to_string());
-        StoredCalibration { title, scenario_text, calibration, warnings, other_program: None, is_repeatable: true }
+        StoredCalibration { title, scenario_text, calibration, warnings, other_program: None }
     }
 }
 
@@ -69,18 +66,11 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
 
 /// Walk over a calibration. Everything that follows from other things is computed again.
 fn walk<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::Error> {
-    // Files of format 1.0 lack some of what was asked.
-    stored.is_repeatable = walk.present(&HELD, &mut Some(())).is_some();
     attributes(walk, stored)?;
     let calibration = &mut stored.calibration;
-    if stored.is_repeatable {
-        asked(walk, &mut calibration.question)?;
-    }
+    asked(walk, &mut calibration.question)?;
     found(walk, calibration)?;
     calibration.response = response_of(&calibration.estimates.map(|estimate| estimate.estimate));
-    if !stored.is_repeatable {
-        calibration.question.guess = calibration.response.motion;
-    }
     calibration.question.starts = calibration.starts.len() as u32;
     measured(walk, calibration)
 }
@@ -89,7 +79,7 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
     let Calibration { question, lag, spikes, .. } = calibration;
     let format = (CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION);
-    walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut GIT_HASH.into()])?;
+    walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut commit().into()])?;
     walk.attribute("scenario", scenario_text)?;
     let mut method = question.method.name().to_owned();
     let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();
@@ -109,14 +99,9 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     walk.attribute("lag_high", &mut lag.high)?;
     question.lag = if choice == "auto" { Lag::Auto } else { Lag::Known(lag.estimate) };
     walk.attribute("residual_rms", &mut calibration.residuals.rms)?;
-    match stored.is_repeatable {
-        true => walk.attribute("temperature_resolution", &mut calibration.resolution)?,
-        false => calibration.resolution = f64::NAN,
-    }
-    if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
-        walk.attribute("temperature_roughness", &mut calibration.roughness)?;
-        walk.attribute("sensor_drift", &mut calibration.zero.drift)?;
-    }
+    walk.attribute("temperature_resolution", &mut calibration.resolution)?;
+    walk.attribute("temperature_roughness", &mut calibration.roughness)?;
+    walk.attribute("sensor_drift", &mut calibration.zero.drift)?;
     if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
         walk.attribute("lag_likeliest", &mut profile.likeliest)?;
         walk.attribute("lag_gain", &mut profile.gain)?;
@@ -244,12 +229,10 @@ fn measured<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), 
     walk.along(&TEMPERATURE, &mut record.temperatures, n)?;
     calibration.zero.start = record.times.first().copied().unwrap_or(0.0);
     walk.along(&STEEL, steel, n)?;
-    if walk.present(&INTERPOLATED, &mut Some(())).is_some() {
-        let mut flags = vec![0_i8; n];
-        record.interpolated.iter().for_each(|i| flags[*i] = 1);
-        walk.variable(&INTERPOLATED, &mut flags)?;
-        record.interpolated = (0..flags.len()).filter(|i| flags[*i] == 1).collect();
-    }
+    let mut flags = vec![0_i8; n];
+    record.interpolated.iter().for_each(|i| flags[*i] = 1);
+    walk.along(&INTERPOLATED, &mut flags, n)?;
+    record.interpolated = (0..n).filter(|i| flags[*i] == 1).collect();
     walk.along(&READING, &mut record.readings, n)?;
     walk.along(&MODELLED, modelled, n)
 }

@@ -3,7 +3,7 @@
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
 use crate::bearing::forecast::{Forecast, ForecastLevel, ReturnLevel};
-use crate::engine::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{PROGRAM_VERSION, commit};
 use crate::stats::Dimension;
 
 /// The attribute `format_name` of a forecast.
@@ -21,7 +21,7 @@ pub(crate) fn write<D: Destination>(
         ("title", title),
         ("format_name", FORMAT_NAME),
         ("program_version", PROGRAM_VERSION),
-        ("git_hash", GIT_HASH),
+        ("git_hash", commit()),
         ("scenario", scenario_text),
     ] {
         to.set_attribute(name, value)?;

@@ -3,17 +3,17 @@
 use super::layout::Described;
 use super::rows::{self, Rows, Table};
 use super::{
-    Attribute, Column, ColumnView, Destination, Kind, Source, StoredCalibration, StoredSweep, attributes_of,
-    calibration, forecast, run, series, summary, sweep, trade, twin,
+    Attribute, Column, ColumnView, Destination, Kind, Source, StoredCalibration, StoredSweep, StoredTrade,
+    attributes_of, calibration, forecast, run, series, summary, sweep, trade, twin,
 };
 use crate::bearing::calibration::{self as bearing, Twin};
 use crate::bearing::forecast::Forecast;
 use crate::engine::{Provenance, Replay, Status};
 use crate::model::Series;
 use crate::scenario::Scenario;
-use crate::stats::{Statistic, Summary, Units};
+use crate::stats::{Summary, Units};
 use crate::study::sweep::Sweep;
-use crate::study::trade::{Prices, Trade};
+use crate::study::trade::Trade;
 use ndarray::ArrayViewD;
 use std::convert::Infallible;
 use std::sync::Arc;
@@ -115,10 +115,9 @@ impl Dataset {
         Ok(())
     }
 
-    /// The prices of accuracy in a trade for this statistic, or for the first statistic that has
-    /// any; none if there are none. Fails if the variables of the trade do not fit together.
-    pub fn prices(&self, statistic: Option<Statistic>) -> Result<Option<Prices>, String> {
-        trade::find_prices(self, statistic)
+    /// The trade in the data set. Fails if the data set is not that of a trade.
+    pub fn trade(&self) -> Result<StoredTrade, String> {
+        trade::read(self)
     }
 
     /// The sweep in the data set. Fails if the data set is not that of a sweep.

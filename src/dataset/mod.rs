@@ -43,4 +43,4 @@ pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;
 pub use rows::Rows;
 pub use sweep::StoredSweep;
-pub use trade::{Cheapest, CheapestRun};
+pub use trade::StoredTrade;

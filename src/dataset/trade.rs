@@ -2,15 +2,15 @@
 //! target.
 
 use super::header::walk_origin;
-use super::layout::{self, Unit, Variable, table, variable};
+use super::layout::{Unit, Variable, table, variable};
 use super::summary::{estimate_of, write_statistics};
 use super::walk::{Reading, Walk};
-use super::{Destination, Source, columns_of, read_attribute, read_or_empty, series, texts};
+use super::{Destination, Source, columns_of, read_attribute, read_other_program, read_variable, series, texts};
 use crate::engine::Provenance;
 use crate::scenario::Scenario;
-use crate::scheme::{Kind, Scheme};
+use crate::scheme::Kind;
 use crate::stats::Statistic;
-use crate::study::trade::{Choice, Cost, Number, Pairing, PriceCurve, Prices, Rung, TARGETS, Trade};
+use crate::study::trade::{Choice, Cost, Number, Pairing, Prices, Rung, TARGETS, Trade};
 
 /// The attribute `format_name` of a trade.
 pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
@@ -156,135 +156,47 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
     to.write_variable(&WINNER, &texts(winners))
 }
 
-/// Read the measurements of a trade of this scenario back. What follows from them is computed again
-/// and not read.
-pub(crate) fn read<S: Source>(from: &S, scenario: &Scenario) -> Result<Trade, S::Error> {
+/// A trade in a file or in a data set.
+#[derive(Clone, Debug)]
+pub struct StoredTrade {
+    /// What was measured. What follows from it is computed again, and not read.
+    pub trade: Trade,
+    /// Its scenario.
+    pub scenario: Scenario,
+    /// The program that wrote the trade, if it was another one.
+    pub other_program: Option<String>,
+}
+
+impl StoredTrade {
+    /// The prices of accuracy for this statistic, or for the first statistic that has any; none if
+    /// none has.
+    pub fn prices(&self, statistic: Option<Statistic>) -> Option<Prices> {
+        let prices = |statistic| Prices::of(&self.trade, statistic, &self.scenario);
+        match statistic {
+            Some(statistic) => Some(prices(statistic)),
+            None => Statistic::ALL.into_iter().map(prices).find(Prices::has_points),
+        }
+    }
+}
+
+/// Read a trade back.
+pub(crate) fn read<S: Source>(from: &S) -> Result<StoredTrade, S::Error> {
+    let text: String = read_attribute(from, "scenario")?;
+    let scenario = Scenario::parse_stored("scenario", &text, &[], series::read(from)?.as_ref());
+    let scenario = scenario.map_err(|error| error.to_string())?;
     let mut rungs = Vec::new();
     measured(&mut Reading(from), &mut rungs, Default::default())?;
     let reference: String = read_attribute(from, "reference")?;
     let reference = rungs.iter().position(|rung| rung.scheme.to_string() == reference);
     let reference = reference.ok_or_else(|| "reference is none of its rungs".to_string())?;
-    let ratios: Vec<f64> =
-        if from.has(STATISTIC_PAIRING.name) { read_or_empty(from, &STATISTIC_PAIRING)? } else { Vec::new() };
+    let ratios: Vec<f64> = read_variable(from, &STATISTIC_PAIRING)?;
     let pairing = match ratios.iter().all(|ratio| ratio.is_nan()) {
         _ if scenario.ensemble.antithetic => Pairing::Asked,
         true => Pairing::Unknown,
         false => Pairing::Measured(ratios),
     };
-    Trade::of_rungs(scenario, rungs, reference, pairing).map_err(|misfit| misfit.to_string().into())
-}
-
-/// The prices of accuracy in a trade, for each statistic.
-fn read_prices<S: Source>(from: &S) -> Result<Vec<Prices>, S::Error> {
-    let (title, reference): (String, String) = (read_attribute(from, "title")?, read_attribute(from, "reference")?);
-    let seed: u64 = read_attribute(from, "seed")?;
-    let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
-    let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
-    let targets: Vec<f64> = read_or_empty(from, &TARGET)?;
-    let names: Vec<String> = read_or_empty(from, &RUNG_SCHEME)?;
-    let (count, per_scheme, per_rung) =
-        (statistics.len(), schemes.len() * statistics.len(), names.len() * statistics.len());
-    let sized = |variable: &Variable, length: usize| -> Result<Vec<f64>, S::Error> {
-        let values: Vec<f64> = read_or_empty(from, variable)?;
-        match values.len() == length {
-            true => Ok(values),
-            false => Err(format!("{} has {} values", variable.name, values.len()).into()),
-        }
-    };
-    let seconds = sized(&PREDICTED_SECONDS, per_scheme * targets.len())?;
-    let (orders, order_errors) = (sized(&SCHEME_ORDER, per_scheme)?, sized(&SCHEME_ORDER_ERROR, per_scheme)?);
-    let (steps, scales) = (sized(&RUNG_STEP, names.len())?, sized(&STATISTIC_SCALE, count)?);
-    let (biases, bias_errors) = (sized(&RUNG_BIAS, per_rung)?, sized(&RUNG_BIAS_ERROR, per_rung)?);
-    let curve = |(i, name): (usize, &String), j: usize| {
-        let at = i * count + j;
-        let costs = seconds[at * targets.len()..].iter().zip(&targets).map(|(seconds, target)| [*seconds, *target]);
-        let rungs = (0..names.len()).filter(|rung| names[*rung] == *name && steps[*rung].is_finite());
-        let bias = |rung: usize| {
-            let at = rung * count + j;
-            (steps[rung], Number { value: biases[at], error: bias_errors[at] }.relative_to(scales[j]))
-        };
-        Some(PriceCurve {
-            scheme: Kind::from_name(name)?,
-            costs: costs.filter(|[seconds, _]| seconds.is_finite()).collect(),
-            biases: rungs.map(bias).collect(),
-            order: Some(Number { value: orders[at], error: order_errors[at] }).filter(|order| order.value.is_finite()),
-        })
-    };
-    let of = |(j, name): (usize, &String)| {
-        let curves = schemes.iter().enumerate().filter_map(|scheme| curve(scheme, j)).collect();
-        let statistic = Statistic::from_name(name)?;
-        Some(Prices { title: title.clone(), seed, reference: reference.clone(), statistic, curves })
-    };
-    Ok(statistics.iter().enumerate().filter_map(of).collect())
-}
-
-/// The prices of accuracy in a trade for this statistic, or for the first statistic that has any.
-pub(crate) fn find_prices<S: Source>(from: &S, statistic: Option<Statistic>) -> Result<Option<Prices>, S::Error> {
-    let mut prices = read_prices(from)?.into_iter();
-    Ok(match statistic {
-        Some(statistic) => prices.find(|prices| prices.statistic == statistic),
-        None => prices.find(Prices::has_points),
-    })
-}
-
-/// The cheapest run for one statistic and one target.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cheapest {
-    /// The statistic.
-    pub statistic: Statistic,
-    /// The target: the relative root mean square error of the statistic.
-    pub target: f64,
-    /// The cheapest run; none if no run reaches the target.
-    pub run: Option<CheapestRun>,
-}
-
-/// A run that was predicted to reach a target.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CheapestRun {
-    /// The scheme of the run, with its step or tolerance.
-    pub scheme: Scheme,
-    /// Number of paths.
-    pub paths: u64,
-    /// Whether the paths are antithetic pairs.
-    pub is_antithetic: bool,
-    /// CPU time on one thread, in seconds.
-    pub seconds: f64,
-}
-
-/// The title and the resolved scenario of a trade.
-pub(crate) fn read_origin<S: Source>(from: &S) -> Result<(String, String), S::Error> {
-    Ok((read_attribute(from, "title")?, read_attribute(from, "scenario")?))
-}
-
-/// The cheapest runs for each statistic and each target.
-pub(crate) fn read_cheapest<S: Source>(from: &S) -> Result<Vec<Cheapest>, S::Error> {
-    let schemes: Vec<String> = read_or_empty(from, &SCHEME)?;
-    let statistics: Vec<String> = read_or_empty(from, &layout::STATISTIC)?;
-    let targets: Vec<f64> = read_or_empty(from, &TARGET)?;
-    let winners: Vec<String> = read_or_empty(from, &WINNER)?;
-    let [seconds, paths, steps, tolerances] =
-        [&PREDICTED_SECONDS, &PREDICTED_PATHS, &PREDICTED_STEP, &PREDICTED_TOLERANCE].map(|v| read_or_empty(from, v));
-    let (seconds, paths, steps, tolerances): (Vec<f64>, Vec<f64>, Vec<f64>, Vec<f64>) =
-        (seconds?, paths?, steps?, tolerances?);
-    let pairs: Vec<i8> = read_or_empty(from, &PREDICTED_ANTITHETIC)?;
-    let cells = schemes.len() * statistics.len() * targets.len();
-    let lengths = [seconds.len(), paths.len(), steps.len(), tolerances.len(), pairs.len()];
-    if lengths.iter().any(|length| *length != cells) || winners.len() != statistics.len() * targets.len() {
-        return Err("the variables of its predictions differ in length".to_string().into());
-    }
-    let run = |name: &str, cell: usize| {
-        let i = schemes.iter().position(|scheme| scheme == name)?;
-        let at = i * winners.len() + cell;
-        let kind = Kind::from_name(name)?;
-        let parameter = if kind.has_step() { steps[at] } else { tolerances[at] };
-        let (scheme, paths) = (kind.with(parameter), paths[at] as u64);
-        Some(CheapestRun { scheme, paths, is_antithetic: pairs[at] != 0, seconds: seconds[at] })
-    };
-    let each = winners.iter().enumerate().filter_map(|(cell, name)| {
-        let statistic = Statistic::from_name(&statistics[cell / targets.len()])?;
-        Some(Cheapest { statistic, target: targets[cell % targets.len()], run: run(name, cell) })
-    });
-    Ok(each.collect())
+    let trade = Trade::of_rungs(&scenario, rungs, reference, pairing).map_err(|misfit| misfit.to_string())?;
+    Ok(StoredTrade { trade, scenario, other_program: read_other_program(from)? })
 }
 
 const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];

@@ -4,7 +4,7 @@ use super::calibration::{QUANTITY, QUANTITY_SYMBOL, QUANTITY_UNIT, TIME};
 use super::layout::{Unit, Variable, variable};
 use super::{Destination, texts};
 use crate::bearing::calibration::{Quantity, Twin, Values};
-use crate::engine::{GIT_HASH, PROGRAM_VERSION};
+use crate::engine::{PROGRAM_VERSION, commit};
 use crate::stats::Dimension;
 
 /// The attribute `format_name` of a twin.
@@ -13,7 +13,7 @@ const FORMAT_NAME: &str = "stick-slip twin";
 /// Write synthetic measurements with the true values. `start` is the time stamp of t = 0.
 pub(crate) fn write<D: Destination>(to: &mut D, start: &str, truth: &Values, twin: &Twin) -> Result<(), D::Error> {
     for (name, value) in
-        [("format_name", FORMAT_NAME), ("program_version", PROGRAM_VERSION), ("git_hash", GIT_HASH), ("start", start)]
+        [("format_name", FORMAT_NAME), ("program_version", PROGRAM_VERSION), ("git_hash", commit()), ("start", start)]
     {
         to.set_attribute(name, value)?;
     }

@@ -1,10 +1,10 @@
-//! A run while it is simulated: portions are passed to the sinks, summed and judged, until all
-//! blocks are done or something ends the run earlier.
+//! A run while it is simulated: blocks are passed to the sinks, summed and judged, until all are
+//! done or something ends the run earlier.
 
 use super::ending::{Endings, Look};
-use super::{Asked, EndedBy, Moment, Outcome, Portion, Progress, RunError, Sink, SinkError};
-use crate::ensemble::BLOCK_SIZE;
-use crate::stats::{Counts, RunTotals};
+use super::{Asked, EndedBy, Moment, Outcome, Progress, RunError, Sink, SinkError};
+use crate::ensemble::{BLOCK_SIZE, Delivered};
+use crate::stats::RunTotals;
 use crate::sums::Merge;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -37,8 +37,6 @@ pub(super) struct Course<'r, 's, X> {
     progress: &'r mut dyn Progress,
     sinks: Vec<&'s mut dyn Sink>,
     pub totals: RunTotals<X>,
-    /// The counts of the blocks that were done before.
-    counts: Counts,
     /// What ended the run before its last block.
     pub ended_by: Option<EndedBy>,
     /// The error of a sink, which ends the run as well.
@@ -55,8 +53,7 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         sinks: Vec<&'s mut dyn Sink>,
         totals: RunTotals<X>,
     ) -> Self {
-        let counts = totals.counts().clone();
-        Course { asked, endings, halt, clock, progress, sinks, totals, counts, ended_by: None, broken: None }
+        Course { asked, endings, halt, clock, progress, sinks, totals, ended_by: None, broken: None }
     }
 
     /// The blocks that are left. None are if an earlier process reached the end of the run, and was
@@ -74,12 +71,6 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         }
     }
 
-    /// Where other processes may write rows. Each sink would need such a place of its own, so there
-    /// is one only if there is a single sink.
-    pub fn outlet(&mut self) -> Option<Vec<u8>> {
-        if let [sink] = self.sinks.as_mut_slice() { sink.outlet() } else { None }
-    }
-
     /// Whether the run ends after this many blocks.
     fn look(&self, blocks: u64) -> Look {
         match self.endings.look(blocks, &self.totals, self.clock.spent()) {
@@ -95,11 +86,12 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         (end * BLOCK_SIZE).min(self.asked.paths).saturating_sub(first)
     }
 
-    /// Take the next portion, and say whether more are wanted.
-    pub fn deliver(&mut self, portion: Portion<X>) -> Result<ControlFlow<()>, RunError> {
-        let end = portion.end();
-        let handed = self.hand_on(&portion);
-        portion.add_to(&mut self.totals, &self.counts)?;
+    /// Take the next block, and say whether more are wanted.
+    pub fn deliver(&mut self, block: Delivered<X>) -> Result<ControlFlow<()>, RunError> {
+        let Delivered { index, result, beside, .. } = block;
+        let end = index + 1;
+        let handed = self.sinks.iter_mut().try_for_each(|sink| sink.block(&result));
+        self.totals.push_with(index, result.totals, beside)?;
         if let Err(error) = handed.and_then(|()| self.save(end, false)) {
             self.broken = Some(error);
             return Ok(self.stop());
@@ -125,16 +117,6 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         ControlFlow::Break(())
     }
 
-    fn hand_on(&mut self, portion: &Portion<X>) -> Result<(), SinkError> {
-        for block in portion.results() {
-            self.sinks.iter_mut().try_for_each(|sink| sink.block(block))?;
-        }
-        for receipt in portion.receipts() {
-            self.sinks.iter_mut().try_for_each(|sink| sink.left_in_outlet(receipt))?;
-        }
-        Ok(())
-    }
-
     /// Let the sinks save the run as it is after this block.
     fn save(&mut self, end: u64, is_last: bool) -> Result<(), SinkError> {
         let (spent, paths) = (self.clock.spent(), self.paths_before(end));
@@ -142,7 +124,7 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         self.sinks.iter_mut().try_for_each(|sink| sink.save(&moment))
     }
 
-    /// No more portions come after this block.
+    /// No more blocks come after this one.
     pub fn settle(&mut self, end: u64) {
         self.totals.settle();
         if self.broken.is_none() {

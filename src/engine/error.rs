@@ -12,8 +12,7 @@ pub enum RunError {
     Sink {
         /// The error of the sink.
         error: SinkError,
-        /// The outcome of the paths that were simulated before; `None` if the run had not begun, or
-        /// if another process of the run has failed.
+        /// The outcome of the paths that were simulated before; `None` if the run had not begun.
         outcome: Option<Box<Outcome>>,
     },
     /// There are not so many threads to share the work. Nothing was begun.

@@ -8,7 +8,6 @@
 //!     .within(time)             end when the time is up
 //!     .stopped_by(&flag)        end when the caller sets a flag
 //!     .with_progress(&mut p)    report how far the run has come                   (Progress)
-//!     .with_crew(&crew)         simulate in several processes                     (Crew)
 //!     .into_sink(&mut sink)     pass on every finished block, and the outcome     (Sink)
 //!     .simulate()               simulate the blocks, sum them along a binary tree, and estimate
 //!                               the bias of the step
@@ -20,7 +19,6 @@
 mod alarm;
 mod asked;
 mod course;
-mod crew;
 mod cycle;
 mod ending;
 mod error;
@@ -32,12 +30,11 @@ mod run;
 mod sink;
 
 pub use asked::{Asked, NoPart, Part};
-pub use crew::{Crew, Deliver, Portion, Work};
 pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use error::RunError;
 pub use outcome::{BiasReport, Outcome, Status};
 pub use progress::Progress;
-pub use provenance::{GIT_HASH, PROGRAM_VERSION, Provenance, other_program};
+pub use provenance::{PROGRAM_VERSION, Provenance, built_from, commit, other_program};
 pub use replay::{Replay, ReplayRows};
 pub use run::{Run, SoFar};
 pub use sink::{Memory, Moment, Sink, SinkError};

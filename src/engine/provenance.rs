@@ -6,21 +6,33 @@ use crate::model::Series;
 use crate::noise::GENERATOR;
 use crate::scenario::{Scenario, SensorBearing};
 use crate::stats::Units;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 /// Version of the program.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
 
-/// Commit that the program was built from, or `unknown` outside a repository. Where that does not
-/// say what it was built from, a fingerprint of the sources follows, as in `0123456789ab-dirty-`
-/// and 16 hexadecimal digits.
-pub const GIT_HASH: &str = env!("MC_GIT_HASH");
+static COMMIT: OnceLock<&str> = OnceLock::new();
+
+/// Say which commit this program was built from, before anything else, and once. The library does
+/// not know it by itself, because it would have to be compiled again after each commit.
+///
+/// The command and the package for Python give the hash, or `unknown` outside a repository. Where
+/// that does not say what they were built from, a fingerprint of the sources follows, as in
+/// `0123456789ab-dirty-` and 16 hexadecimal digits.
+pub fn built_from(commit: &'static str) {
+    COMMIT.get_or_init(|| commit);
+}
+
+/// Commit that this program was built from, or `unknown` where it has not said so.
+pub fn commit() -> &'static str {
+    COMMIT.get().unwrap_or(&"unknown")
+}
 
 /// Says which program has written a file, and that its numbers may therefore differ. None if it was
 /// this program.
 pub fn other_program(version: &str, git_hash: &str) -> Option<String> {
-    let is_own = version == PROGRAM_VERSION && git_hash == GIT_HASH;
-    (!is_own).then(|| format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({GIT_HASH})"))
+    let is_own = version == PROGRAM_VERSION && git_hash == commit();
+    (!is_own).then(|| format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({})", commit()))
 }
 
 /// Everything that is needed to repeat a run, and to know which program made it.
@@ -79,7 +91,7 @@ impl Provenance {
             antithetic: scenario.ensemble.antithetic,
             block_size: BLOCK_SIZE,
             program_version: PROGRAM_VERSION.to_string(),
-            git_hash: GIT_HASH.to_string(),
+            git_hash: commit().to_string(),
             units: scenario.units.clone(),
             time: scenario.timeline().output_times(),
             series: scenario.model.temperature.series.clone(),

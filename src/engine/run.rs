@@ -3,14 +3,13 @@
 
 use super::alarm::Alarm;
 use super::course::{Clock, Course};
-use super::crew::Threads;
 use super::ending::Endings;
-use super::{Asked, BiasReport, Crew, EndedBy, Outcome, Part, Progress, RunError, Sink, Status, Work};
+use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink, Status};
 use crate::bias::NoBias;
 use crate::ensemble::{MOST_THREADS, check_threads};
 use crate::scenario::Scenario;
-use crate::stats::{Companion as _, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
-use crate::sums::{Measurement, Merge};
+use crate::stats::{Companion, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
+use crate::sums::Measurement;
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
@@ -40,7 +39,6 @@ pub struct Run<'a> {
     stop: Option<&'a AtomicBool>,
     progress: Option<&'a mut dyn Progress>,
     sinks: Vec<&'a mut dyn Sink>,
-    crew: Option<&'a dyn Crew>,
 }
 
 /// The state from which a run can be continued.
@@ -67,7 +65,6 @@ impl<'a> Run<'a> {
             stop: None,
             progress: None,
             sinks: Vec::new(),
-            crew: None,
         }
     }
 
@@ -137,13 +134,6 @@ impl<'a> Run<'a> {
         self
     }
 
-    /// Let a crew of several processes simulate the paths, each process on the given number of
-    /// threads. No bit of the results depends on this. A run with a statistic of the caller's own
-    /// does not use the crew, and is simulated in this process.
-    pub fn with_crew(self, crew: &'a dyn Crew) -> Self {
-        Run { crew: Some(crew), ..self }
-    }
-
     /// Simulate the run.
     pub fn simulate(self) -> Result<Outcome, RunError> {
         let so_far = SoFar {
@@ -156,25 +146,25 @@ impl<'a> Run<'a> {
     /// Simulate the rest of a run. The outcome has the same bits as that of a run which was never
     /// interrupted.
     pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
-        let crew = self.crew.unwrap_or(&Threads(&()));
-        self.simulate_by(crew, so_far.totals, so_far.spent)
+        self.simulate_beside(&(), so_far.totals, so_far.spent)
     }
 
     /// Simulate the run, and compute a statistic of the caller's own beside those of the program.
     pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<Outcome<Measurement>, RunError> {
         let tallied = Tallied { tally, seed: self.scenario.ensemble.seed };
         let totals = RunTotals::with(tallied.empty(), &self.scenario.model, &self.scenario.timeline());
-        let outcome = self.simulate_by(&Threads(&tallied), totals, Duration::ZERO)?;
+        let outcome = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
         let estimate = tally.estimate(&outcome.tally);
         Ok(outcome.with_tally(estimate))
     }
 
-    fn simulate_by<X: Merge + Clone + Send>(
+    /// Simulate the blocks that `totals` do not contain, with a companion that observes each of them.
+    fn simulate_beside<C: Companion>(
         mut self,
-        crew: &dyn Crew<X>,
-        totals: RunTotals<X>,
+        companion: &C,
+        totals: RunTotals<C::Sums>,
         spent: Duration,
-    ) -> Result<Outcome<X>, RunError> {
+    ) -> Result<Outcome<C::Sums>, RunError> {
         check_threads(self.threads)?;
         let (clock, endings, never, mut nobody) = (Clock::after(spent), self.endings(), AtomicBool::new(false), ());
         let (stop, progress) = (self.stop.unwrap_or(&never), self.progress.take().unwrap_or(&mut nobody));
@@ -186,17 +176,12 @@ impl<'a> Run<'a> {
         }
         let plan = self.asked.plan(self.scenario);
         let mut course = Course::new(&self.asked, &endings, &alarm.halt, clock, progress, sinks, totals);
-        let work = Work {
-            scenario: self.scenario,
-            asked: &self.asked,
-            plan: &plan,
-            blocks: course.left(),
-            threads: self.threads,
-            stops: alarm.stops(),
-            outlet: course.outlet(),
-        };
-        let done = alarm.watching(|| crew.simulate(&work, &mut |portion| course.deliver(portion)))?;
-        let blocks = work.blocks.start + done;
+        let left = course.left();
+        let done = alarm.watching(|| {
+            let deliver = |block| course.deliver(block);
+            plan.run_beside(companion, left.clone(), self.threads, alarm.stops(), deliver)
+        })?;
+        let blocks = left.start + done;
         let is_whole = blocks >= self.asked.blocks().end;
         let is_stopped = || stop.load(Ordering::Relaxed);
         if !is_whole && course.ended_by.is_none() && course.broken.is_none() && !is_stopped() {
@@ -229,7 +214,7 @@ impl<'a> Run<'a> {
         let ended_by = course.ended_by.take();
         let is_reached = status != Status::Interrupted && !matches!(ended_by, Some(EndedBy::Hopeless(_)));
         let missed = if is_reached { endings.missed(&course.totals, summary.completed_paths) } else { Vec::new() };
-        let (paths, part, threads) = (plan.paths, self.asked.part, crew.threads(self.threads));
+        let (paths, part, threads) = (plan.paths, self.asked.part, self.threads);
         let seconds = clock.spent().as_secs_f64();
         let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: () };
         course.finish(&outcome);

@@ -41,28 +41,12 @@ pub trait Sink: Send {
         Ok(())
     }
 
-    /// The next block is finished. Its totals are empty if a crew of several processes simulates
-    /// the run: the sums of many blocks are then merged, and are part of [`Moment::state`].
+    /// The next block is finished.
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
 
-    /// The place where other processes may write what is recorded of the paths that they simulate,
-    /// as bytes that only this kind of sink can read. Those blocks are not passed to `block`. Most
-    /// sinks have no such place.
-    fn outlet(&mut self) -> Option<Vec<u8>> {
-        None
-    }
-
-    /// Another process has written to the outlet, and has returned this receipt. At the next call
-    /// of `save`, the sums contain exactly the blocks that were passed to the sink or that a
-    /// receipt covers.
-    fn left_in_outlet(&mut self, receipt: &[u8]) -> Result<(), SinkError> {
-        let _ = receipt;
-        Ok(())
-    }
-
-    /// All blocks that the sink has received are summed up. This is called after each portion of
-    /// blocks, and once more when the paths are done. A sink that saves the run should do so only
-    /// from time to time.
+    /// All blocks that the sink has received are summed up. This is called after each block, and
+    /// once more when the paths are done. A sink that saves the run should do so only from time to
+    /// time.
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         let _ = moment;
         Ok(())

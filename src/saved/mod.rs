@@ -18,7 +18,6 @@ mod state;
 pub use error::SavedError;
 pub use part::PartRecorder;
 pub use parts::{Parts, PartsError};
-pub use rows::{read_block, write_block};
 pub use state::RunQuestion;
 
 #[cfg(all(test, feature = "store"))]
@@ -28,5 +27,5 @@ pub(crate) use {
     checksum::checksum,
     parts::{RowSource, each_block},
     rows::{OwnedRows, Position, read_rows},
-    state::{MAGIC, State, of_bytes, read_positions, to_bytes, write_positions},
+    state::{MAGIC, State, of_bytes, to_bytes},
 };

@@ -42,7 +42,7 @@ impl Sink for PartRecorder {
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
         if let Some(question) = self.question.as_ref().filter(|_| moment.is_last) {
             // The time that was spent is left out, so that equal parts are equal.
-            self.state = Some(to_bytes(question, &moment.state(), Duration::ZERO, &[self.rows]));
+            self.state = Some(to_bytes(question, &moment.state(), Duration::ZERO, self.rows));
         }
         Ok(())
     }

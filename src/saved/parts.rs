@@ -174,7 +174,7 @@ pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
         position = position.after(&owned.rows(), &mut bytes);
         visit(&owned)?;
     }
-    if state.logs == [position] { Ok(()) } else { Err("its rows are not those that were written".to_string().into()) }
+    if state.rows == position { Ok(()) } else { Err("its rows are not those that were written".to_string().into()) }
 }
 
 /// Where rows of single paths are read from: a file, or a data set in memory.

@@ -3,7 +3,7 @@
 use super::checksum::checksum;
 use crate::dataset::{Kind, Rows};
 use crate::stats::column::Columns;
-use crate::stats::{BlockResult, EventColumns, PathColumns, Totals, TrajectoryRows};
+use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
 use crate::sums::{Codec, Damaged, Reader};
 
 /// How much of a log is valid.
@@ -67,23 +67,6 @@ fn read_table<T: Columns>(from: &mut Reader<'_>) -> Result<Option<T>, Damaged> {
     let column =
         |_: &_, kind: Kind| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
     if is_there == 0 { Ok(None) } else { T::read::<String>(column).map(Some).map_err(|_| Damaged) }
-}
-
-/// Append the rows of a block and the numbers of its diverged paths to `out`. Its sums are not
-/// written.
-pub fn write_block(block: &BlockResult, out: &mut Vec<u8>) {
-    (block.diverged.len() as u64).write(out);
-    block.diverged.iter().for_each(|path| path.write(out));
-    write_rows(&block.into(), out);
-}
-
-/// Read a block that [`write_block`] wrote. Its sums are not among the bytes, so a copy of `totals`
-/// takes their place.
-pub fn read_block(from: &mut Reader<'_>, totals: &Totals) -> Result<BlockResult, Damaged> {
-    let mut diverged = vec![0; from.length()?];
-    diverged.iter_mut().try_for_each(|path| path.read(from))?;
-    let OwnedRows { first_path, paths, path_columns, events, trajectories } = read_rows(from)?;
-    Ok(BlockResult { first_path, paths, diverged, totals: totals.clone(), path_columns, events, trajectories })
 }
 
 /// Append rows to `out`.

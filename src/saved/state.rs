@@ -7,7 +7,7 @@
 use super::SavedError;
 use super::checksum::checksum;
 use super::rows::Position;
-use crate::engine::{Asked, GIT_HASH, PROGRAM_VERSION, Part, Provenance, SoFar};
+use crate::engine::{Asked, PROGRAM_VERSION, Part, Provenance, SoFar, commit};
 use crate::ensemble::{BLOCK_SIZE, Plan};
 use crate::model::Series;
 use crate::noise::GENERATOR;
@@ -21,7 +21,7 @@ use std::time::Duration;
 /// The first bytes of a state.
 pub(crate) const MAGIC: &[u8; 8] = b"sticksav";
 /// Version of the contents.
-const VERSION: u64 = 3;
+const VERSION: u64 = 4;
 
 /// What a run is asked to do. It is the same in every saved state of the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -55,18 +55,10 @@ impl RunQuestion {
         (self.asked != other.asked).then(|| "its goals, limits or options are others".into())
     }
 
-    /// The question as bytes, to be sent to another process.
+    /// The question as the bytes of a state without paths.
     pub fn to_bytes(&self) -> Vec<u8> {
         let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline());
-        to_bytes(self, &totals.to_bytes(), Duration::ZERO, &[Position::default()])
-    }
-
-    /// Read a question from bytes. `origin` is named in error messages. Bytes that are damaged or
-    /// were written by another program are an error.
-    pub fn of_bytes(bytes: &[u8], origin: &Path) -> Result<Self, SavedError> {
-        let state = of_bytes(bytes, origin)?;
-        state.check_program(origin)?;
-        Ok(state.question)
+        to_bytes(self, &totals.to_bytes(), Duration::ZERO, Position::default())
     }
 }
 
@@ -84,7 +76,7 @@ impl Program {
     fn mine() -> Self {
         Program {
             version: PROGRAM_VERSION.to_string(),
-            git_hash: GIT_HASH.to_string(),
+            git_hash: commit().to_string(),
             generator: GENERATOR.to_string(),
             block_size: BLOCK_SIZE,
         }
@@ -104,9 +96,8 @@ pub(crate) struct State {
     pub program: Program,
     pub question: RunQuestion,
     pub so_far: SoFar,
-    /// How much of each log counts: of the process that keeps the run, then of those that simulate
-    /// for it.
-    pub logs: Vec<Position>,
+    /// How much of the log of rows counts.
+    pub rows: Position,
 }
 
 impl State {
@@ -139,7 +130,7 @@ fn other_program(path: &Path, theirs: &Program, mine: &Program) -> SavedError {
 }
 
 /// The state of a run as bytes. `totals` are the bytes of its sums.
-pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, logs: &[Position]) -> Vec<u8> {
+pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, rows: Position) -> Vec<u8> {
     let RunQuestion { scenario, asked, note } = question;
     let program = Program::mine();
     let mut out = MAGIC.to_vec();
@@ -168,7 +159,8 @@ pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, l
     u64::from(asked.with_bias).write(&mut out);
     write_text(note, &mut out);
     nanoseconds(spent).write(&mut out);
-    write_positions(logs, &mut out);
+    rows.length.write(&mut out);
+    u64::from(rows.checksum).write(&mut out);
     (totals.len() as u64).write(&mut out);
     out.extend(totals);
     let sum = checksum(0, &out);
@@ -189,7 +181,7 @@ pub(crate) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, SavedError> {
     if version > VERSION {
         return Err(SavedError::Newer { path: path.to_owned() });
     }
-    parse(&mut from).map_err(|unread| match unread {
+    parse(version, &mut from).map_err(|unread| match unread {
         ParseError::Damaged => damaged(),
         ParseError::OtherProgram(programs) => other_program(path, &programs[0], &programs[1]),
     })
@@ -207,9 +199,13 @@ impl From<Damaged> for ParseError {
     }
 }
 
-fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
+fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
     let program = Program { version, git_hash, generator, block_size: count(from)? };
+    let mine = Program::mine();
+    if format != VERSION {
+        return Err(ParseError::OtherProgram(Box::new([program, mine])));
+    }
     let text = read_text(from)?;
     let series = read_series(from)?;
     let scenario = Scenario::parse_stored("state", &text, &[], series.as_ref()).map_err(|_| Damaged)?;
@@ -222,39 +218,22 @@ fn parse(from: &mut Reader<'_>) -> Result<State, ParseError> {
     let asked = Asked { paths, part, goals, max_time, with_bias };
     let note = read_text(from)?;
     let spent = Duration::from_nanos(count(from)?);
-    let logs = read_positions(from)?;
+    let rows = Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? };
     let length = from.length()?;
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline());
     // If the sums cannot be read and the state names another program, that difference is reported
     // instead of damage.
-    let mine = Program::mine();
     let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
         true => ParseError::Damaged,
         false => ParseError::OtherProgram(Box::new([program.clone(), mine])),
     })?;
-    let is_sound = from.left() == 0 && !logs.is_empty() && is_of(&totals, &asked);
+    let is_sound = from.left() == 0 && is_of(&totals, &asked);
     let question = RunQuestion { scenario, asked, note };
     if is_sound {
-        Ok(State { program, question, so_far: SoFar { totals, spent }, logs })
+        Ok(State { program, question, so_far: SoFar { totals, spent }, rows })
     } else {
         Err(ParseError::Damaged)
     }
-}
-
-/// Write how much of each log counts.
-pub(crate) fn write_positions(logs: &[Position], out: &mut Vec<u8>) {
-    (logs.len() as u64).write(out);
-    for Position { length, checksum } in logs {
-        length.write(out);
-        u64::from(*checksum).write(out);
-    }
-}
-
-/// Read it back.
-pub(crate) fn read_positions(from: &mut Reader<'_>) -> Result<Vec<Position>, Damaged> {
-    let logs = from.length()?;
-    let position = |_| Ok(Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? });
-    (0..logs).map(position).collect()
 }
 
 /// Write the samples of a measured temperature: their number, all times, all values.
@@ -346,8 +325,8 @@ mod tests {
         let plan = question.scenario.plan();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline());
         blocks.for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
-        let logs = [Position { length: 1 << 40, checksum: 0xdead_beef }, Position::default()];
-        to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), &logs)
+        let rows = Position { length: 1 << 40, checksum: 0xdead_beef };
+        to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), rows)
     }
 
     fn read(bytes: &[u8]) -> Result<State, SavedError> {
@@ -362,7 +341,7 @@ mod tests {
             assert_eq!(state.question, question());
             assert_eq!(state.paths(), (blocks.end - blocks.start) * BLOCK_SIZE);
             let SoFar { totals, spent } = &state.so_far;
-            assert_eq!(to_bytes(&state.question, &totals.to_bytes(), *spent, &state.logs), bytes);
+            assert_eq!(to_bytes(&state.question, &totals.to_bytes(), *spent, state.rows), bytes);
             state.check_program(Path::new("state")).expect("this program");
         }
     }

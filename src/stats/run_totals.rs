@@ -103,31 +103,10 @@ impl<X: Merge + Clone> RunTotals<X> {
         Ok(())
     }
 
-    /// Add the sums of block number `block` with the user's own, and its counts to `counts`.
-    ///
-    /// Counts are large and need no tree, so that whoever simulates blocks here and there of a run
-    /// can keep one set of them for all of its blocks, and give the sums away block by block.
-    pub fn push_sums(&mut self, block: u64, totals: Totals, own: X, counts: &mut Counts) -> Result<(), Overlap> {
-        let Totals { sums, counts: more, .. } = totals;
-        self.tree.push(block, (sums, own))?;
-        counts.merge(&more);
-        Ok(())
-    }
-
     /// Counts what waits to be counted. This changes no result. It is done once at the end of a
     /// run, because otherwise the state and each estimate would do it again.
     pub fn settle(&mut self) {
         self.counts.settle();
-    }
-
-    /// The counts of all blocks that are in it.
-    pub fn counts(&self) -> &Counts {
-        &self.counts
-    }
-
-    /// Put these counts, which are those of all its blocks, in the place of its own.
-    pub fn set_counts(&mut self, counts: Counts) {
-        self.counts = counts;
     }
 
     /// Add the blocks of another part of the same run. A block that both parts have is an

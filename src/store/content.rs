@@ -1,12 +1,12 @@
 //! What a file holds, whatever its kind.
 
 use super::reader::{check_file, open, unfinished};
-use super::{StoreError, Stored, StoredTrade, read, read_calibration, read_sweep, read_trade};
+use super::{StoreError, Stored, read, read_calibration, read_sweep, read_trade};
 use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
 use crate::dataset::header::FORMAT_NAME;
 use crate::dataset::sweep::SWEEP_FORMAT_NAME;
 use crate::dataset::trade::TRADE_FORMAT_NAME;
-use crate::dataset::{StoredCalibration, StoredSweep, read_attribute};
+use crate::dataset::{StoredCalibration, StoredSweep, StoredTrade, read_attribute};
 use std::path::Path;
 
 /// From one list: the kinds of files, with the name of the format of each, and their contents.
@@ -72,12 +72,12 @@ pub fn content(path: &Path) -> Result<Content, StoreError> {
 impl Content {
     /// The text of the scenario, and whether the file also holds the measured temperature that the
     /// text names.
-    pub fn scenario(&self) -> (&str, bool) {
+    pub fn scenario(&self) -> (String, bool) {
         match self {
-            Content::Run(run) => (&run.header.scenario_text, run.header.series.is_some()),
-            Content::Trade(trade) => (&trade.scenario_text, false),
-            Content::Sweep(sweep) => (&sweep.scenario_text, sweep.series.is_some()),
-            Content::Calibration(calibration) => (&calibration.scenario_text, false),
+            Content::Run(run) => (run.header.scenario_text.clone(), run.header.series.is_some()),
+            Content::Trade(stored) => (stored.scenario.to_toml(), stored.scenario.measured.is_some()),
+            Content::Sweep(sweep) => (sweep.scenario_text.clone(), sweep.series.is_some()),
+            Content::Calibration(calibration) => (calibration.scenario_text.clone(), false),
         }
     }
 }

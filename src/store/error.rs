@@ -158,16 +158,6 @@ pub enum StoreError {
         /// What the system says.
         cause: String,
     },
-    /// Another process of the run could not write the rows of its paths.
-    #[error("{}: rank {rank} could not write its rows: {cause}; mend that, and then `mc resume` continues the run", path.display())]
-    RankLog {
-        /// The log that was to be written.
-        path: PathBuf,
-        /// The number of the process.
-        rank: usize,
-        /// What the system says.
-        cause: String,
-    },
     /// Writing failed for another reason.
     #[error("{}: writing failed: {cause}; {}", partial.display(), after_failure(*saved_paths, target, "mend that"))]
     Write {

@@ -9,8 +9,6 @@ use std::path::{Path, PathBuf};
 pub(super) const STATE: &str = "state";
 /// The rows of its single paths.
 pub(super) const ROWS: &str = "rows";
-/// A token by which the other processes of a run recognise the folder.
-pub(super) const TOKEN: &str = "ranks";
 /// The file itself, while it is written.
 pub(super) const RESULTS: &str = "results.h5";
 /// A new state, before it replaces the old one.
@@ -23,12 +21,7 @@ pub(super) const MARK: &str = "made-by-mc";
 
 /// The files of the folder in the order of their removal. If the process is interrupted in between,
 /// the files that remain still show what the folder was.
-pub(super) const NAMES: [&str; 7] = [ROWS, TOKEN, NEW_STATE, LINK, STATE, RESULTS, MARK];
-
-/// The name of the log with this number: `rows`, `rows.1`, `rows.2` and so on.
-pub(super) fn rows_name(log: u64) -> String {
-    if log == 0 { ROWS.to_string() } else { format!("{ROWS}.{log}") }
-}
+pub(super) const NAMES: [&str; 6] = [ROWS, NEW_STATE, LINK, STATE, RESULTS, MARK];
 
 /// The name of the folder in which a file is written: `NAME.partial`.
 pub fn partial_path(target: &Path) -> PathBuf {
@@ -57,21 +50,13 @@ pub(super) fn is_ours(folder: &Path) -> bool {
 /// The name of something in a folder of ours that this program has not made, if there is any.
 pub(super) fn stranger(folder: &Path) -> Option<String> {
     let names = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
-    let is_ours = |name: &str| NAMES.contains(&name) || is_log(name);
     let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
-    names.into_iter().find(|name| !is_ours(name) || !is_file(name))
+    names.into_iter().find(|name| !NAMES.contains(&name.as_str()) || !is_file(name))
 }
 
 /// Remove the files of this program, and then the folder. The folder stays, with an error, if it
 /// holds anything else.
 pub(super) fn clear(folder: &Path) -> io::Result<()> {
-    let all = fs::read_dir(folder)?.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let logs: Vec<String> = all.filter(|name| is_log(name)).collect();
-    let mut names = logs.iter().map(String::as_str).chain(NAMES);
-    names.try_for_each(|name| own::remove(&folder.join(name)))?;
+    NAMES.iter().try_for_each(|name| own::remove(&folder.join(name)))?;
     fs::remove_dir(folder)
-}
-
-fn is_log(name: &str) -> bool {
-    name.strip_prefix("rows.").is_some_and(|number| number.parse::<u64>().is_ok())
 }

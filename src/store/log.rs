@@ -12,7 +12,7 @@ use crate::saved::{OwnedRows, Position, SavedError, checksum, read_rows};
 use crate::sums::Reader;
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Number of bytes that are gathered in memory before they are written.
 const BUFFER: usize = 1 << 20;
@@ -67,41 +67,29 @@ impl Log {
 }
 
 /// A log that is read block by block.
-struct Reading {
-    path: PathBuf,
+struct Reading<'a> {
+    path: &'a Path,
     file: BufReader<File>,
     /// The position after what was read.
     at: Position,
     /// The end of the valid part.
     end: Position,
     bytes: Vec<u8>,
-    /// The next block.
-    next: Option<OwnedRows>,
 }
 
-impl Reading {
-    fn open(path: PathBuf, end: Position) -> Result<Reading, StoreError> {
-        let failed = |source| StoreError::NotOpened { path: path.clone(), source };
-        let file = own::open(&path, File::options().read(true)).map_err(failed)?;
+impl<'a> Reading<'a> {
+    fn open(path: &'a Path, end: Position) -> Result<Self, StoreError> {
+        let failed = |source| StoreError::NotOpened { path: path.to_owned(), source };
+        let file = own::open(path, File::options().read(true)).map_err(failed)?;
         // The claimed length is compared with that of the file before any memory is allocated.
         if file.metadata().map_err(failed)?.len() < end.length {
-            return Err(SavedError::Damaged { path }.into());
+            return Err(SavedError::Damaged { path: path.to_owned() }.into());
         }
         let file = BufReader::with_capacity(BUFFER, file);
-        let mut reading = Reading { path, file, at: Position::default(), end, bytes: Vec::new(), next: None };
-        reading.advance()?;
-        Ok(reading)
+        Ok(Reading { path, file, at: Position::default(), end, bytes: Vec::new() })
     }
 
-    /// Return the next block, and read the one after it. Damage is an error.
-    fn advance(&mut self) -> Result<Option<OwnedRows>, StoreError> {
-        let next = if self.at.length < self.end.length { Some(self.block()?) } else { None };
-        if next.is_none() && self.at != self.end {
-            return Err(self.damaged());
-        }
-        Ok(std::mem::replace(&mut self.next, next))
-    }
-
+    /// Return the next block. Damage is an error.
     fn block(&mut self) -> Result<OwnedRows, StoreError> {
         let mut head = [0; 8];
         self.exactly(&mut head)?;
@@ -129,30 +117,26 @@ impl Reading {
     fn exactly(&mut self, bytes: &mut [u8]) -> Result<(), StoreError> {
         self.file.read_exact(bytes).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => self.damaged(),
-            _ => StoreError::NotOpened { path: self.path.clone(), source },
+            _ => StoreError::NotOpened { path: self.path.to_owned(), source },
         })
     }
 
     fn damaged(&self) -> StoreError {
-        SavedError::Damaged { path: self.path.clone() }.into()
+        SavedError::Damaged { path: self.path.to_owned() }.into()
     }
 }
 
-/// Read each of these logs up to its end, and pass every block to `visit`, in the order of paths.
-/// The blocks of each log must be in this order.
+/// Read the log up to this end, and pass every block to `visit`.
 pub(super) fn read(
-    logs: impl IntoIterator<Item = (PathBuf, Position)>,
+    path: &Path,
+    end: Position,
     mut visit: impl FnMut(OwnedRows) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    let open = |(path, end)| Reading::open(path, end);
-    let mut logs = logs.into_iter().map(open).collect::<Result<Vec<Reading>, _>>()?;
-    let first_path = |log: &&mut Reading| log.next.as_ref().map(|rows| rows.first_path);
-    while let Some(log) = logs.iter_mut().filter(|log| log.next.is_some()).min_by_key(first_path) {
-        if let Some(rows) = log.advance()? {
-            visit(rows)?;
-        }
+    let mut log = Reading::open(path, end)?;
+    while log.at.length < end.length {
+        visit(log.block()?)?;
     }
-    Ok(())
+    if log.at == end { Ok(()) } else { Err(log.damaged()) }
 }
 
 #[cfg(test)]
@@ -186,7 +170,7 @@ mod tests {
 
     fn read_all(path: &Path, end: Position) -> Result<Vec<OwnedRows>, StoreError> {
         let mut all = Vec::new();
-        read([(path.to_owned(), end)], |rows| {
+        read(path, end, |rows| {
             all.push(rows);
             Ok(())
         })?;
@@ -251,30 +235,5 @@ mod tests {
         blocks[7..].iter().for_each(|block| log.append(&block.rows()).expect("room"));
         assert_eq!(log.sync().expect("room"), last);
         assert_eq!(std::fs::read(&path).expect("there"), whole);
-    }
-
-    /// Blocks that are spread over three logs are read in the order of their paths.
-    #[test]
-    fn several_logs_are_read_in_the_order_of_paths() {
-        let folder = tempfile::tempdir().expect("a folder");
-        let blocks: Vec<OwnedRows> = (0..20).map(block).collect();
-        let logs: Vec<(PathBuf, Position)> = (0..3)
-            .map(|k| {
-                let path = folder.path().join(k.to_string());
-                let mut log = Log::create(&path).expect("a new log");
-                let own = blocks.iter().filter(|block| block.first_path * block.first_path % 3 == k);
-                own.for_each(|block| log.append(&block.rows()).expect("room"));
-                let end = log.sync().expect("room");
-                (path, end)
-            })
-            .collect();
-        let mut all = Vec::new();
-        read(logs, |rows| {
-            all.push(rows);
-            Ok(())
-        })
-        .expect("whole");
-        let paths: Vec<u64> = all.iter().map(|rows| rows.first_path).collect();
-        assert!(bits(&all) == bits(&blocks), "{paths:?}");
     }
 }

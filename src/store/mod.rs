@@ -26,7 +26,6 @@ mod lock;
 mod log;
 mod look;
 mod naming;
-mod outlet;
 mod own;
 mod parts;
 mod read_back;
@@ -46,16 +45,15 @@ mod verify;
 mod workshop;
 mod writer;
 
-pub use crate::dataset::{Cheapest, CheapestRun, StoredCalibration, StoredSweep};
-pub use crate::saved::{Parts, RunQuestion, SavedError, read_block, write_block};
+pub use crate::dataset::{StoredCalibration, StoredSweep, StoredTrade};
+pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use calibration::{read_calibration, write_calibration};
 pub use content::{Content, FileKind, content, kind};
 pub use error::StoreError;
 pub use folder::{file_of, partial_path};
 pub use found::is_unfinished_sweep;
 pub use lock::lock_path;
-pub use look::{is_sealed, look_through};
-pub use outlet::RankLog;
+pub use look::is_sealed;
 pub use parts::PartError;
 pub use reader::{Stored, read};
 pub use remains::take_remains;
@@ -63,7 +61,7 @@ pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
-pub use trade::{StoredTrade, read_prices, read_rungs, read_trade, write_trade};
+pub use trade::{read_trade, write_trade};
 pub use verify::{
     Difference, Expected, Sealed, Verification, Verified, check_bytes, verify_calibration, verify_sweep, verify_trade,
 };

@@ -1,9 +1,8 @@
 //! The sink that writes a run to a file.
 
-use super::folder::{ROWS, STATE, partial_path, rows_name};
+use super::folder::{ROWS, STATE, partial_path};
 use super::log::{self, Log};
 use super::naming::parent;
-use super::outlet::{Outlet, read_receipt};
 use super::state;
 use super::workshop::{Workshop, lock};
 use super::{StoreError, Writer, check_space, finished, found};
@@ -54,9 +53,8 @@ struct Open {
     question: RunQuestion,
     /// The log; `None` if nothing is recorded of single paths.
     log: Option<Log>,
-    /// How much of each log is on the disk. The first log is that of this process, and the others
-    /// are those of processes that simulate for it.
-    logs: Vec<Position>,
+    /// How much of the log is on the disk.
+    rows: Position,
     last: Instant,
     interval: Duration,
 }
@@ -138,11 +136,11 @@ impl FileSink {
         state.check_program(&path)?;
         workshop.saved_paths = state.paths();
         let log = match is_logged(&state.question.scenario.record) {
-            true => Some(go_on_with_logs(&workshop, &state.logs)?),
+            true => Some(go_on_with_log(&workshop, state.rows)?),
             false => None,
         };
-        let State { question, so_far, logs, .. } = state;
-        let open = Open { workshop, question: question.clone(), log, logs, last: Instant::now(), interval: INTERVAL };
+        let State { question, so_far, rows, .. } = state;
+        let open = Open { workshop, question: question.clone(), log, rows, last: Instant::now(), interval: INTERVAL };
         let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
         Ok(Some(Unfinished { question, so_far, sink }))
     }
@@ -164,7 +162,7 @@ impl FileSink {
         })?;
         let log = is_logged(&scenario.record).then(|| Log::create(&workshop.path(ROWS))).transpose();
         let log = log.map_err(|error| workshop.failed(&error))?;
-        Ok(Open { workshop, question, log, logs: vec![Position::default()], last: Instant::now(), interval: INTERVAL })
+        Ok(Open { workshop, question, log, rows: Position::default(), last: Instant::now(), interval: INTERVAL })
     }
 }
 
@@ -173,17 +171,10 @@ pub(super) fn is_logged(record: &Record) -> bool {
     *record != Record::NOTHING
 }
 
-/// Check all logs, and open the one of this process, which is the first, to continue it.
-fn go_on_with_logs(workshop: &Workshop, ends: &[Position]) -> Result<Log, StoreError> {
-    log::read(logs(workshop, ends), |_| Ok(()))?;
-    let own = ends.first().copied().unwrap_or_default();
-    Log::go_on(&workshop.path(ROWS), own).map_err(|error| workshop.failed(&error))
-}
-
-/// The logs that contain rows, and their ends.
-fn logs(workshop: &Workshop, ends: &[Position]) -> Vec<(PathBuf, Position)> {
-    let all = (0..).zip(ends).filter(|(_, end)| end.length > 0);
-    all.map(|(number, end)| (workshop.path(&rows_name(number)), *end)).collect()
+/// Check the log up to its end, and open it to continue it.
+fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError> {
+    log::read(&workshop.path(ROWS), end, |_| Ok(()))?;
+    Log::go_on(&workshop.path(ROWS), end).map_err(|error| workshop.failed(&error))
 }
 
 /// The error for a folder that already contains a run: the same run, another run, or something that
@@ -205,9 +196,9 @@ impl Open {
         let file = self.log.as_ref().map(|log| (ROWS, log.file()));
         self.workshop.check(file)?;
         if let Some(log) = &mut self.log {
-            self.logs[0] = log.sync().map_err(|error| self.workshop.failed(&error))?;
+            self.rows = log.sync().map_err(|error| self.workshop.failed(&error))?;
         }
-        let state = to_bytes(&self.question, &moment.state(), moment.spent, &self.logs);
+        let state = to_bytes(&self.question, &moment.state(), moment.spent, self.rows);
         self.workshop.save(&state, moment.paths)?;
         self.last = Instant::now();
         self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
@@ -216,29 +207,22 @@ impl Open {
 
     /// Write the file of the run and give it its name.
     fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
-        let Open { workshop, question, log, logs: ends, .. } = self;
-        drop(log);
+        let Open { workshop, question, log, rows, .. } = self;
         let RunQuestion { scenario, asked, .. } = &question;
         let header = asked.provenance(scenario);
-        let (rows, state) = (logs(&workshop, &ends), workshop.path(STATE));
+        let [log_path, state] = [ROWS, STATE].map(|name| workshop.path(name));
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
         if let Some(reason) = &outcome.ended_by {
             writer.ended_by(&reason.to_string())?;
         }
-        let (mut in_one_log, mut bytes) = (Position::default(), Vec::new());
-        log::read(rows, |block| {
-            if asked.part.is_some() {
-                bytes.clear();
-                in_one_log = in_one_log.after(&block.rows(), &mut bytes);
-            }
-            writer.append_rows(block.rows())
-        })?;
+        if log.is_some() {
+            log::read(&log_path, rows, |block| writer.append_rows(block.rows()))?;
+        }
         if let Some(part) = asked.part {
-            // The state of a part contains a checksum of its rows in the order of the file, which
-            // is checked when parts are merged. It does not say how long the part took, so that
-            // equal parts are equal files.
+            // The state of a part contains a checksum of its rows, which is checked when parts are
+            // merged. It does not say how long the part took, so that equal parts are equal files.
             let totals = state::read(&state)?.so_far.totals;
-            writer.part(part, &to_bytes(&question, &totals.to_bytes(), Duration::ZERO, &[in_one_log]))?;
+            writer.part(part, &to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows))?;
         }
         writer.finish(&outcome.summary, outcome.status)
     }
@@ -258,23 +242,6 @@ impl Sink for FileSink {
         if let Some(log) = &mut open.log {
             log.append(&block.into()).map_err(|error| open.workshop.failed(&error))?;
         }
-        Ok(())
-    }
-
-    fn outlet(&mut self) -> Option<Vec<u8>> {
-        let open = self.open.as_ref().filter(|open| open.log.is_some())?;
-        // If the outlet cannot be created, other processes send their rows as messages.
-        Outlet::open(&open.workshop.path(""), open.logs.len()).ok()?.to_bytes()
-    }
-
-    fn left_in_outlet(&mut self, receipt: &[u8]) -> Result<(), SinkError> {
-        let Some(open) = &mut self.open else { return Ok(()) };
-        let (number, end) = read_receipt(receipt)?;
-        let number = usize::try_from(number)?;
-        if open.logs.len() <= number {
-            open.logs.resize(number + 1, Position::default());
-        }
-        open.logs[number] = end;
         Ok(())
     }
 

@@ -4,8 +4,6 @@
 //! ```text
 //! NAME.partial/state        how far a run has come
 //! NAME.partial/rows         rows of its single paths
-//! NAME.partial/rows.1 ...   rows of paths that other processes have simulated for it
-//! NAME.partial/ranks        a token by which those processes recognise the folder
 //! NAME.partial/results.h5   the file itself, while it is written
 //! NAME.partial/made-by-mc   the mark of the folder: what has these names in it is ours
 //! ```

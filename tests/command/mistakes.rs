@@ -36,7 +36,7 @@ const MISTAKES: [Mistake; 90] = [
     mistake("show done.h5 --zebra", &["no option `--zebra`", "--help"]),
     mistake("run scene.toml other.toml", &["'other.toml'", "Usage: mc run"]),
     mistake("run scene.toml --path 10", &["'--path'", "'--paths'"]),
-    mistake("show done.h5 --plot --json", &["'--plot'", "'--json'", "cannot be used with"]),
+    mistake("show done.h5 --cite --json", &["'--cite'", "'--json'", "cannot be used with"]),
     // Mistakes in the file.
     mistake("run absent.toml", &["absent.toml", "No such file", "mc init"]),
     mistake("run shaw.toml", &["shaw.toml", "mc init --from shaw"]),

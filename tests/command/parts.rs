@@ -175,21 +175,28 @@ fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
     }
 }
 
-/// The job array of the documentation, with a substitute for the scheduler: a loop that sets the
-/// variable that Slurm sets. One task is killed and continued as the page says.
-#[test]
-fn the_job_array_of_the_documentation_runs() {
+/// A folder with the command as `mc` and the scenario, and the shell code of docs/parts.md that
+/// begins like this.
+fn of_the_page(beginning: &str) -> (TempDir, String) {
     let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("docs/parts.md")).expect("a page");
-    let script = page.split("```sh\n").find_map(|piece| piece.strip_prefix("#!/bin/sh\n")?.split("```").next());
-    let script = script.expect("a script").replace("--paths 100000000", "--paths 5000");
+    let code =
+        page.split("```sh\n").find(|piece| piece.starts_with(beginning)).and_then(|piece| piece.split("```").next());
     let here = folder();
-    fs::write(here.path().join("array.sh"), script).expect("written");
     fs::write(
         here.path().join("mc"),
         format!("#!/bin/sh\nexec '{}' \"$@\"\n", assert_cmd::cargo::cargo_bin!("mc").display()),
     )
     .expect("written");
     fs::copy(RHO025, here.path().join("rho025.toml")).expect("copied");
+    (here, code.expect("code").to_string())
+}
+
+/// The job array of the documentation, with a substitute for the scheduler: a loop that sets the
+/// variable that Slurm sets. One task is killed and continued as the page says.
+#[test]
+fn the_job_array_of_the_documentation_runs() {
+    let (here, script) = of_the_page("#!/bin/sh\n");
+    fs::write(here.path().join("array.sh"), script.replace("--paths 100000000", "--paths 5000")).expect("written");
     let line = "chmod +x mc; PATH=$PWD:$PATH; export PATH
         task() { SLURM_ARRAY_TASK_ID=$1 SLURM_ARRAY_TASK_COUNT=16 SLURM_CPUS_PER_TASK=1 sh array.sh; }
         for i in $(seq 1 16); do task $i || exit 1; done
@@ -197,5 +204,19 @@ fn the_job_array_of_the_documentation_runs() {
         task 3 || exit 1                 # and one that had not is done at once
         mc merge part-*.h5 -o all.h5 --quiet && mc run rho025.toml --paths 5000 -o whole.h5 --quiet && cmp all.h5 whole.h5";
     let output = command::shell(here.path(), line);
+    assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
+}
+
+/// The line for xargs comes to the file of the run.
+#[test]
+fn the_line_for_xargs_in_the_documentation_runs() {
+    let (here, line) = of_the_page("seq ");
+    let line = format!(
+        "chmod +x mc; PATH=$PWD:$PATH; export PATH
+        {} || exit 1
+        mc merge part-*.h5 -o all.h5 --quiet && mc run rho025.toml --paths 5000 -o whole.h5 --quiet && cmp all.h5 whole.h5",
+        line.trim().replace("--paths 1000000", "--paths 5000")
+    );
+    let output = command::shell(here.path(), &line);
     assert!(output.status.success(), "{}{}", text(&output.stdout), text(&output.stderr));
 }

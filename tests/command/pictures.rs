@@ -1,7 +1,7 @@
 //! `mc plot`: the pictures of docs/pictures.md are reproduced, equal pictures have equal bytes, and
 //! what cannot be drawn is refused with a reason.
 
-use crate::command::{mc, shell};
+use crate::command::mc;
 use std::path::{Path, PathBuf};
 
 fn root() -> &'static Path {
@@ -158,20 +158,4 @@ fn every_shipped_scene_can_be_drawn() {
         // A PNG is rasterised from the SVG, so this also tests that the SVG can be parsed.
         done(folder.path(), &["plot", &scenario, "--set", title, "-o", "a.png", "--force"]);
     }
-}
-
-/// `mc show --plot` uses letters that the locale has, and draws only on request.
-#[test]
-fn show_draws_with_letters_that_the_locale_has() {
-    let folder = folder();
-    let run = "\"$0\" run scenarios/rho025.toml --paths 256 --no-bias --quiet -o run.h5";
-    assert!(shell(folder.path(), run).status.success());
-    let shown = |line: &str| String::from_utf8(shell(folder.path(), line).stdout).expect("UTF-8");
-    let plain = shown("LC_ALL=C.UTF-8 \"$0\" show run.h5");
-    let [unicode, ascii] = ["C.UTF-8", "C"].map(|locale| shown(&format!("LC_ALL={locale} \"$0\" show run.h5 --plot")));
-    assert!(!plain.contains('█') && unicode.contains('█') && unicode.contains("sub-phases "), "{unicode}");
-    assert!(
-        ascii.is_ascii() && ascii.contains("########") && ascii.lines().count() == unicode.lines().count(),
-        "{ascii}"
-    );
 }

@@ -16,39 +16,14 @@ fn a_page_is_whole_and_asks_for_nothing() {
     }
     let page = std::fs::read_to_string(folder.path().join("a.html")).expect("UTF-8");
     assert_eq!(page, std::fs::read_to_string(folder.path().join("b.html")).expect("UTF-8"));
-    assert!(page.len() < 3_000_000 && page.ends_with("</html>\n"), "{}", page.len());
-    assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (3, 3));
+    assert!(page.len() < 1_000_000 && page.ends_with("</html>\n"), "{}", page.len());
+    assert_eq!((page.matches("<script").count(), page.matches("</script>").count()), (0, 0));
     assert!(page.contains("default-src 'none'") && page.contains("Warnings") && page.contains("{{data}} &lt;!--"));
     for statistic in stick_slip::stats::Statistic::asked_by(&stick_slip::stats::Record::NOTHING) {
         assert!(page.contains(&format!("<td>{}</td>", statistic.words())), "{}", statistic.name());
     }
-    assert!(page.contains("<section id=\"path\">") && page.contains("src=\"data:image/svg+xml;base64,"));
-    // What hovering shows is read from this data.
-    let (_, data) = page.split_once("id=\"data\">").expect("the data");
-    let (data, _) = data.split_once("</script>").expect("its end");
-    assert!(!data.contains('<'));
-    let data: serde_json::Value = serde_json::from_str(data).expect("JSON");
-    let column = |table: &str, name: &str| -> Vec<f64> {
-        let columns = data[table].as_array().expect("columns");
-        let column = columns.iter().find(|column| column[0] == name).expect("the column");
-        column[1].as_array().expect("values").iter().map(|value| value.as_f64().unwrap_or(f64::NAN)).collect()
-    };
-    let file = hdf5::File::open(folder.path().join("run.h5")).expect("HDF5");
-    for (table, name, variable) in [
-        ("fan", "displacement_mean", "displacement_mean"),
-        ("static", "static_probability_high", "static_probability_high"),
-        ("survival", "survival", "stick_duration_survival"),
-        ("periods", "mean_low", "displacement_period_mean_low"),
-    ] {
-        let stored: Vec<f64> = file.dataset(variable).and_then(|dataset| dataset.read_raw()).expect("numbers");
-        let shown = column(table, name);
-        // Empty bins below the shortest stick are left out.
-        assert!(shown.len() == stored.len() || (name == "survival" && shown.len() > 20), "{name}");
-        let stored = &stored[stored.len() - shown.len()..];
-        // The parser of JSON that is used here may be off by the last digit.
-        let is_near = |(a, b): (&f64, &f64)| (a - b).abs() <= 2.0 * f64::EPSILON * b.abs();
-        assert!(shown.iter().zip(stored).all(is_near), "{name}");
-    }
+    assert_eq!(page.matches("src=\"data:image/svg+xml;base64,").count(), 5);
+    assert!(page.contains("<code>mc show run.h5 --format csv</code>") && page.contains("How to cite"));
 }
 
 /// A sweep, a trade, a calibration and a forecast have pages without scripts, with their tables and

@@ -50,7 +50,7 @@ struct Source {
 
 impl Source {
     fn read() -> Source {
-        let places = ["src", "tests", "benches", "experiments", "examples"].map(Path::new);
+        let places = ["src", "tests", "benches", "examples"].map(Path::new);
         let files: Vec<_> = places.iter().flat_map(|place| all(place)).collect();
         let mut known: BTreeSet<String> =
             words(&std::fs::read_to_string(root().join("Cargo.toml")).expect("a manifest"));

@@ -13,7 +13,6 @@ mod synthetic;
 mod failing_writes;
 mod file_contents;
 mod foreign_files;
-mod forged_files;
 mod full_disk;
 mod hostile;
 mod resume;

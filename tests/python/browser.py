@@ -1,13 +1,12 @@
 """Test a report in a real browser without a window: `browser.py RUN.h5 REPORT.html`.
 
-What hovering and the keyboard show is compared with what h5py reads from the file. The page must
-not load anything and not print anything on the console. The browser is controlled through its
+It has the title and the statistics of the file, and pictures that can be drawn. The page must not
+load anything and not print anything on the console. The browser is controlled through its
 debugging pipe, which needs no package.
 """
 
 import json
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -109,102 +108,24 @@ class Browser:
         self.child.wait(timeout=30)
 
 
-def numbers(text):
-    """The lines "name value" of a tooltip as numbers by name."""
-    pairs = re.findall(r"^(\w+) (none|[\u2212\d.e+-]+)$", text.replace(", ", "\n"), re.M)
-    return {
-        name: None if value == "none" else float(value.replace("\u2212", "-"))
-        for name, value in pairs
-    }
-
-
-def hold(told, file, row, columns):
-    for name, dataset in columns.items():
-        values = dataset[:]
-        expected = values[row]
-        assert name in told, (name, told)
-        if told[name] is None:
-            assert not (expected == expected and abs(expected) != float("inf")), (name, expected)
-        else:
-            assert told[name] == expected, (name, told[name], expected)
-
-
 def main(run, report):
     size = os.path.getsize(report)
-    assert size < 3_000_000, f"{size} bytes"
+    assert size < 1_000_000, f"{size} bytes"
     browser = Browser()
     milliseconds = browser.open(report)
     with h5py.File(run) as file:
         title = file.attrs["title"]
         assert browser.value("document.title") == title, browser.value("document.title")
         assert browser.value("document.querySelector('h1').textContent") == title
-        charts = browser.value(
-            "[...document.querySelectorAll('.chart')].map(c => [c.parentNode.id, c.querySelectorAll('svg path').length])"
-        )
-        names = [name for name, _ in charts]
-        assert names == [
-            "displacement",
-            "static",
-            "survival",
-            "durations",
-            "sub-phases",
-            "periods",
-        ], names
-        assert all(paths > 10 for _, paths in charts), charts
-        assert browser.value("document.querySelectorAll('#statistics tbody tr').length") == len(
-            file["statistic"]
-        )
-
-        quantile = file["displacement_quantile"]
-        fan = {"time": file["time"], "displacement_mean": file["displacement_mean"]}
-        # Hover over the middle of the chart, whichever row is nearest to it.
-        browser.value("document.getElementById('displacement').scrollIntoView({block: 'center'})")
-        box = browser.value(
-            "(r => [r.x, r.y, r.width, r.height])(document.querySelector('#displacement .chart').getBoundingClientRect())"
-        )
-        x, y = box[0] + box[2] * 0.5, box[1] + box[3] * 0.5
-        for dx in (0, 1):
-            browser.call("Input.dispatchMouseEvent", type="mouseMoved", x=x + dx, y=y)
-        time.sleep(0.3)
-        tip = browser.value(
-            "[...document.querySelectorAll('#displacement svg text')].map(t => t.textContent).join('\\n')"
-        )
-        told = numbers(tip)
-        rows = [i for i, t in enumerate(file["time"][:]) if t == told.get("time")]
-        assert len(rows) == 1 and 0 < rows[0] < len(file["time"]) - 1, (tip, told)
-        hold(told, file, rows[0], fan)
-        assert told["displacement_q95"] == quantile[4, rows[0]]
-
-        # Use the keyboard: from the first value to the fourth, then to the last.
-        def keys(chart, pressed):
-            browser.value(f"document.querySelector('#{chart} .chart').focus()")
-            for key in pressed:
-                browser.call("Input.dispatchKeyEvent", type="keyDown", key=key, code=key)
-                browser.call("Input.dispatchKeyEvent", type="keyUp", key=key, code=key)
-            return numbers(browser.value(f"document.querySelector('#{chart} .told').textContent"))
-
-        hold(keys("displacement", ["Home"] + ["ArrowRight"] * 3), file, 3, fan)
-        survival = {
-            "duration": file["duration_bin"],
-            "survival": file["stick_duration_survival"],
-            "count": file["stick_duration_count"],
-            "survival_low": file["stick_duration_survival_low"],
-            "survival_high": file["stick_duration_survival_high"],
-        }
-        hold(keys("survival", ["End", "ArrowLeft"]), file, -2, survival)
-        shares = {
-            "k": file["sub_phase"],
-            "share": file["sub_phase_share"],
-            "share_high": file["sub_phase_share_high"],
-        }
-        hold(keys("sub-phases", ["Home", "ArrowRight"]), file, 1, shares)
-
-    # Use the buttons: linear and logarithmic, light and dark. Downloads are made without a request.
-    browser.value("[...document.querySelectorAll('button')].forEach(b => b.click())")
-    browser.value("document.getElementById('theme').click()")
+        rows = browser.value("document.querySelector('table tbody').rows.length")
+        assert rows == len(file["statistic"]), rows
+    pictures = browser.value(
+        "Promise.all([...document.images].map(i => i.decode().then(() => i.naturalWidth)))"
+    )
+    assert len(pictures) >= 4 and min(pictures) > 100, pictures
     # A hostile title would set this variable.
     assert browser.value("typeof window.stolen") == "undefined"
-    assert browser.value("[...document.scripts].length") == 3
+    assert browser.value("document.scripts.length") == 0
     browser.close()
     complaints = [
         e
@@ -224,7 +145,7 @@ def main(run, report):
     ]
     assert not others, others
     print(
-        f"{report}: {len(charts)} charts, {size} bytes, loaded in {milliseconds} ms, hovering and keys show what the file says"
+f"{report}: {len(pictures)} pictures, {size} bytes, loaded in {milliseconds} ms"
     )
 
 

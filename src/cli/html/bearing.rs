@@ -1,7 +1,7 @@
 //! The page of a bearing: what a calibration found, and what a forecast expects, in words for
 //! readers who did not make them.
 
-use super::study::{Part, StudyPage};
+use super::page::{Page, Part};
 use crate::cli::calibrate_report::sources;
 use crate::cli::document::JsonWarning;
 use crate::cli::numbers::{Digits, grouped, percent, significant, time};
@@ -32,7 +32,7 @@ pub fn page(stored: &StoredCalibration, before: Vec<Part>, warnings: Vec<JsonWar
     let parts = before.into_iter().chain(found).chain(pictures);
     let ends =
         [Part::Words("What is not in it", LEFT_OUT.to_string()), Part::Lines("How it was found", sources(calibration))];
-    let page = StudyPage {
+    let page = Page {
         title,
         about: about(calibration),
         warnings: own.chain(warnings).collect(),

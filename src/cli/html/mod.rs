@@ -1,45 +1,30 @@
-//! `mc report`: writes a file as one page for a browser, with its table, its warnings and, for a run,
-//! charts that respond to mouse and keyboard. The page needs no network.
+//! `mc report`: writes a file as one page for a browser, with its table, its warnings and its
+//! pictures. The page has no script and needs no network.
 //!
 //! ```text
-//! page.html   the skeleton of the page, with {{placeholders}} that this module fills
-//! study.html  that of a sweep, a trade, a calibration and a forecast, with pictures for charts
+//! page        what a page consists of, as HTML
+//! page.html   the skeleton of the page, with {{placeholders}}
 //! style.css   the style for light and dark screens and for paper
-//! charts.js   the charts, which Apache ECharts (assets/echarts) draws
-//! data        the numbers of the file, as JSON
+//! bearing     the page of a calibration and of a forecast
 //! ```
 
 pub mod bearing;
-mod data;
-pub mod study;
+pub mod page;
 
 use super::document::JsonWarning;
 use super::failure::{Failure, note, writable};
 use super::files;
 use super::report::{self, RunInfo};
 use super::{results, sweep_report, trade_report};
-use base64::Engine as _;
-use sha2::{Digest as _, Sha256};
+use page::{Page, Part};
 use std::path::PathBuf;
-use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
-use stick_slip::figure::{FIGURES, Only, Style, Subject, escaped};
-use stick_slip::scenario::Scenario;
+use stick_slip::figure::{FIGURES, Style, Subject, escaped};
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
-use study::{Part, StudyPage};
-
-const EXAMPLES: &str = "\
-Examples:
-  mc report rho025.h5                      rho025.html, for any browser
-  mc report rho025.h5 -o report.html --force
-  mc report fit.h5                         a calibration, with its pictures
-  mc forecast bridge.toml data.csv -o bridge.html
-
-The page is one file. It works without a network, asks for nothing, and sends nothing.";
 
 /// Arguments of `mc report`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("../help/report.txt"))]
 pub struct Report {
     /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
     file: PathBuf,
@@ -51,29 +36,44 @@ pub struct Report {
     force: bool,
 }
 
-const PAGE: &str = include_str!("page.html");
-const STYLE: &str = include_str!("style.css");
-const CHARTS: &str = include_str!("charts.js");
-const ECHARTS: &str = include_str!("../../../assets/echarts/echarts.min.js");
-
 impl Report {
     pub fn call(&self) -> Result<(), Failure> {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
         writable(&output, self.force, [self.file.as_path()])?;
         let page = match files::read(&self.file, store::content)? {
-            Content::Run(stored) => {
-                let scenario = results::scenario("scenario", &stored, &[]).ok();
-                let info = super::show::info(&self.file, &stored, scenario.as_ref());
-                page(&stored, scenario.as_ref(), &info)
-            }
+            Content::Run(stored) => self.page_of_run(&stored),
             Content::Calibration(stored) => bearing::page(&stored, Vec::new(), Vec::new()),
             Content::Sweep(stored) => self.page_of_sweep(*stored)?,
-            Content::Trade(stored) => self.page_of_trade(&stored)?,
+            Content::Trade(stored) => self.page_of_trade(&stored),
         };
         store::write_whole(&output, page.as_bytes(), self.force)?;
         note(&format!("{}: {} kB", output.display(), page.len() / 1000));
         Ok(())
+    }
+
+    fn page_of_run(&self, stored: &Stored) -> String {
+        let Stored { summary, header, .. } = stored;
+        let scenario = results::scenario("scenario", stored, &[]).ok();
+        let info = super::show::info(&self.file, stored, scenario.as_ref());
+        let subject = scenario.as_ref().map(|scenario| Subject::Run { scenario, summary, path: 0 });
+        let statistics = report::all_rows(summary, &header.units);
+        let numbers = format!(
+            "The single path is the one with number 0. `mc show {} --format csv` prints the statistics with all digits, and the \
+             curves are variables of the file.",
+            self.file.display()
+        );
+        let before = [Part::Table("Statistics", statistics, INTERVALS.to_string()), Part::Words("Pictures", numbers)];
+        let cite = Part::Words("How to cite", report::citation(stored).join(" "));
+        let page = Page {
+            title: &header.title,
+            about: report::table(summary, &info).lines().nth(1).unwrap_or_default().to_string(),
+            warnings: results::warnings(summary, scenario.as_ref()),
+            parts: before.into_iter().chain(subject.iter().flat_map(pictures)).chain([cite]).collect(),
+            scenario: &header.scenario_text,
+            provenance: provenance(stored, &info),
+        };
+        page.html()
     }
 
     fn page_of_sweep(&self, stored: StoredSweep) -> Result<String, Failure> {
@@ -85,7 +85,7 @@ impl Report {
         let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
         let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
         let parts = std::iter::once(Part::Lines("Results", in_words(rest.trim())));
-        let page = StudyPage {
+        let page = Page {
             title,
             about: about.to_string(),
             warnings: sweep_report::remarks(&sweep)
@@ -99,53 +99,34 @@ impl Report {
         Ok(page.html())
     }
 
-    fn page_of_trade(&self, stored: &StoredTrade) -> Result<String, Failure> {
-        let prices = files::read(&self.file, |path| store::read_prices(path, None))?;
-        let table = trade_report::stored_rows(stored, Statistic::words);
+    fn page_of_trade(&self, stored: &StoredTrade) -> String {
+        let (table, prices) = (trade_report::stored_rows(stored, Statistic::words), stored.prices(None));
         let parts = std::iter::once(Part::Table("Cheapest runs", table, trade_report::LEGEND.to_string()));
-        let page = StudyPage {
-            title: &stored.title,
+        let page = Page {
+            title: &stored.scenario.title,
             about: "what accuracy costs".to_string(),
             warnings: Vec::new(),
-            parts: parts.chain(pictures(&Subject::Trade(&prices))).collect(),
-            scenario: &stored.scenario_text,
+            parts: parts.chain(prices.iter().flat_map(|prices| pictures(&Subject::Trade(prices)))).collect(),
+            scenario: &stored.scenario.to_toml(),
             provenance: vec![("file", self.file.display().to_string())],
         };
-        Ok(page.html())
+        page.html()
     }
 }
 
-/// The figures of a subject, one after the other.
+/// What stands below the statistics of a run.
+const INTERVALS: &str = "Intervals have 95 %, with the path as the unit. A bias is that of the time step: the estimate less its \
+                         value without one; the corrected estimate is shown where the bias exceeds its uncertainty.";
+
+/// The figures of a subject, one after the other. The panels of an overview are in the others.
 fn pictures(subject: &Subject) -> Vec<Part> {
-    FIGURES.iter().filter_map(|figure| figure.draw(subject, &Style::default()).ok()).map(Part::Picture).collect()
+    let figures = FIGURES.iter().filter(|figure| figure.name != "overview");
+    figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).map(Part::Picture).collect()
 }
 
 /// The program that wrote a file; this one if it was no other.
 fn program(other: Option<&str>) -> String {
-    other.map_or_else(|| format!("mc {PROGRAM_VERSION} ({GIT_HASH})"), |other| format!("mc {other}"))
-}
-
-/// The page as HTML.
-fn page(stored: &Stored, scenario: Option<&Scenario>, info: &RunInfo) -> String {
-    let summary = &stored.summary;
-    let header = &stored.header;
-    let about = report::table(summary, info).lines().nth(1).unwrap_or_default().to_string();
-    let places = [
-        ("policy", policy()),
-        ("title", escaped(&header.title)),
-        ("style", STYLE.to_string()),
-        ("about", escaped(&about)),
-        ("warnings", list_of_warnings(&results::warnings(summary, scenario))),
-        ("statistics", rows(&report::cells(summary, &info.provenance.units))),
-        ("path", scenario.and_then(|scenario| path(stored, scenario)).unwrap_or_default()),
-        ("scenario", escaped(&header.scenario_text)),
-        ("provenance", provenance(stored, info)),
-        ("cite", cite(stored)),
-        ("data", data::json(stored, info)),
-        ("echarts", ECHARTS.to_string()),
-        ("charts", CHARTS.to_string()),
-    ];
-    filled(PAGE, &places)
+    other.map_or_else(|| format!("mc {}", crate::cli::version()), |other| format!("mc {other}"))
 }
 
 /// The skeleton with all placeholders filled. They are filled in one pass, so that a placeholder
@@ -161,18 +142,6 @@ fn filled(skeleton: &str, places: &[(&str, String)]) -> String {
         out.push_str(rest);
     }
     out
-}
-
-/// The content security policy: nothing may be loaded, and only the two scripts that are part of
-/// the program may run.
-fn policy() -> String {
-    let hash = |script: &str| base64::engine::general_purpose::STANDARD.encode(Sha256::digest(script.as_bytes()));
-    format!(
-        "default-src 'none'; script-src 'sha256-{}' 'sha256-{}'; style-src 'unsafe-inline'; img-src data:; base-uri 'none'; \
-         form-action 'none'",
-        hash(ECHARTS),
-        hash(CHARTS)
-    )
 }
 
 fn list_of_warnings(warnings: &[JsonWarning]) -> String {
@@ -208,14 +177,6 @@ fn marked(text: &str) -> String {
     parts.iter().enumerate().map(|(i, part)| format!("{part}{}", tag(i))).collect()
 }
 
-/// The first path of the run, simulated again; none if it was lost.
-fn path(stored: &Stored, scenario: &Scenario) -> Option<String> {
-    let subject = Subject::Run { scenario, summary: &stored.summary, path: 0 };
-    let drawing = Only::named("path").ok()?.draw(&subject, &Style::default()).ok()?;
-    let picture = Part::Picture(drawing).html();
-    Some(format!("<section id=\"path\"><h2>One path, the one with number 0</h2>{picture}</section>"))
-}
-
 /// The rows of the table as HTML. The first row holds the headings.
 fn rows(cells: &[Vec<String>]) -> String {
     let row = |cells: &Vec<String>, tag: &str| {
@@ -232,7 +193,7 @@ fn rows(cells: &[Vec<String>]) -> String {
     format!("<thead>{}</thead><tbody>{body}</tbody>", row(head, "th"))
 }
 
-fn provenance(stored: &Stored, info: &RunInfo) -> String {
+fn provenance(stored: &Stored, info: &RunInfo) -> Vec<(&'static str, String)> {
     let header = &stored.header;
     let own = [
         ("file", info.file.clone()),
@@ -242,17 +203,12 @@ fn provenance(stored: &Stored, info: &RunInfo) -> String {
     ];
     let remarks = report::remarks(&stored.summary, info);
     let remarks = remarks.into_iter().filter(|(term, _)| *term != "file").map(|(term, text)| (term.trim(), text));
-    terms(&own.into_iter().chain(remarks).collect::<Vec<_>>())
+    own.into_iter().chain(remarks).collect()
 }
 
 /// Terms and what they are, as the inside of a list.
 fn terms(of: &[(&str, String)]) -> String {
     of.iter().map(|(term, text)| format!("<dt>{term}</dt><dd>{}</dd>", marked(text))).collect()
-}
-
-/// How to cite the run.
-fn cite(stored: &Stored) -> String {
-    report::citation(stored).map(|sentence| format!("<p>{}</p>", escaped(&sentence))).concat()
 }
 
 #[cfg(test)]
@@ -269,15 +225,5 @@ mod tests {
     #[test]
     fn texts_cannot_end_what_they_stand_in() {
         assert_eq!(escaped("</script>&\"'\u{0}\u{7f}\n"), "&lt;/script&gt;&amp;&quot;&#39;\u{fffd}\u{fffd}\n");
-    }
-
-    /// The policy allows exactly two scripts, each by its hash, and no other source of scripts.
-    #[test]
-    fn the_policy_names_the_scripts_that_are_there() {
-        let policy = policy();
-        assert!(policy.starts_with("default-src 'none';") && policy.matches("'sha256-").count() == 2, "{policy}");
-        assert!(!policy.contains("unsafe-eval") && !policy.contains("http"), "{policy}");
-        // A script that contains the end tag of its own element would be cut there.
-        assert!(!CHARTS.contains("</script") && !ECHARTS.contains("</script"));
     }
 }

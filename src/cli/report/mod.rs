@@ -5,22 +5,18 @@
 //! statistics   the rows of the table
 //! remarks      the remarks below the table
 //! bias         the bias of the step: its cells in the table, and the warning where it dominates
-//! plots        stick durations and sub-phases as bars made of letters
 //! json         everything as JSON for programs
 //! csv          statistics of several files or points, a line each
 //! citation     how to cite a run
 //! comparison   several files as one table, with their differences
-//! fits         laws that were fitted to a distribution
 //! ```
 
 mod bias;
 mod citation;
 mod comparison;
 mod csv;
-mod fits;
 mod info;
 mod json;
-mod plots;
 mod remarks;
 #[cfg(test)]
 mod sample;
@@ -30,12 +26,10 @@ pub use bias::{bias_cells, dominating_bias};
 pub use citation::citation;
 pub use comparison::{compared, comparison};
 pub use csv::Csv;
-pub use fits::{fits_json, fits_table};
 pub use info::RunInfo;
 pub use json::json;
-pub use plots::plots;
 pub use remarks::{lost, remarks, too_few, unsettled};
-pub use statistics::{cells, rows};
+pub use statistics::{all_rows, rows};
 
 use super::numbers::{counted, fitted};
 use statistics::statistics;

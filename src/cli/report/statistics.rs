@@ -7,10 +7,9 @@ use crate::cli::terminal::columns;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Summary};
 
-/// The cells of the table, row by row, headings first.
-pub fn cells(summary: &Summary, units: &Units) -> Vec<Vec<String>> {
-    let lines = table(summary, units, |_| true).into_iter().map(Line::with_reason);
-    lines.map(|Row { cells, note }| cells.into_iter().chain([note]).collect()).collect()
+/// The rows of all statistics, headings first. What does not exist has the reason.
+pub fn all_rows(summary: &Summary, units: &Units) -> Vec<Row> {
+    table(summary, units, |_| true).into_iter().map(Line::with_reason).collect()
 }
 
 /// The rows of the statistics that exist, headings first.

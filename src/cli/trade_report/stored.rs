@@ -6,36 +6,43 @@ use crate::cli::numbers::{grouped, percent, significant, time};
 use crate::cli::table::{Row, aligned};
 use serde_json::{Value, json};
 use stick_slip::stats::Statistic;
-use stick_slip::store::{Cheapest, CheapestRun, StoredTrade};
+use stick_slip::store::StoredTrade;
+use stick_slip::study::trade::{Choice, TARGETS};
 
 /// What the columns mean.
 pub const LEGEND: &str = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are\n\
                           antithetic pairs. `none`: no run that was measured or predicted reaches it.";
 
+/// The cheapest run for each statistic and target; none if no run reaches the target.
+fn cheapest(stored: &StoredTrade) -> impl Iterator<Item = (Statistic, f64, Option<Choice>)> {
+    let of = |statistic, target| (statistic, target, stored.trade.best(None, &[statistic], target).ok());
+    Statistic::ALL.into_iter().flat_map(move |statistic| TARGETS.map(|target| of(statistic, target)))
+}
+
 /// The table for people: the cheapest run for each statistic and target.
 pub fn stored_table(trade: &StoredTrade) -> String {
-    format!("{}\n\n{}\n{LEGEND}\n", trade.title, aligned(&stored_rows(trade, Statistic::name), "  "))
+    format!("{}\n\n{}\n{LEGEND}\n", trade.scenario.title, aligned(&stored_rows(trade, Statistic::name), "  "))
 }
 
 /// The rows of the table, headings first, with statistics as `named`.
 pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static str) -> Vec<Row> {
     let mut rows = vec![Row::labelled("statistic", ["error", "scheme", "step or tolerance", "paths", "CPU time"])];
     let mut last = None;
-    for Cheapest { statistic, target, run } in &trade.cheapest {
-        let cells = match run {
-            Some(CheapestRun { scheme, paths, is_antithetic, seconds }) => {
-                let pairs = if *is_antithetic { " p" } else { "" };
+    for (statistic, target, cheapest) in cheapest(trade) {
+        let cells = match cheapest {
+            Some(Choice { scheme, paths, is_antithetic, seconds, .. }) => {
+                let pairs = if is_antithetic { " p" } else { "" };
                 [
                     scheme.name().to_string(),
                     significant(scheme.parameter(), 3),
-                    format!("{}{pairs}", grouped(*paths)),
-                    time(*seconds),
+                    format!("{}{pairs}", grouped(paths)),
+                    time(seconds),
                 ]
             }
             None => ["none", "", "", ""].map(String::from),
         };
-        let name = if last == Some(statistic) { "" } else { named(*statistic) };
-        rows.push(Row::labelled(name, std::iter::once(percent(*target)).chain(cells)));
+        let name = if last == Some(statistic) { "" } else { named(statistic) };
+        rows.push(Row::labelled(name, std::iter::once(percent(target)).chain(cells)));
         last = Some(statistic);
     }
     rows
@@ -43,8 +50,8 @@ pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static st
 
 /// The JSON object for programs.
 pub fn stored_json(trade: &StoredTrade, file: &str) -> String {
-    let each = trade.cheapest.iter().map(|Cheapest { statistic, target, run }| {
-        let run = run.map(|CheapestRun { scheme, paths, is_antithetic, seconds }| {
+    let each = cheapest(trade).map(|(statistic, target, run)| {
+        let run = run.map(|Choice { scheme, paths, is_antithetic, seconds, .. }| {
             json!({
                 "scheme": scheme.name(),
                 "step": scheme.step(),
@@ -57,5 +64,5 @@ pub fn stored_json(trade: &StoredTrade, file: &str) -> String {
         json!({ "statistic": statistic.name(), "target": target, "run": run })
     });
     let cheapest: Vec<Value> = each.collect();
-    document("stored trade", json!({ "title": trade.title, "file": file, "cheapest": cheapest }))
+    document("stored trade", json!({ "title": trade.scenario.title, "file": file, "cheapest": cheapest }))
 }

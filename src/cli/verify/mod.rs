@@ -16,22 +16,12 @@ use std::path::PathBuf;
 use std::time::Duration;
 use stick_slip::store::{self, Difference, FileKind, Sealed};
 
-const EXAMPLES: &str = "\
-Examples:
-  mc verify rho025.h5
-  mc verify rho025.h5 --blocks 100          a larger sample
-  mc verify rho025.h5 --blocks all          everything; takes as long as the run
-
-A block is 256 paths of a run, or one point of a sweep. Without --blocks, everything is computed again if that takes a \
-few seconds, and else a sample that is drawn at random, anew each time. Exit code 1 if the file is damaged, or if one of \
-its numbers differs from the one that its scenario gives.";
-
 /// How long a file may take to be computed again as a whole if nobody asked for that.
 const UNASKED: Duration = Duration::from_secs(5);
 
 /// Arguments of `mc verify`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLES)]
+#[command(after_help = include_str!("../help/verify.txt"))]
 pub struct Verify {
     /// A file of results: of a run or a part of one, a sweep, a trade or a calibration
     file: PathBuf,

@@ -10,7 +10,6 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stick_slip::bearing::calibration::calibrate_again;
 use stick_slip::engine::Provenance;
-use stick_slip::scenario::Scenario;
 use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
 use stick_slip::study::sweep::{Sweep, SweepSimulation};
 
@@ -62,10 +61,7 @@ impl Verify {
 
     /// Check a trade: everything that follows from its measurements is computed again.
     pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
-        let name = self.file.display().to_string();
-        let scenario = Scenario::parse_stored(&name, &stored.scenario_text, &[], stored.series.as_ref())?;
-        let trade = store::read_rungs(&self.file, &scenario)?;
-        let verified = store::verify_trade(&self.file, &Provenance::of(&scenario), &trade)?;
+        let verified = store::verify_trade(&self.file, &Provenance::of(&stored.scenario), &stored.trade)?;
         Ok(Checked {
             simulated: "nothing: times cannot be measured twice, and estimates depend on the time that there was"
                 .into(),
@@ -83,13 +79,6 @@ impl Verify {
     /// Check a calibration: the fit is repeated with the record that is in the file.
     pub(super) fn calibration(&self, stored: StoredCalibration) -> Result<Checked, Failure> {
         let other_program = stored.other_program.clone();
-        if !stored.is_repeatable {
-            let cause = "the file has format 1.0, which does not keep all that was asked";
-            return Err(Failure::Run(format!(
-                "{}: the fit cannot be repeated: {cause}\n  fix: calibrate again",
-                self.file.display()
-            )));
-        }
         let again = calibrate_again(&stored.calibration, self.threads.number(), &AtomicBool::new(false));
         let again = again.map_err(|error| Failure::Run(format!("{}: {error}", self.file.display())))?;
         let again = StoredCalibration::of(&stored.title, &stored.scenario_text, again);

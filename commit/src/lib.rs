@@ -1,27 +1,38 @@
-//! Makes the commit available to the program as MC_GIT_HASH. It is "unknown" without git, or
-//! outside the repository of this package. Where the commit does not say what the program was built
-//! from, a fingerprint of the sources follows: two programs of different sources must not pass for
-//! the same, because their numbers may differ.
+//! The commit that a program is built from, for its `main`. It is "unknown" without git, or outside
+//! the repository of this package. Where the commit does not say what the program was built from, a
+//! fingerprint of the sources follows: two programs of different sources must not pass for the
+//! same, because their numbers may differ.
 
+use proc_macro::TokenStream;
 use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What the program is built from. `target` is not among it, because it changes with every build.
-const SOURCES: [&str; 5] = ["build.rs", "Cargo.toml", "Cargo.lock", "src", "scenarios"];
+const SOURCES: [&str; 4] = ["Cargo.toml", "Cargo.lock", "src", "scenarios"];
 
-fn main() {
-    let root = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
-    for watched in SOURCES {
-        watch(&root.join(watched));
-    }
-    let hash = match commit(&root) {
+/// The commit as a text. The argument is the path from the package that is compiled to the folder
+/// of the sources, such as `".."`.
+///
+/// What is compiled with the text is compiled again after every commit, and whenever the library
+/// is, on which it depends.
+#[proc_macro]
+pub fn commit(from: TokenStream) -> TokenStream {
+    let package = PathBuf::from(env::var_os("CARGO_MANIFEST_DIR").unwrap_or_default());
+    let root = package.join(from.to_string().trim_matches('"'));
+    let text = match commit_of(&root) {
         Some((hash, false)) => hash,
         Some((hash, true)) => format!("{hash}-dirty-{}", fingerprint(&root)),
         None => format!("unknown-{}", fingerprint(&root)),
     };
-    println!("cargo:rustc-env=MC_GIT_HASH={hash}");
+    // Git writes a line to this log whenever HEAD moves.
+    let log = git(&root, &["rev-parse", "--git-path", "logs/HEAD"]).map(|path| root.join(path));
+    let watch = log
+        .filter(|log| log.is_file())
+        .and_then(|log| log.canonicalize().ok())
+        .map_or_else(String::new, |log| format!("const _: &[u8] = include_bytes!({log:?});"));
+    format!("{{ {watch} {text:?} }}").parse().unwrap_or_default()
 }
 
 /// A fingerprint of the sources, FNV-1a of their names and contents in 64 bits.
@@ -52,31 +63,16 @@ fn list(path: &Path, files: &mut Vec<PathBuf>) {
 }
 
 /// The commit, and whether the sources are others than its own.
-fn commit(root: &Path) -> Option<(String, bool)> {
+fn commit_of(root: &Path) -> Option<(String, bool)> {
     // An unpacked copy of this package inside another repository has no commit of its own.
     let top = git(root, &["rev-parse", "--show-toplevel"])?;
     if Path::new(&top).canonicalize().ok()? != root.canonicalize().ok()? {
         return None;
     }
-    let branch = git(root, &["symbolic-ref", "-q", "HEAD"]);
-    // The log changes with every commit, even if the branch has no file of its own because it is
-    // packed.
-    for name in ["HEAD", "logs/HEAD", "packed-refs"].into_iter().chain(branch.as_deref()) {
-        if let Some(path) = git(root, &["rev-parse", "--git-path", name]) {
-            watch(&root.join(path));
-        }
-    }
     let hash = git(root, &["rev-parse", "--short=12", "HEAD"])?;
-    let changes = git(root, &["status", "--porcelain", "--untracked-files=no"])?;
+    let sources = [&["status", "--porcelain", "--untracked-files=no", "--"], &SOURCES[..]].concat();
+    let changes = git(root, &sources)?;
     Some((hash, !changes.is_empty()))
-}
-
-/// Makes cargo run this script again when the path changes. A path that does not exist is left out,
-/// because cargo would run the script at every build.
-fn watch(path: &Path) {
-    if path.exists() {
-        println!("cargo:rerun-if-changed={}", path.display());
-    }
 }
 
 fn git(root: &Path, arguments: &[&str]) -> Option<String> {

@@ -1,12 +1,13 @@
-//! The page of a study: tables and pictures, without charts that respond.
+//! A page: what it consists of, and how that is written as HTML.
 
-use super::{STYLE, filled, list_of_warnings, marked, rows, terms};
+use super::{filled, list_of_warnings, marked, rows, terms};
 use crate::cli::document::JsonWarning;
 use crate::cli::table::Row;
 use base64::Engine as _;
 use stick_slip::figure::{self, Drawing, escaped};
 
-const PAGE: &str = include_str!("study.html");
+const PAGE: &str = include_str!("page.html");
+const STYLE: &str = include_str!("style.css");
 
 /// What a page shows, in order.
 pub enum Part {
@@ -20,8 +21,8 @@ pub enum Part {
     Picture(Drawing),
 }
 
-/// The page of a study.
-pub struct StudyPage<'a> {
+/// The page of a file.
+pub struct Page<'a> {
     pub title: &'a str,
     pub about: String,
     pub warnings: Vec<JsonWarning>,
@@ -30,7 +31,7 @@ pub struct StudyPage<'a> {
     pub provenance: Vec<(&'a str, String)>,
 }
 
-impl StudyPage<'_> {
+impl Page<'_> {
     /// The page as HTML.
     pub fn html(&self) -> String {
         let parts: String = self.parts.iter().map(Part::html).collect();
@@ -50,7 +51,7 @@ impl StudyPage<'_> {
 }
 
 impl Part {
-    pub(super) fn html(&self) -> String {
+    fn html(&self) -> String {
         match self {
             Part::Table(heading, table, below) => {
                 let cells = |row: &Row| row.cells.iter().chain([&row.note]).cloned().collect();
