@@ -58,6 +58,7 @@ use clap::Parser as _;
 use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
 use stick_slip::engine::{GIT_HASH, PROGRAM_VERSION};
+use stick_slip::ensemble::guarded;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 
@@ -168,7 +169,7 @@ pub fn main(ranks: Option<&'static dyn Ranks>) -> ExitCode {
     ranks.into_iter().for_each(ranks::share_with);
     match Arguments::try_parse() {
         Ok(arguments) => {
-            let done = arguments.call();
+            let done = guarded(|| arguments.call()).unwrap_or_else(|flaw| Err(flaw.into()));
             say_what_stays();
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }

@@ -7,7 +7,7 @@ use super::crew::Threads;
 use super::ending::Endings;
 use super::{Asked, BiasReport, Crew, EndedBy, Outcome, Part, Progress, RunError, Sink, Status, Work};
 use crate::bias::NoBias;
-use crate::ensemble::{MOST_THREADS, check_threads};
+use crate::ensemble::{MOST_THREADS, check_threads, guarded};
 use crate::scenario::Scenario;
 use crate::stats::{Companion as _, Goal, RunTotals, Summary, Tallied, Tally};
 use crate::sums::{Measurement, Merge};
@@ -195,11 +195,14 @@ impl<'a> Run<'a> {
             stops: alarm.stops(),
             outlet: course.outlet(),
         };
-        let done = alarm.watching(|| crew.simulate(&work, &mut |portion| course.deliver(portion)))?;
-        let blocks = work.blocks.start + done;
+        let done = alarm.watching(|| guarded(|| crew.simulate(&work, &mut |portion| course.deliver(portion))));
+        let (blocks, mut flaw) = match done {
+            Ok(done) => (work.blocks.start + done?, None),
+            Err(flaw) => (course.done(), Some(flaw)),
+        };
         let is_whole = blocks >= self.asked.blocks().end;
         let is_stopped = || stop.load(Ordering::Relaxed);
-        if !is_whole && course.ended_by.is_none() && course.broken.is_none() && !is_stopped() {
+        if !is_whole && course.ended_by.is_none() && course.broken.is_none() && flaw.is_none() && !is_stopped() {
             // Only the time limit remains as a reason for which blocks were given up.
             course.ended_by = Some(EndedBy::TimeLimit { blocks });
         }
@@ -207,14 +210,18 @@ impl<'a> Run<'a> {
 
         let mut summary = course.totals.totals().summary();
         let mut bias = BiasReport::default();
-        if course.broken.is_none() && self.asked.with_bias && self.asked.part.is_none() {
+        if course.broken.is_none() && flaw.is_none() && self.asked.with_bias && self.asked.part.is_none() {
             // The alarm looks at the flag only from time to time, so it is checked here as well.
             alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
             let paths = summary.completed_paths;
-            bias = alarm.watching(|| self.add_bias(paths, &alarm.end, course.progress(), &mut summary));
+            let estimate = || self.add_bias(paths, &alarm.end, course.progress(), &mut summary);
+            match alarm.watching(|| guarded(estimate)) {
+                Ok(report) => bias = report,
+                Err(found) => flaw = Some(found),
+            }
         }
         let status = match course.ended_by {
-            _ if course.broken.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {
+            _ if course.broken.is_some() || flaw.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {
                 Status::Interrupted
             }
             Some(_) => Status::Ended,
@@ -232,7 +239,10 @@ impl<'a> Run<'a> {
         outcome.seconds = clock.spent().as_secs_f64();
         match course.broken {
             Some(error) => Err(RunError::Sink { error, outcome: Some(Box::new(outcome)) }),
-            None => Ok(outcome.with_tally(course.totals.own())),
+            None => match flaw {
+                Some(flaw) => Err(RunError::Flaw { flaw, outcome: Box::new(outcome) }),
+                None => Ok(outcome.with_tally(course.totals.own())),
+            },
         }
     }
 
