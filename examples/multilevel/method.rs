@@ -24,7 +24,7 @@ use stick_slip::ensemble::{BLOCK_SIZE, Plan, in_order};
 use stick_slip::model::Model;
 use stick_slip::scheme::{CorrectedVi, Scheme, Simulate as _, Timeline};
 use stick_slip::stats::{BlockResult, PathColumns, Record, Statistic};
-use stick_slip::sums::Moments;
+use stick_slip::sums::{Merge as _, Moments};
 
 /// Blocks of a new level, simulated before anything is known of its variance.
 const PILOT_BLOCKS: u64 = 4;

@@ -3,6 +3,7 @@
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use stick_slip::config::{Fault, ScenarioError};
+use stick_slip::ensemble::{self, Flaw};
 
 /// An exception of the class `class` of `stickslip.errors`, with these attributes.
 fn exception(
@@ -71,4 +72,15 @@ pub fn of_run(py: Python<'_>, problem: &str, remedy: &str) -> PyErr {
         keywords.set_item("problem", bare(problem))?;
         keywords.set_item("remedy", remedy)
     })
+}
+
+/// The exception for a panic in the engine.
+pub fn of_flaw(py: Python<'_>, flaw: &Flaw) -> PyErr {
+    of_run(py, &flaw.to_string(), Flaw::REMEDY)
+}
+
+/// Does some work, whose panic is an exception like any other failure. That of PyO3 is none that
+/// `except Exception` catches.
+pub fn guarded<R>(py: Python<'_>, work: impl FnOnce() -> PyResult<R>) -> PyResult<R> {
+    ensemble::guarded(work).unwrap_or_else(|flaw| Err(of_flaw(py, &flaw)))
 }

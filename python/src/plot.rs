@@ -106,7 +106,11 @@ fn damaged(py: Python<'_>, problem: &str) -> PyErr {
     errors::of_argument(py, "subject", "a data set", problem, remedy)
 }
 
-fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) -> PyResult<Picture> {
+fn draw(py: Python<'_>, subject: &Subject, drawn: Drawn) -> PyResult<Picture> {
+    errors::guarded(py, || drawn_as(py, subject, drawn))
+}
+
+fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) -> PyResult<Picture> {
     if !(60.0..=400.0).contains(&width) {
         let value = width.to_string();
         return Err(errors::of_argument(

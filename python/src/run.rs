@@ -179,6 +179,7 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
             Err(error) => errors::of_run(py, &error.to_string(), "report it"),
         },
         RunError::Threads(error) => errors::of_run(py, &error.to_string(), ThreadsError::REMEDY),
+        RunError::Flaw { flaw, .. } => errors::of_flaw(py, &flaw),
         RunError::Overlap(error) => errors::of_run(py, &error.to_string(), "report it"),
     }
 }

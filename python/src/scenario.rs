@@ -137,7 +137,7 @@ pub fn parse(
     });
     let samples = series.transpose()?.map(|series| (Arc::new(series), are_stored));
     let source = Source { name, text, overrides, samples, shipped };
-    let checked = source.parse(&[]).map_err(wrong)?;
+    let checked = errors::guarded(py, || source.parse(&[]).map_err(wrong))?;
     Ok(Scenario { checked, source })
 }
 

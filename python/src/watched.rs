@@ -1,6 +1,7 @@
 //! Does work on another thread, while the thread that Python called from handles Ctrl-C and reports
 //! how far the work has come.
 
+use crate::errors;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::sync::Mutex;
@@ -9,6 +10,7 @@ use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 use stick_slip::engine::Progress;
+use stick_slip::ensemble::{Flaw, guarded};
 
 /// The longest time until a signal is handled. The engine then gives the blocks in work another
 /// 0.15 s.
@@ -52,7 +54,7 @@ pub fn watched<T: Send>(
         thread::scope(|scope| {
             let (sender, receiver) = channel();
             let watch = &watch;
-            scope.spawn(move || sender.send(work(watch)));
+            scope.spawn(move || sender.send(guarded(|| work(watch))));
             let (mut tick, mut reported) = (0_u64, 0);
             loop {
                 tick += 1;
@@ -82,8 +84,8 @@ pub fn watched<T: Send>(
     let is_interrupt = |error: &PyErr| error.is_instance_of::<PyKeyboardInterrupt>(py);
     match (result, failure) {
         (_, Some(error)) if !is_interrupt(&error) => Err(error),
-        (Ok(result), failure) => Ok((result, failure.is_some())),
-        // The work has panicked, and its message is on standard error.
-        (Err(_), _) => Err(pyo3::exceptions::PyRuntimeError::new_err("a flaw in the program")),
+        (Ok(Ok(result)), failure) => Ok((result, failure.is_some())),
+        (Ok(Err(flaw)), _) => Err(errors::of_flaw(py, &flaw)),
+        (Err(_), _) => Err(errors::of_run(py, "the work has ended without a result", Flaw::REMEDY)),
     }
 }

@@ -55,6 +55,7 @@ use clap::Parser as _;
 use std::io::{self, IsTerminal as _};
 use std::process::ExitCode;
 use stick_slip::engine::{PROGRAM_VERSION, commit};
+use stick_slip::ensemble::guarded;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 
@@ -135,7 +136,7 @@ verbs! {
 pub fn main() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
-            let done = arguments.verb.call();
+            let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));
             say_what_stays();
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }

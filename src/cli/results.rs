@@ -7,6 +7,7 @@ use super::{Failure, report};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
+use stick_slip::ensemble::Flaw;
 use stick_slip::saved::SavedError;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Summary;
@@ -80,8 +81,15 @@ impl From<RunError> for Failure {
                 Err(error) => Failure::Run(error.to_string()),
             },
             RunError::Threads(error) => super::threads::refused(error),
+            RunError::Flaw { flaw, .. } => flaw.into(),
             RunError::Overlap(_) => Failure::Run(error.to_string()),
         }
+    }
+}
+
+impl From<Flaw> for Failure {
+    fn from(flaw: Flaw) -> Self {
+        Failure::run(flaw, Flaw::REMEDY)
     }
 }
 

@@ -8,7 +8,7 @@ use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, r
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, Status};
-use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::ensemble::{BLOCK_SIZE, Flaw};
 use stick_slip::model::Model;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
@@ -97,6 +97,18 @@ impl<'a> Sitting<'a> {
                     self.print(&outcome)?;
                 }
                 Err(RunError::Sink { error, outcome: None }.into())
+            }
+            Err(RunError::Flaw { flaw, outcome }) => {
+                if outcome.summary.completed_paths == 0 {
+                    return Err(flaw.into());
+                }
+                let info = self.print(&outcome)?;
+                let kept = match self.leaves {
+                    Leaves::Run => format!("the paths before are saved; mc show {} prints them", self.output.display()),
+                    Leaves::File => format!("the paths before are in {}", info.file),
+                    Leaves::Nothing => "nothing is written".to_string(),
+                };
+                Err(Failure::run(format!("{flaw}\n  {kept}"), Flaw::REMEDY))
             }
             Err(error) => Err(error.into()),
         }

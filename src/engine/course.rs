@@ -41,6 +41,8 @@ pub(super) struct Course<'r, 's, X> {
     pub ended_by: Option<EndedBy>,
     /// The error of a sink, which ends the run as well.
     pub broken: Option<SinkError>,
+    /// Whether a portion is being taken. After a panic, the totals may then be half done.
+    is_taking: bool,
 }
 
 impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
@@ -53,15 +55,14 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         sinks: Vec<&'s mut dyn Sink>,
         totals: RunTotals<X>,
     ) -> Self {
-        Course { asked, endings, halt, clock, progress, sinks, totals, ended_by: None, broken: None }
+        Course { asked, endings, halt, clock, progress, sinks, totals, ended_by: None, broken: None, is_taking: false }
     }
 
     /// The blocks that are left. None are if an earlier process reached the end of the run, and was
     /// interrupted before it could finish.
     pub fn left(&mut self) -> Range<u64> {
         let Range { start, end } = self.asked.blocks();
-        // Blocks are done in order, so those that are done are the first ones.
-        let first = self.totals.blocks().last().map_or(start, |done| done.end);
+        let first = self.done();
         match self.look(first) {
             Look::Stop(reason) if first > start => {
                 self.ended_by = Some(reason);
@@ -69,6 +70,12 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
             }
             _ => first..end,
         }
+    }
+
+    /// The number of the first block that is not done. Blocks are done in order, so those that are
+    /// done are the first ones.
+    pub fn done(&self) -> u64 {
+        self.totals.blocks().last().map_or(self.asked.blocks().start, |done| done.end)
     }
 
     /// Whether the run ends after this many blocks.
@@ -88,6 +95,13 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
 
     /// Take the next block, and say whether more are wanted.
     pub fn deliver(&mut self, block: Delivered<X>) -> Result<ControlFlow<()>, RunError> {
+        self.is_taking = true;
+        let taken = self.take(block);
+        self.is_taking = false;
+        taken
+    }
+
+    fn take(&mut self, block: Delivered<X>) -> Result<ControlFlow<()>, RunError> {
         let Delivered { index, result, beside, .. } = block;
         let end = index + 1;
         let handed = self.sinks.iter_mut().try_for_each(|sink| sink.block(&result));
@@ -127,7 +141,7 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
     /// No more blocks come after this one.
     pub fn settle(&mut self, end: u64) {
         self.totals.settle();
-        if self.broken.is_none() {
+        if self.broken.is_none() && !self.is_taking {
             self.broken = self.save(end, true).err();
         }
     }

@@ -1,7 +1,7 @@
 //! The errors of a run.
 
 use super::{Outcome, SinkError};
-use crate::ensemble::ThreadsError;
+use crate::ensemble::{Flaw, ThreadsError};
 use crate::sums::Overlap;
 
 /// Why a run has no outcome, or why its outcome could not be stored.
@@ -18,6 +18,15 @@ pub enum RunError {
     /// There are not so many threads to share the work. Nothing was begun.
     #[error("{0}")]
     Threads(#[from] ThreadsError),
+    /// A thread has panicked. The blocks before were passed to the sinks like those of a run that is
+    /// interrupted.
+    #[error("{flaw}")]
+    Flaw {
+        /// The panic.
+        flaw: Flaw,
+        /// The outcome of the paths that were simulated before.
+        outcome: Box<Outcome>,
+    },
     /// A block was delivered twice, which is a flaw in this program.
     #[error("a flaw in the program: {0}")]
     Overlap(#[from] Overlap),

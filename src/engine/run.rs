@@ -6,7 +6,7 @@ use super::course::{Clock, Course};
 use super::ending::Endings;
 use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink, Status};
 use crate::bias::NoBias;
-use crate::ensemble::{MOST_THREADS, check_threads};
+use crate::ensemble::{MOST_THREADS, check_threads, guarded};
 use crate::scenario::Scenario;
 use crate::stats::{Companion, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
 use crate::sums::Measurement;
@@ -179,12 +179,15 @@ impl<'a> Run<'a> {
         let left = course.left();
         let done = alarm.watching(|| {
             let deliver = |block| course.deliver(block);
-            plan.run_beside(companion, left.clone(), self.threads, alarm.stops(), deliver)
-        })?;
-        let blocks = left.start + done;
+            guarded(|| plan.run_beside(companion, left.clone(), self.threads, alarm.stops(), deliver))
+        });
+        let (blocks, mut flaw) = match done {
+            Ok(done) => (left.start + done?, None),
+            Err(flaw) => (course.done(), Some(flaw)),
+        };
         let is_whole = blocks >= self.asked.blocks().end;
         let is_stopped = || stop.load(Ordering::Relaxed);
-        if !is_whole && course.ended_by.is_none() && course.broken.is_none() && !is_stopped() {
+        if !is_whole && course.ended_by.is_none() && course.broken.is_none() && flaw.is_none() && !is_stopped() {
             // Only the time limit remains as a reason for which blocks were given up.
             course.ended_by = Some(EndedBy::TimeLimit { blocks });
         }
@@ -192,18 +195,22 @@ impl<'a> Run<'a> {
 
         let mut summary = course.totals.totals().summary();
         let mut bias = BiasReport::default();
-        if course.broken.is_none() && self.asked.with_bias && self.asked.part.is_none() {
+        if course.broken.is_none() && flaw.is_none() && self.asked.with_bias && self.asked.part.is_none() {
             // The alarm looks at the flag only from time to time, so it is checked here as well.
             alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
             let paths = summary.completed_paths;
-            bias = alarm.watching(|| self.add_bias(paths, &alarm.end, course.progress(), &mut summary));
+            let estimate = || self.add_bias(paths, &alarm.end, course.progress(), &mut summary);
+            match alarm.watching(|| guarded(estimate)) {
+                Ok(report) => bias = report,
+                Err(found) => flaw = Some(found),
+            }
         }
         // It takes one path more, for which a run that is interrupted does not wait.
         if course.broken.is_none() && !is_stopped() {
             summary.cycle = LimitCycle::of(self.scenario);
         }
         let status = match course.ended_by {
-            _ if course.broken.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {
+            _ if course.broken.is_some() || flaw.is_some() || bias.absence == Some(NoBias::Stopped) && is_stopped() => {
                 Status::Interrupted
             }
             Some(_) => Status::Ended,
@@ -221,7 +228,10 @@ impl<'a> Run<'a> {
         outcome.seconds = clock.spent().as_secs_f64();
         match course.broken {
             Some(error) => Err(RunError::Sink { error, outcome: Some(Box::new(outcome)) }),
-            None => Ok(outcome.with_tally(course.totals.own())),
+            None => match flaw {
+                Some(flaw) => Err(RunError::Flaw { flaw, outcome: Box::new(outcome) }),
+                None => Ok(outcome.with_tally(course.totals.own())),
+            },
         }
     }
 

@@ -7,11 +7,13 @@
 //! writes them receives the same sequence every time, and a run that is stopped consists of the
 //! first blocks, with none missing in between.
 
+mod flaw;
 mod flight;
 mod in_order;
 mod piece;
 mod threads;
 
+pub use flaw::{Flaw, guarded};
 #[doc(hidden)]
 pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
@@ -19,9 +21,10 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::Model;
 use crate::noise;
-use crate::scheme::{Simulate as _, Simulation, Timeline};
+use crate::scheme::{Observer, Simulate as _, Simulation, Timeline};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
+use flaw::naming;
 use flight::Flight;
 use in_order::PIECES_AHEAD;
 use piece::Piece;
@@ -138,7 +141,7 @@ impl Plan {
         let observers = pieces.iter().map(|piece| self.observers(piece, companion)).collect();
         let mut all = (Flight::<_, { BLOCK_SIZE as usize }>(observers), halt);
         let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
-        let lost = self.simulation.simulate(self.seed, &drawn(&paths, self.antithetic), &mut all);
+        let lost = self.simulated(&paths, &mut all);
         if halt.load(Ordering::Relaxed) {
             return None;
         }
@@ -154,6 +157,17 @@ impl Plan {
             });
         }
         Some(delivered)
+    }
+
+    /// Simulate these paths. Returns the lanes of those that are lost. A panic says which paths they
+    /// were.
+    fn simulated(&self, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
+        let doing = || match paths {
+            [first, .., last] => format!("in the simulation of paths {first} to {last}"),
+            [path] => format!("in the simulation of path {path}"),
+            [] => String::new(),
+        };
+        naming(doing, || self.simulation.simulate(self.seed, &drawn(paths, self.antithetic), observer))
     }
 
     /// How many blocks are in memory at a time, at most: those that are simulated, and finished
@@ -203,7 +217,7 @@ impl Plan {
     ) -> Option<(BlockResult, C::Sums)> {
         loop {
             let mut all = (self.observers(&piece, companion), halt);
-            let lost = self.simulation.simulate(self.seed, &drawn(&piece.kept, self.antithetic), &mut all);
+            let lost = self.simulated(&piece.kept, &mut all);
             if halt.load(Ordering::Relaxed) {
                 return None;
             }

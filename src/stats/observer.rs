@@ -279,6 +279,7 @@ mod tests {
     use super::*;
     use crate::stats::synthetic::{Path, model, observe, slip, stick, turn};
     use crate::stats::{Statistic, Summary};
+    use crate::sums::Merge as _;
     use rand_distr::{Distribution, StandardNormal, StandardUniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;

@@ -158,6 +158,7 @@ impl PeriodDisplacementsFold {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sums::Merge as _;
 
     /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, with mean 0. a is 1, 1, -2. b is
     /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. The influences on the standard deviation

@@ -243,6 +243,7 @@ impl Measure for PeriodSums {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sums::Merge as _;
     use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64Dxsm;

@@ -43,6 +43,7 @@ mod tests {
     use crate::scheme::Timeline;
     use crate::stats::Record;
     use crate::stats::synthetic::{Path, estimate, observe};
+    use crate::sums::Merge as _;
     use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, StandardNormal};
     use rand_pcg::Pcg64Dxsm;

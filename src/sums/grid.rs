@@ -16,6 +16,10 @@ const INDEX_BITS: i32 = 45;
 /// The finest level that is used.
 const LOWEST: i32 = -900;
 
+/// Numbers beyond this size have no cell: at the coarsest level, the width of a cell and its inverse
+/// are still normal.
+const FARTHEST: f64 = f64::from_bits((1000 + 1023) << 52);
+
 /// The cells along one axis: `cells` of them from `first` on.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Axis {
@@ -133,8 +137,10 @@ impl Grid {
         self.counts.chunks(self.batches)
     }
 
-    /// Count these pairs, whose numbers are finite, each so many times and with its batch.
+    /// Count these pairs, each so many times and with its batch. A pair is left out if one of its
+    /// numbers is none or is farther than any cell; it is of a path that diverges.
     pub fn count(&mut self, pairs: impl Iterator<Item = ([f64; 2], u64, usize)> + Clone) {
+        let pairs = pairs.filter(|(pair, ..)| pair.iter().all(|number| number.abs() <= FARTHEST));
         let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
         for (pair, ..) in pairs.clone() {
             for (ends, number) in ends.iter_mut().zip(pair) {
@@ -255,6 +261,27 @@ mod tests {
             let mut back = Grid::empty([16, 4], 2);
             back.read(&mut Reader::new(&bytes)).expect("its own bytes");
             prop_assert_eq!(back, whole);
+        }
+    }
+
+    /// Such numbers are observed of paths that diverge, until their block is simulated without them.
+    #[test]
+    fn numbers_that_are_none_or_too_far_are_left_out_and_no_number_panics() {
+        let extreme = [0.0, -0.0, 5e-324, 1.0, FARTHEST, 1e300 * FARTHEST.sqrt(), f64::MAX, f64::INFINITY, f64::NAN];
+        let numbers: Vec<f64> = extreme.iter().flat_map(|x| [*x, -x]).collect();
+        let sound = numbers.iter().filter(|x| x.abs() <= FARTHEST).count() as u64;
+        let count = |grid: &Grid| grid.cells().flatten().sum::<u64>();
+        for first in &numbers {
+            let mut grid = Grid::empty([16, 4], 2);
+            for x in &numbers {
+                grid.count([([*first, 1.0], 1, 0), ([*x, *first], 1, 1)].into_iter());
+            }
+            let of_first = if first.abs() <= FARTHEST { sound + numbers.len() as u64 } else { 0 };
+            assert_eq!(count(&grid), of_first, "{first}");
+            let mut whole = Grid::empty([16, 4], 2);
+            whole.count(numbers.iter().map(|x| ([*x, *x], 1, 0)));
+            whole.merge(&grid);
+            assert_eq!(count(&whole), of_first + sound, "{first}");
         }
     }
 

@@ -87,6 +87,7 @@ impl Fourths {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sums::Merge as _;
 
     /// y = 2, 5, 5 over x = 1, 2, 3 has the ratio 2 and the influences 0, 1 and -1: the sum of
     /// their squares is 2, that of their fourth powers too, and 2/f = 2/4 - 1/3. So f is 12, but no

@@ -101,6 +101,7 @@ impl SpreadMoments {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sums::Merge as _;
     use crate::sums::coverage::Coverage;
     use rand_distr::{Distribution, Exp1, Normal, StandardNormal};
     use rand_pcg::Pcg64Dxsm;

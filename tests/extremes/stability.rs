@@ -19,6 +19,7 @@ use std::f64::consts::PI;
 use stick_slip::advice::{Class, Warning};
 use stick_slip::config::Override;
 use stick_slip::model::{Event, EventKind};
+use stick_slip::noise::AddressedDraws;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Simulate as _;
 use stick_slip::stats::Summary;
@@ -192,4 +193,38 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
             }
         }
     }
+}
+
+/// Everything that can be measured, in scenes whose step is too long: force, step and seed are drawn
+/// (seed 51). A block is observed until its end, whatever becomes of its paths, and they are then
+/// left out of every number: so no state of theirs, however far or none, is in the way.
+#[test]
+fn paths_that_diverge_are_counted_whatever_is_measured() {
+    let text = stick_slip::config::shipped("rho025").expect("shipped").text;
+    let forces = ["-0.1*x^3", "-x^5", "exp(x)", "-0.2*xdot^3", "x*xdot", "-sinh(x)", "0"];
+    let measures = ["density", "laws", "energy", "spectrum", "events", "paths"].map(|key| format!("record.{key}=true"));
+    let (mut draws, mut diverged) = (AddressedDraws::new(51, 0), 0);
+    let mut one_of = |count: usize| (draws.uniform() * count as f64) as usize;
+    for round in 0..60 {
+        let (force, step) = (forces[one_of(forces.len())], ["0.02", "0.1", "0.5", "2"][one_of(4)]);
+        let scheme = ["discrete-vi", "corrected-vi"][one_of(2)];
+        let mut set = vec![
+            format!("force.expression=\"{force}\""),
+            format!("time.step={step}"),
+            format!("scheme.kind=\"{scheme}\""),
+            format!("ensemble.seed={round}"),
+            "time.end=200".to_string(),
+            "time.output_step=20".to_string(),
+            "ensemble.paths=64".to_string(),
+            "record.trajectories=3".to_string(),
+        ];
+        set.extend(measures.clone());
+        let overrides: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
+        let scenario = Scenario::parse("rho025", text, &overrides).unwrap_or_else(|e| panic!("{e}\n{set:?}"));
+        let summary = scenario.plan().run(1);
+        assert_eq!(summary.completed_paths, 64, "{set:?}");
+        diverged += summary.diverged.len();
+    }
+    println!("{diverged} of {} paths diverged", 60 * 64);
+    assert!((1000..3600).contains(&diverged), "{diverged}");
 }

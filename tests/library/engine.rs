@@ -6,8 +6,11 @@ use std::time::Duration;
 use stick_slip::config::Override;
 use stick_slip::engine::{EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status};
 use stick_slip::ensemble::BLOCK_SIZE;
+use stick_slip::noise::AddressedDraws;
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{BlockResult, Goal, Statistic};
+use stick_slip::stats::{BlockResult, Goal, PathMeans, PathState, Statistic, Tally};
+use stick_slip::store::{FileSink, Unfinished};
+use stick_slip::sums::Measurement;
 
 fn scenario(paths: u64, set: &[&str]) -> Scenario {
     let mut all = vec!["time.end=20", "time.step=0.02", "time.output_step=5"];
@@ -169,4 +172,55 @@ fn a_raised_flag_leaves_the_first_blocks_and_an_interrupted_outcome() {
     assert!((3..=3 + 2 * 8).contains(&blocks), "{blocks}");
     let whole = Run::of(&scenario).paths(blocks * BLOCK_SIZE).without_bias().simulate().expect("no sink");
     assert_eq!(shown(&whole), shown(&outcome));
+}
+
+/// A statistic that panics at the path which ends with this displacement.
+struct Planned(f64);
+
+impl Tally<1> for Planned {
+    type Path = ();
+
+    fn start(&self, _: AddressedDraws) {}
+
+    fn row(&self, (): &mut (), state: PathState) {
+        assert!(state.displacement != self.0, "planned");
+    }
+
+    fn end(&self, (): (), _: PathState) -> [f64; 1] {
+        [0.0]
+    }
+
+    fn estimate(&self, paths: &PathMeans<1>) -> Measurement {
+        paths.mean(0)
+    }
+}
+
+/// What a panic leaves of a run is what Ctrl-C leaves: the blocks before are saved, and the run that
+/// is continued from there has the bits of one that was never interrupted.
+#[test]
+fn a_panic_of_a_thread_ends_a_run_with_an_error_and_keeps_the_blocks_before() {
+    let (scenario, folder) = (
+        scenario(5 * BLOCK_SIZE, &["record.paths=true", "record.events=true"]),
+        tempfile::tempdir().expect("a folder"),
+    );
+    let target = |name: &str| folder.path().join(name);
+    let ends = scenario.plan().replay(3 * BLOCK_SIZE + 17).path_columns.expect("they are recorded");
+    let planned = Planned(ends.displacement_end[0]);
+    for threads in [1, 2] {
+        let file = target(&format!("{threads}.h5"));
+        let mut sink = FileSink::new(&file, false);
+        let failed = Run::of(&scenario).threads(threads).into_sink(&mut sink).tallied(&planned).map(drop);
+        let Err(RunError::Flaw { flaw, outcome }) = failed else { panic!("{failed:?}") };
+        assert_eq!(flaw.message, "planned");
+        assert_eq!(flaw.doing, "in the simulation of paths 768 to 1023");
+        assert!(flaw.place.starts_with("tests/library/engine.rs:"), "{flaw}");
+        assert_eq!((outcome.status, outcome.summary.completed_paths), (Status::Interrupted, 3 * BLOCK_SIZE));
+        drop(sink);
+        let left = FileSink::go_on(&file, false).expect("it is saved").expect("it is not finished");
+        let Unfinished { question, so_far, mut sink } = left;
+        assert_eq!(sink.saved_paths(), 3 * BLOCK_SIZE);
+        let whole = Run::of(&scenario).asked(question.asked).into_sink(&mut sink).go_on(so_far).expect("it goes on");
+        let uncut = Run::of(&scenario).simulate().expect("no sink");
+        assert_eq!(shown(&whole), shown(&uncut));
+    }
 }

@@ -180,6 +180,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         densities: None,
         spectrum: None,
         extremes: None,
+        cycle: None,
         asked: Statistic::ALL.to_vec(),
         sub_phases: SubPhaseCounts {
             counts: vec![7, 2, 1],

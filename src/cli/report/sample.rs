@@ -60,6 +60,7 @@ pub fn summary() -> Summary {
         densities: None,
         spectrum: None,
         extremes: None,
+        cycle: None,
         asked: Statistic::asked_by(&Record::NOTHING),
         sub_phases: SubPhaseCounts {
             counts: vec![100_000, 42_000],
