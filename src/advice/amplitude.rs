@@ -10,7 +10,7 @@
 //!
 //! The explicit step has (e^{sh} - 1)/h in the place of s. So where a forcing is faster than the
 //! step resolves, the scheme may take it for a slow one, and the body follows it. The free
-//! oscillation starts from the difference between the initial state x0, x'(0) = 0 and the forced
+//! oscillation starts from the difference between the initial state x0, x'(0) and the forced
 //! motion, or from a later start at rest with |b| = f_s while the forced motion passes.
 
 use crate::model::{Complex, InitialNoise, Model, Noise, Oscillator};
@@ -28,12 +28,14 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     let Model { oscillator, friction, temperature, initial_displacement: x0, .. } = model;
     let w0 = oscillator.natural_frequency();
     let force = model.force_bound(NEVER_SD, end);
-    if force <= friction.static_force {
+    let v0 = model.initial_velocity;
+    if force <= friction.static_force && v0 == 0.0 {
         return x0.abs();
     }
     if oscillator.stiffness == 0.0 {
         // Without a spring, what is left of the force accelerates the body throughout.
-        return x0.abs() + (force - friction.dynamic_force) / oscillator.mass * end * end / 2.0;
+        let driven = (force - friction.dynamic_force).max(0.0) / oscillator.mass * end * end / 2.0;
+        return x0.abs() + driven + v0.abs() * end;
     }
     // The displacement per unit of temperature at which the spring balances it.
     let dilatation = oscillator.rest_position(1.0);
@@ -72,7 +74,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         most_y += dilatation.abs() * temperature.trend.abs() / w0;
     }
     let noise = temperature.noises().map(|noise| noise_amplitude(model, &noise, end, step)).sum::<f64>();
-    most_x + (x0 - x).hypot(y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + noise
+    most_x + (x0 - x).hypot(v0 / w0 - y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + noise
 }
 
 /// H at p, limited to `most` at resonance.

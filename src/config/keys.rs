@@ -166,7 +166,8 @@ keys! {
         PARAMETERS = table("parameters");
     }
     "initial" {
-        DISPLACEMENT = number("displacement", "x0", "x(0); x'(0) = 0", Range::Any);
+        DISPLACEMENT = number("displacement", "x0", "x(0)", Range::Any);
+        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Range::Any);
     }
     "bearing" {
         BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Range::Positive);

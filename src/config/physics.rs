@@ -67,7 +67,8 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         None => table.number(keys::DISPLACEMENT),
     };
     let Forced { oscillator, force, written: written_force } = force(sources, root, oscillator);
-    let model = Model { oscillator, friction, temperature, force, initial_displacement };
+    let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
+    let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
     Physics { model, measured, is_balanced, written_force }
 }
 

@@ -153,6 +153,9 @@ fn physics(text: &mut String, scenario: &Scenario) {
     } else {
         number(text, keys::DISPLACEMENT, model.initial_displacement);
     }
+    if model.initial_velocity != 0.0 {
+        number(text, keys::VELOCITY, model.initial_velocity);
+    }
 }
 
 fn force(text: &mut String, expression: &Expression) {

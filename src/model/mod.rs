@@ -66,8 +66,11 @@ pub struct Model {
     pub temperature: Temperature,
     /// A force of the user's own, g(x, x', t), which is added to b.
     pub force: Option<Force>,
-    /// x(0), a length; the velocity starts at zero.
+    /// x(0), a length.
     pub initial_displacement: f64,
+    /// x'(0), a length per time. A body that moves at t = 0 is in its first dynamic phase, and its
+    /// first static phase is empty.
+    pub initial_velocity: f64,
 }
 
 impl Model {
@@ -80,14 +83,5 @@ impl Model {
     /// g(x, x', t), the force of the user's own, if there is one.
     pub fn own_force(&self, time: f64, displacement: f64, velocity: f64) -> Option<f64> {
         Some(self.force.as_ref()?.at(InstructionSet::detect(), displacement, velocity, time))
-    }
-
-    /// T at an event, from the force there; its mean where it does not act on the body.
-    pub fn temperature_at(&self, event: &Event) -> f64 {
-        let Event { time, displacement, force, .. } = *event;
-        match self.oscillator.force_per_temperature() {
-            0.0 => self.temperature.mean(time),
-            c => (force - self.total_force(time, 0.0, displacement, 0.0)) / c,
-        }
     }
 }

@@ -16,5 +16,6 @@ pub(crate) fn paper(w: f64, rho: f64) -> Model {
         },
         force: None,
         initial_displacement: 6.0,
+        initial_velocity: 0.0,
     }
 }

@@ -37,6 +37,7 @@ prop_compose! {
         harmonics in proptest::collection::vec((signed(), size(), signed()), 0..4),
         (noise, second_noise) in (proptest::option::of(noise()), proptest::option::of(noise())),
         initial_displacement in signed(),
+        initial_velocity in prop_oneof![3 => Just(0.0), 1 => signed()],
     ) -> Model {
         let harmonic = |(amplitude, angular_frequency, phase)| Harmonic { amplitude, angular_frequency, phase };
         Model {
@@ -45,6 +46,7 @@ prop_compose! {
             temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, second_noise: noise.and(second_noise), noise },
             force: None,
             initial_displacement,
+            initial_velocity,
         }
     }
 }

@@ -102,6 +102,10 @@ impl Method for QuasiStatic {
                 "leaves no spring to swing, and in the quasi-static recursion a slip is a swing of the spring";
             return Err(Misfit::new(&[("oscillator.stiffness", stiffness)], problem, remedy));
         }
+        if model.initial_velocity != 0.0 {
+            let problem = "throws the body, and in the quasi-static recursion every slip starts from rest";
+            return Err(Misfit::new(&[("initial.velocity", model.initial_velocity)], problem, remedy));
+        }
         if damping < 0.0 {
             let problem = "lets a swing grow, and in the quasi-static recursion every slip ends with its first swing";
             return Err(Misfit::new(&[("oscillator.damping", damping)], problem, remedy));

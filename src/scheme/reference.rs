@@ -17,7 +17,7 @@ pub fn reference_path(
     mut normal: impl FnMut() -> f64,
     mut on_event: impl FnMut(Event),
 ) -> (f64, f64) {
-    let Model { oscillator, friction, temperature, initial_displacement, .. } = model;
+    let Model { oscillator, friction, temperature, initial_displacement, initial_velocity, .. } = model;
     let (h_over_m, f_s, f_d) = (h / oscillator.mass, friction.static_force, friction.dynamic_force);
     let noise = temperature.effective_noise();
     let transition = noise.map(|noise| Transition::new(noise.relaxation_rate, noise.diffusion, h));
@@ -34,11 +34,12 @@ pub fn reference_path(
         model.total_force(time, temperature.deterministic(time) + rho * eta, x, v)
     };
 
-    let (mut x, mut v) = (*initial_displacement, 0.0);
+    let (mut x, mut v) = (*initial_displacement, *initial_velocity);
     let mut b = force(0, x, v, eta);
-    let mut is_static = b.abs() <= f_s;
+    let mut is_static = v == 0.0 && b.abs() <= f_s;
     if !is_static {
-        on_event(Event { kind: EventKind::SlipStarted(Sign::of(b)), time: 0.0, displacement: x, force: b });
+        let direction = Sign::of(if v == 0.0 { b } else { v });
+        on_event(Event { kind: EventKind::SlipStarted(direction), time: 0.0, displacement: x, force: b });
     }
     for n in 0..steps {
         let s = v + h_over_m * b;

@@ -36,15 +36,16 @@ impl Certain {
     };
 
     pub fn of(model: &Model, timeline: &Timeline) -> Self {
-        let Model { oscillator, friction, temperature, initial_displacement, .. } = model;
+        let Model { oscillator, friction, temperature, initial_displacement, initial_velocity, .. } = model;
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
-        let start = oscillator.force_per_temperature() == 0.0 || temperature.noises().all(is_given);
+        let is_thrown = *initial_velocity != 0.0;
+        let start = is_thrown || oscillator.force_per_temperature() == 0.0 || temperature.noises().all(is_given);
         let force = model.total_force(0.0, temperature.mean(0.0), *initial_displacement, 0.0);
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
         Certain {
             everything: !is_random || timeline.end == 0.0,
             start,
-            first_stick: start && force.abs() > friction.static_force,
+            first_stick: is_thrown || start && force.abs() > friction.static_force,
             never_sticks: friction.static_force == 0.0,
             frictionless: friction.dynamic_force == 0.0,
             drift: model.long_run_drift(),

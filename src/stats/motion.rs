@@ -59,10 +59,10 @@ const NODES: [[f64; 2]; 5] = [
 ];
 
 impl MotionFold {
-    /// A path at rest at x0.
+    /// A path at x0 and x'(0).
     pub fn starting_at(model: &Model) -> Self {
         let x = model.initial_displacement;
-        let works = Works { stored: [stored(model, x, 0.0); 2], ..Works::default() };
+        let works = Works { stored: [stored(model, x, model.initial_velocity); 2], ..Works::default() };
         MotionFold { start: x, largest: [0.0; 2], works, travel: 0.0 }
     }
 

@@ -12,6 +12,7 @@ pub fn model() -> Model {
         temperature: Temperature::default(),
         force: None,
         initial_displacement: 6.0,
+        initial_velocity: 0.0,
     }
 }
 

@@ -349,6 +349,7 @@ fn noise_that_hardly_relaxes_takes_bounded_work() {
             temperature: Temperature { noise: Some(noise), ..Temperature::default() },
             force: None,
             initial_displacement: 0.0,
+            initial_velocity: 0.0,
         };
         let line = timeline(40.0, 40.0);
         let mut keep = Keep::lanes(64);

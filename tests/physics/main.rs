@@ -15,4 +15,5 @@ mod motion;
 mod noise;
 mod quasi_static;
 mod series;
+mod thrown;
 mod two_noises;

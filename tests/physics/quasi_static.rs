@@ -249,6 +249,7 @@ fn a_start_outside_the_corridor_swings_from_the_force_it_has() {
         temperature,
         force: None,
         initial_displacement: x0,
+        initial_velocity: 0.0,
     };
     let wave = |amplitude: f64| Temperature {
         harmonics: vec![Harmonic { amplitude, angular_frequency: 1e-9, phase: 0.0 }],
@@ -298,6 +299,7 @@ fn a_stationary_noise_starts_from_the_force_it_has() {
         temperature: Temperature { noise: Some(noise), ..Temperature::default() },
         force: None,
         initial_displacement: 0.0,
+        initial_velocity: 0.0,
     };
     let line = timeline(40.0, 40.0);
     let numbers: Vec<u64> = (0..64).collect();

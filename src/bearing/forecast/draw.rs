@@ -53,6 +53,7 @@ impl DrawnBearing {
             friction: Friction { static_force, dynamic_force: static_force - 0.5 * self.jump * slope },
             force: None,
             initial_displacement: self.dilatation() * temperature.deterministic(0.0),
+            initial_velocity: 0.0,
             temperature,
         }
     }

@@ -21,8 +21,8 @@ pub(super) struct Reader {
 }
 
 impl Reader {
-    /// The phases at t = 0: static where |b| <= f_s; elsewhere the first stick is empty and a slip
-    /// starts.
+    /// The phases at t = 0: static at rest where |b| <= f_s; elsewhere the first stick is empty and
+    /// a slip starts.
     pub(super) fn start(
         kernel: &Kernel,
         state: &Paths,
@@ -32,12 +32,12 @@ impl Reader {
     ) -> Self {
         let mut forceless = Vec::new();
         let phases = (0..paths).map(|lane| {
-            let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
+            let at = state.point(lane);
             let force = kernel.force(&at, forcing, 0);
-            if holds(&kernel.coefficients, force) {
+            if at.velocity == 0.0 && holds(&kernel.coefficients, force) {
                 return Phase::Static;
             }
-            let sign = Sign::of(force);
+            let sign = Sign::of(if at.velocity == 0.0 { force } else { at.velocity });
             let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.displacement, force };
             if !force.is_finite() {
                 forceless.push(lane);

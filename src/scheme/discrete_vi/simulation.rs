@@ -115,7 +115,7 @@ impl Simulate for DiscreteSimulation {
         let bound = divergence_bound(&self.model, self.timeline.end);
         let to_force = self.model.oscillator.force_per_temperature();
         let noise = self.initial_noise(kernel.noise.unit, &mut streams, paths);
-        let mut state = Paths::at_rest(self.model.initial_displacement, &noise);
+        let mut state = Paths::at(self.model.initial_displacement, self.model.initial_velocity, &noise);
         let mut harmonics = [0.0; RUN + 1];
         let mut forcing = [0.0; RUN + 1];
         self.clock.fill(0, &mut harmonics[..1]);
@@ -227,9 +227,10 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let force = thermal + model.own_force_at_start(end);
     let driven = if oscillator.stiffness > 0.0 {
         let growth = 1.0 + oscillator.natural_frequency() * end;
-        growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness
+        let thrown = model.initial_velocity.abs() / oscillator.natural_frequency();
+        growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness + thrown
     } else {
-        (force + friction.static_force) / oscillator.mass * end * end / 2.0
+        (force + friction.static_force) / oscillator.mass * end * end / 2.0 + model.initial_velocity.abs() * end
     };
     let growth = libm::exp(-2.0 * oscillator.damping_rate().min(0.0) * end);
     let reach = model.initial_displacement.abs() + driven;

@@ -160,9 +160,10 @@ impl Paths {
         Point { displacement, velocity, noise: self.noise[lane] }
     }
 
-    /// All paths at x0 with zero velocity, and the given v(0)/unit.
-    pub(super) fn at_rest(displacement: f64, noise: &[f64]) -> Self {
-        Paths { displacement: vec![displacement; noise.len()], velocity: vec![0.0; noise.len()], noise: noise.to_vec() }
+    /// All paths at this x and x', and the given v(0)/unit.
+    pub(super) fn at(displacement: f64, velocity: f64, noise: &[f64]) -> Self {
+        let all = |value: f64| vec![value; noise.len()];
+        Paths { displacement: all(displacement), velocity: all(velocity), noise: noise.to_vec() }
     }
 }
 

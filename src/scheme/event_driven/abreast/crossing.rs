@@ -133,7 +133,7 @@ impl Abreast<'_> {
     pub(super) fn cross_cell(&mut self, cell: &Cell, mut inside: Option<&mut Inside>) {
         let glances = inside.as_ref().map_or(&[][..], |inside| &inside.glances);
         self.begin_cell(cell, glances);
-        if self.go_alone(glances) {
+        if self.go_alone(cell, glances) {
             self.mark_all_odd();
         } else {
             self.run(cell, Sweep);
@@ -182,10 +182,11 @@ impl Abreast<'_> {
     }
 
     /// Whether all paths cross the cell alone: where most of them would have to cross it again
-    /// alone, and for a closer look, which is for few paths.
-    fn go_alone(&self, glances: &[Glance]) -> bool {
+    /// alone, for a closer look, which is for few paths, and where they move at t = 0.
+    fn go_alone(&self, cell: &Cell, glances: &[Glance]) -> bool {
         let are_odd = self.turned_odd * MOST_ODD > self.swept && self.swept > SWEPT;
-        are_odd || glances.iter().any(|glance| glance.is_closer)
+        let are_thrown = cell.index == 0 && self.noisy.scene.initial_velocity != 0.0;
+        are_odd || are_thrown || glances.iter().any(|glance| glance.is_closer)
     }
 
     /// Marks all lanes to cross the cell alone.

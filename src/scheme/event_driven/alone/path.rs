@@ -2,7 +2,7 @@
 
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
-use crate::model::{Event, Phase, Sign};
+use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::Timeline;
 use crate::scheme::event_driven::law::cells::{Cell, EVENT_PLACE, NOISE_PLACE};
@@ -112,6 +112,11 @@ pub fn cross<C: Cascade>(
     let end_noise = noise_at_the_end(cell, path);
     path.draws = path.draws.at(cell.index, EVENT_PLACE);
     path.after = 0.0;
+    if cell.index == 0 && cascade.scene().initial_velocity != 0.0 {
+        let event = thrown(cascade.scene(), path);
+        (path.force, path.phase, path.motion) = (event.force, event.kind.phase(), cascade.motion_after(&event));
+        emit(event);
+    }
     loop {
         let event = match path.phase {
             Phase::Static => stick(cascade, cell, path, end_noise, pending, watch)?,
@@ -126,6 +131,17 @@ pub fn cross<C: Cascade>(
     }
     path.noise = end_noise;
     Ok(())
+}
+
+/// The start of a path that moves at t = 0.
+#[cold]
+fn thrown<M>(scene: &Scene, path: &Path<M>) -> Event {
+    let (x, v) = (path.displacement, scene.initial_velocity);
+    let mut force = path.force - 2.0 * scene.oscillator.damping * v;
+    if scene.has_own_force() {
+        force += scene.own_force(x, v, 0.0) - scene.own_force(x, 0.0, 0.0);
+    }
+    Event { kind: EventKind::SlipStarted(Sign::of(v)), time: 0.0, displacement: x, force }
 }
 
 /// Draws n at the end of a cell, given n at its start: the next value of the skeleton.

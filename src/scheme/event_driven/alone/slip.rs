@@ -84,8 +84,11 @@ impl Cascade for Noisy {
         Slip { noisy: self, cell, direction, end_noise }.go_on(path, scratch, watch)
     }
 
-    fn motion_after(&self, _: &Event) -> f64 {
-        0.0
+    fn motion_after(&self, event: &Event) -> f64 {
+        match event.kind {
+            EventKind::SlipStarted(_) if event.time == 0.0 => self.scene.initial_velocity,
+            _ => 0.0,
+        }
     }
 
     fn look(&self, path: &Path<f64>, _: &Cell) -> (f64, f64) {

@@ -33,6 +33,7 @@ pub struct Scene {
     pub friction: Friction,
     /// x(0).
     pub initial_displacement: f64,
+    pub initial_velocity: f64,
     /// The harmonics of B(t). Where the temperature has a constant or a trend, or was measured, the
     /// last one represents the straight line of the current cell (see [`Scene::set_line`]).
     pub harmonics: Vec<ForceHarmonic>,
@@ -101,6 +102,7 @@ impl Scene {
             oscillator,
             friction: model.friction,
             initial_displacement: model.initial_displacement,
+            initial_velocity: model.initial_velocity,
             harmonics,
             line,
             series,

@@ -141,7 +141,16 @@ impl Noiseless {
         let terms = self.terms_at(ExactTime::ZERO);
         let displacement = self.model.initial_displacement;
         let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
-        self.stick(ExactTime::ZERO, displacement, force, terms, work)
+        let velocity = self.model.initial_velocity;
+        if velocity == 0.0 {
+            return self.stick(ExactTime::ZERO, displacement, force, terms, work);
+        }
+        // A body that moves at t = 0: its first stick is empty.
+        let force = force - 2.0 * self.model.oscillator.damping * velocity;
+        let kind = EventKind::SlipStarted(Sign::of(velocity));
+        let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
+        let (start, phase, line) = (ExactTime::ZERO, Phase::Static, 0.0);
+        Ok(Leg { start, displacement, velocity: 0.0, force, terms, line, phase, end })
     }
 
     /// The leg that follows `leg`.
@@ -153,7 +162,10 @@ impl Noiseless {
         match (end, leg.phase) {
             (End::Event(event), _) => match event.kind.phase() {
                 Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
-                Phase::Slip(sign) => self.slip(start, event.displacement, (0.0, event.force), terms, sign, work),
+                Phase::Slip(sign) => {
+                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
+                    self.slip(start, event.displacement, (velocity, event.force), terms, sign, work)
+                }
             },
             (End::Cut, Phase::Static) => {
                 let force = self.force_at_rest(start, &terms, leg.displacement);

@@ -155,8 +155,18 @@ impl GeneralNoiseless {
 
     fn initial_stretch(&self, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
         let displacement = self.model.initial_displacement;
-        let force = self.force_at_rest(ExactTime::ZERO, displacement, work)?;
-        self.stick(ExactTime::ZERO, displacement, force, work)
+        let velocity = self.model.initial_velocity;
+        if velocity == 0.0 {
+            let force = self.force_at_rest(ExactTime::ZERO, displacement, work)?;
+            return self.stick(ExactTime::ZERO, displacement, force, work);
+        }
+        // A body that moves at t = 0: its first stick is empty.
+        let temperature = self.forces.near(ExactTime::ZERO);
+        let force = self.forces.at(&temperature, displacement, velocity, 0.0);
+        let kind = EventKind::SlipStarted(Sign::of(velocity));
+        let end = Some((0.0, StretchEnd::Event(Event { kind, time: 0.0, displacement, force })));
+        let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
+        Ok(Stretch { phase: Phase::Static, temperature, from, end })
     }
 
     /// The stretch that follows `stretch`.
@@ -166,7 +176,10 @@ impl GeneralNoiseless {
         match (end, stretch.phase) {
             (StretchEnd::Event(event), _) => match event.kind.phase() {
                 Phase::Static => self.stick(start, event.displacement, event.force, work),
-                Phase::Slip(direction) => self.slip(start, (event.displacement, 0.0), direction, self.span, work),
+                Phase::Slip(direction) => {
+                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
+                    self.slip(start, (event.displacement, velocity), direction, self.span, work)
+                }
             },
             (StretchEnd::Step(motion, next), Phase::Slip(direction)) => {
                 self.slip(start, (motion.displacement, motion.velocity), direction, next, work)
