@@ -23,5 +23,6 @@ pub(super) fn doubtful(case: &Case) -> Vec<String> {
 /// sentence. Faster growth than linear is a doubt of its own.
 pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
     let expression = expression(case.scenario)?;
-    beyond_hold(expression, scales(case.scenario, &case.derived), &case.scenario.model.oscillator)
+    let model = &case.scenario.model;
+    beyond_hold(expression, scales(case.scenario, &case.derived), &model.oscillator, model.friction.dynamic_force)
 }

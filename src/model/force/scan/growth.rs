@@ -59,8 +59,9 @@ fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option
 }
 
 /// Where the force pushes outward more than the spring holds, or adds more energy than the damping
-/// takes, at the same instant at ever larger distances and, for the energy, in every direction.
-pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator) -> Option<String> {
+/// and friction take, at the same instant at ever larger distances and, for the energy, in every
+/// direction.
+pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f64) -> Option<String> {
     let instants = if probe.scales[2] > 0.0 { &INSTANTS[..] } else { &INSTANTS[..1] };
     let at = |probe: &Probe, [x, velocity]: [f64; 2], times: f64, instant: f64| {
         [x * times * probe.scales[X], velocity * times * probe.scales[XDOT], instant * probe.scales[2]]
@@ -82,7 +83,7 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator) -> Option<String
     let adds = |probe: &mut Probe, direction: [f64; 2], times: f64, instant: f64| {
         let [x, velocity, t] = at(probe, direction, times, instant);
         let part = probe.at([x, velocity, t]) - probe.at([x, 0.0, t]);
-        part * velocity.signum() > 2.0 * body.damping * velocity.abs()
+        part * velocity.signum() > 2.0 * body.damping * velocity.abs() + dynamic_force
     };
     let moving = || DIRECTIONS.into_iter().filter(|direction| direction[1] != 0.0);
     let always = instants.iter().all(|instant| {
@@ -90,7 +91,7 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator) -> Option<String
     });
     always.then(|| {
         let place = probe.words(at(probe, [0.0, 1.0], TIMES[0], instants[0]));
-        format!("[force] adds more energy than the damping takes, as at {place}")
+        format!("[force] adds more energy than damping and friction take, as at {place}")
     })
 }
 

@@ -56,9 +56,9 @@ pub fn steepest(force: &Expression, scales: Scales, body: &Oscillator) -> Steepe
 }
 
 /// Where a force drives this body outward however far it is, or adds energy to it however fast it
-/// is, in one sentence; none where that does not show.
-pub fn beyond_hold(force: &Expression, scales: Scales, body: &Oscillator) -> Option<String> {
-    growth::beyond_hold(&mut probe(force, scales), body)
+/// is, in one sentence; none where that does not show. The body slides under this friction f_d.
+pub fn beyond_hold(force: &Expression, scales: Scales, body: &Oscillator, dynamic_force: f64) -> Option<String> {
+    growth::beyond_hold(&mut probe(force, scales), body, dynamic_force)
 }
 
 fn probe(force: &Expression, scales: Scales) -> Probe<'_> {

@@ -142,7 +142,7 @@ proptest! {
                 let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive: Drive::Force(0.0) };
                 let steepest = steepest(&expression, scales, &body);
                 prop_assert!(steepest.stiffness >= 0.0 && steepest.damping >= 0.0, "{steepest:?}");
-                beyond_hold(&expression, scales, &body);
+                beyond_hold(&expression, scales, &body, 0.0);
                 prop_assert!(found.iter().all(|doubt| text.get(doubt.start..doubt.end).is_some()));
             }
             Err(error) => prop_assert!(text.get(error.start..error.end).is_some(), "{error:?}"),

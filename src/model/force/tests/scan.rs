@@ -107,10 +107,10 @@ fn the_steepest_slope_is_found_where_the_body_can_get() {
 fn a_force_that_nothing_holds_is_found() {
     let drive = Drive::Dilatation(0.0);
     let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive };
-    let found =
-        |text: &str| beyond_hold(&expression(text), Scales { displacement: 2.0, velocity: 2.0, end: 30.0 }, &body);
+    let scales = Scales { displacement: 2.0, velocity: 2.0, end: 30.0 };
+    let found = |text: &str| beyond_hold(&expression(text), scales, &body, 0.5);
     let outward = "[force] pushes outward more than the spring holds, as at";
-    let energy = "[force] adds more energy than the damping takes, as at";
+    let energy = "[force] adds more energy than damping and friction take, as at";
     assert_eq!(found("2*x"), Some(format!("{outward} x = 20")));
     assert_eq!(found("x*t"), Some(format!("{outward} x = 20, t = 3.9")));
     assert_eq!(found("0.3*xdot - 1e-9*x^3"), Some(format!("{energy} x = 0, xdot = 20")));
@@ -118,6 +118,12 @@ fn a_force_that_nothing_holds_is_found() {
     {
         assert_eq!(found(text), None, "{text}");
     }
+    // Friction that falls with the speed gives back no more than there is of it (Stribeck), and a
+    // push that is stronger than friction drives the body away where no damping takes it up.
+    let undamped = Oscillator { damping: 0.0, ..body };
+    let pushed = |text: &str| beyond_hold(&expression(text), scales, &undamped, 0.5);
+    assert_eq!(pushed("0.5*sign(xdot)*(1 - 1/(1 + 3*abs(xdot)))"), None);
+    assert_eq!(pushed("0.6*sign(xdot)"), Some(format!("{energy} x = 0, xdot = 20")));
 }
 
 #[test]
