@@ -125,10 +125,6 @@ table! {
         "angular frequency of the power spectrum");
     SPECTRUM_SEGMENTS = variable("spectrum_segments", &[], Unit::ONE,
         "number of segments of the output grid over which autocovariance and spectrum are averaged");
-    DISPLACEMENT_SPECTRUM_ALIASED = variable("displacement_spectrum_aliased", &["frequency"], SPECTRUM_OF_LENGTH,
-        "upper bound of the part of the spectrum of the displacement that belongs to frequencies beyond the output grid");
-    VELOCITY_SPECTRUM_ALIASED = variable("velocity_spectrum_aliased", &["frequency"], SPECTRUM_OF_VELOCITY,
-        "upper bound of the part of the spectrum of the velocity that belongs to frequencies beyond the output grid");
     LINE_FREQUENCY = variable("line_frequency", &["line_frequency"], Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
         "angular frequency of a harmonic of the forcing");
     DISPLACEMENT_LINE = variable("displacement_line", &["line_frequency"], Unit::LENGTH,

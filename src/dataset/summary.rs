@@ -292,19 +292,13 @@ fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W
     walk.variable(&layout::LAG, lag)?;
     walk.variable(&layout::FREQUENCY, frequency)?;
     let of = [
-        (
-            displacement,
-            layout::DISPLACEMENT_AUTOCOVARIANCE,
-            layout::DISPLACEMENT_SPECTRUM,
-            layout::DISPLACEMENT_SPECTRUM_ALIASED,
-        ),
-        (velocity, layout::VELOCITY_AUTOCOVARIANCE, layout::VELOCITY_SPECTRUM, layout::VELOCITY_SPECTRUM_ALIASED),
+        (displacement, layout::DISPLACEMENT_AUTOCOVARIANCE, layout::DISPLACEMENT_SPECTRUM),
+        (velocity, layout::VELOCITY_AUTOCOVARIANCE, layout::VELOCITY_SPECTRUM),
     ];
-    for (fluctuations, covariance, power, beyond) in of {
-        let Fluctuations { autocovariance, autocovariance_ends, spectrum, spectrum_ends, aliased } = fluctuations;
+    for (fluctuations, covariance, power) in of {
+        let Fluctuations { autocovariance, autocovariance_ends, spectrum, spectrum_ends } = fluctuations;
         walk.curve(&covariance, autocovariance, autocovariance_ends)?;
         walk.curve(&power, spectrum, spectrum_ends)?;
-        walk.variable(&beyond, aliased)?;
     }
     let [mut at, mut x, mut v] =
         columns_of(lines.iter().map(|line| [line.frequency, line.displacement, line.velocity]));

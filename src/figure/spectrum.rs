@@ -1,6 +1,5 @@
-//! The power spectrum of x' on logarithmic axes, with what aliasing may add, and its autocovariance.
+//! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
-use super::theme::{DASHES, LINE};
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::Dimension;
 use crate::sums::Ends;
@@ -17,7 +16,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let of = &spectrum.velocity;
     let [least, most] = range_of(of.spectrum[1..].iter().copied().filter(|power| *power > 0.0));
     if !(least > 0.0 && least < most) {
-        return Err(Absent::Nothing("all paths move alike, or a single one was run"));
+        return Err(Absent::Nothing(
+            "x' is the same in all paths at every row of the output grid, or a single path was run",
+        ));
     }
     let palette = style.palette();
     let unit = |time: i32, length: i32| Dimension { time, length, ..Dimension::ONE }.label(&scenario.units);
@@ -34,10 +35,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     power.band(band(frequencies, &of.spectrum_ends, 1), palette.narrow);
     power.line(curve(&of.spectrum), solid(palette.first));
-    let dashes = Stroke::dashed(palette.second, LINE, &DASHES);
-    power.line(curve(&of.aliased), dashes.clone());
     let lags = &spectrum.lag;
-    let shown = lags.len() / 2 + 1;
+    let shown = lags.len();
     let horizontal = Axis::linear([0.0, lags[shown - 1]], Label::new("lag"), &unit(1, 0));
     let seen = of.autocovariance_ends.low[..shown].iter().chain(&of.autocovariance_ends.high[..shown]).copied();
     let title = Label::new("autocovariance of *x*\u{2032}");
@@ -49,7 +48,6 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let legend = [
         LegendEntry::line(solid(palette.first), "about the mean over paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),
-        LegendEntry::line(dashes, "aliased at most"),
     ];
     Ok(sheet(&format!("Spectrum: {}", scenario.title), legend, [power, covariance]))
 }

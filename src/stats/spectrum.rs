@@ -2,21 +2,24 @@
 //!
 //! Let y_n be x or x' at row n of a segment of L rows, a time s apart, and y_n' its deviation from
 //! the mean over paths at the same time. So what the forcing does to all paths alike is left out:
-//! it is a line spectrum of its own ([`Line`]). With the mean over paths and segments,
+//! it is a line spectrum of its own ([`Line`]). The spectrum is the mean over paths and segments,
+//! which overlap by half, of the periodograms of tapered segments (P. D. Welch, *The use of fast
+//! Fourier transform for the estimation of power spectra*, IEEE Transactions on Audio and
+//! Electroacoustics 15 (1967)), which cannot be negative. With Hann's taper h_n,
 //!
 //! ```text
-//! autocovariance   C(l) = mean of 1/(L - l) sum_n y_n' y_{n+l}',   l = 0 .. L - 1
-//! spectrum         S(w) = s [C(0) + 2 sum_{l=1}^{L-1} q(l/L) C(l) cos(w l s)]
+//! spectrum         S(w) = s mean |sum_n h_n y_n' e^{-i w n s}|^2 / sum_n h_n^2
+//! autocovariance   C(l) = mean sum_n h_n y_n' h_{n+l} y_{n+l}' / sum_n h_n h_{n+l},   l = 0 .. L/2
 //! ```
 //!
-//! with Parzen's lag window q(u) = 1 - 6 u^2 + 6 u^3 for u <= 1/2 and 2 (1 - u)^3 beyond, whose
-//! side lobes fall as 1/w^4 (E. Parzen, *Mathematical considerations in the estimation of spectra*,
-//! Technometrics 3 (1961)). S is two-sided: its integral over w from -pi/s to pi/s, divided by 2
-//! pi, is the variance C(0), exactly. At the frequencies w_k = 2 pi k/(N s), N >= 2 L a power of
-//! two, both follow from the transform of the segments, padded with zeros to N rows.
+//! S is two-sided: its integral over w from -pi/s to pi/s, divided by 2 pi, is the variance C(0),
+//! exactly. At the frequencies w_k = 2 pi k/(N s), N >= 2 L a power of two, both follow from the
+//! transform of the segments, padded with zeros to N rows.
 //!
-//! The mean over paths is that over the paths of a block, n of them, so each product counts n/(n -
-//! 1) times. Errors come from batches of whole paths, by the jackknife.
+//! The mean over paths is that over the n paths of a block, so a block counts as n - 1 paths.
+//! Values of S with their errors are never negative, so their intervals are those of chi squares,
+//! with as many degrees of freedom as the scatter between batches of whole paths allows, and no
+//! more than independent Gaussian paths would have.
 
 use super::{Fluctuations, Line, Spectrum};
 use crate::model::Model;
@@ -26,6 +29,7 @@ use crate::sums::codec::{Codec, Damaged, Reader};
 use crate::sums::fourier::{COLUMNS, Fourier, Numbers};
 use crate::sums::interval::student;
 use crate::sums::jackknife::standard_error;
+use crate::sums::range::NORMAL;
 use crate::sums::{Ends, Merge, Unit};
 
 /// The longest segment.
@@ -51,8 +55,25 @@ impl Segments {
     fn of(timeline: &Timeline) -> Self {
         let first_row = timeline.first_row();
         let rows = timeline.rows().saturating_sub(first_row);
-        let count = rows.div_ceil(LONGEST).max(1);
-        Segments { first_row, length: rows / count, count }
+        // The fewest that overlap by half and reach from the first row to the last.
+        let count = (2 * rows).div_ceil(LONGEST).saturating_sub(1).max(1);
+        Segments { first_row, length: if count == 1 { rows } else { 2 * (rows / (count + 1)) }, count }
+    }
+
+    /// The distance from one segment to the next.
+    fn stride(self) -> usize {
+        if self.count == 1 { self.length } else { self.length / 2 }
+    }
+
+    /// The number of lags.
+    fn lags(self) -> usize {
+        self.length.div_ceil(2)
+    }
+
+    /// Hann's taper.
+    fn taper(self) -> Vec<f64> {
+        let turn = std::f64::consts::TAU / self.length as f64;
+        (0..self.length).map(|n| 0.5 - 0.5 * libm::cos(turn * (n as f64 + 0.5))).collect()
     }
 
     /// N.
@@ -72,8 +93,10 @@ pub(super) struct SpectrumSums {
     /// For each of the frequencies w_0, w_1, ..., w_{N/2} and each variable, the sums of the
     /// batches.
     powers: Vec<f64>,
-    /// The number of paths times segments of each batch.
+    /// The number of paths times segments of each batch, where n paths of a block count as n - 1.
     weights: [f64; BATCHES],
+    /// For each variable, the number of segments of blocks in which the paths differ.
+    differing: [u64; VARIABLES],
     /// The period of the forcing; 0 if it has none.
     forcing_period: f64,
 }
@@ -81,7 +104,8 @@ pub(super) struct SpectrumSums {
 impl Merge for SpectrumSums {
     fn merge(&mut self, other: &Self) {
         self.powers.iter_mut().zip(&other.powers).for_each(|(mine, more)| *mine += more);
-        self.weights.iter_mut().zip(&other.weights).for_each(|(mine, more)| *mine += more);
+        self.weights.merge(&other.weights);
+        self.differing.merge(&other.differing);
     }
 }
 
@@ -103,33 +127,61 @@ impl SpectrumSums {
         let fourier = Fourier::new(segments.padded());
         let batches: Vec<usize> = (0..BATCHES).filter(|batch| self.weights[*batch] > 0.0).collect();
         let leave_outs: Vec<Option<usize>> = std::iter::once(None).chain(batches.into_iter().map(Some)).collect();
+        let taper = segments.taper();
+        let overlap = |l: usize| taper.iter().zip(&taper[l..]).map(|(a, b)| a * b).sum::<f64>();
+        let overlaps: Vec<f64> = (0..segments.lags()).map(overlap).collect();
+        let (energy, least) = (overlaps.first().copied().unwrap_or(f64::NAN), self.least_variance(segments));
         let [displacement, velocity] = std::array::from_fn(|variable| {
+            if self.differing[variable] == 0 {
+                let [nothing, everywhere] = [segments.lags(), segments.frequencies()].map(|n| vec![f64::NAN; n]);
+                let ends = |of: &[f64]| of.iter().map(|_| [f64::NAN; 2]).collect::<Ends>();
+                return Fluctuations {
+                    autocovariance_ends: ends(&nothing),
+                    spectrum_ends: ends(&everywhere),
+                    autocovariance: nothing,
+                    spectrum: everywhere,
+                };
+            }
             let powers: Vec<Vec<f64>> = leave_outs.iter().map(|w| self.mean_power(variable, *w)).collect();
-            let covariances = self.transformed(&fourier, &powers);
-            let covariances: Vec<Vec<f64>> = covariances.into_iter().map(|c| covariance(&c, segments)).collect();
-            let windowed: Vec<Vec<f64>> = covariances.iter().map(|c| windowed(c, segments)).collect();
-            let mut spectra = self.transformed(&fourier, &windowed);
-            spectra.iter_mut().flatten().for_each(|power| *power *= spacing * segments.padded() as f64);
+            let covariance = |products: Vec<f64>| -> Vec<f64> {
+                products.iter().zip(&overlaps).map(|(product, overlap)| product / overlap).collect()
+            };
+            let covariances: Vec<Vec<f64>> = self.transformed(&fourier, &powers).into_iter().map(covariance).collect();
+            let scale = |power: f64| power * spacing / energy;
+            let spectra: Vec<Vec<f64>> =
+                powers.into_iter().map(|powers| powers.into_iter().map(scale).collect()).collect();
+            let last = segments.frequencies() - 1;
             Fluctuations {
-                autocovariance_ends: ends(&covariances, |value, reach| [value - reach, value + reach]),
-                spectrum_ends: ends(&spectra, |value, reach| match value > 0.0 {
-                    true => [value * (-reach / value).exp(), value * (reach / value).exp()],
-                    false => [value - reach, value + reach],
+                autocovariance_ends: ends(&covariances, |_, value, error, freedom| match error {
+                    _ if freedom < FEWEST - 1 => [f64::NAN; 2],
+                    error => [value - student(freedom) * error, value + student(freedom) * error],
+                }),
+                spectrum_ends: ends(&spectra, |k, value, error, freedom| {
+                    // The transform is real at both ends, and its square has half the freedom.
+                    let least = if k == 0 || k == last { 2.0 * least } else { least };
+                    let wider = if freedom == 0 { 0.0 } else { student(freedom) / NORMAL };
+                    chi_square(value, least.max((wider * error / value).powi(2)))
                 }),
                 autocovariance: covariances.into_iter().next().unwrap_or_default(),
-                aliased: aliased(&spectra[0]),
                 spectrum: spectra.into_iter().next().unwrap_or_default(),
             }
         });
         let frequency = |k: usize| std::f64::consts::TAU * k as f64 / (segments.padded() as f64 * spacing);
         Spectrum {
             segments: segments.count as u64,
-            lag: (0..segments.length).map(|l| l as f64 * spacing).collect(),
+            lag: (0..segments.lags()).map(|l| l as f64 * spacing).collect(),
             frequency: (0..segments.frequencies()).map(frequency).collect(),
             displacement,
             velocity,
             lines: lines(self.forcing_period, timeline, segments, mean_motion),
         }
+    }
+
+    /// The relative variance of a value of the spectrum of independent Gaussian paths. Segments that
+    /// overlap by half under Hann's taper are correlated by 1/6.
+    fn least_variance(&self, segments: Segments) -> f64 {
+        let count = segments.count as f64;
+        (1.0 + (count - 1.0) / count / 18.0) / self.weights.iter().sum::<f64>()
     }
 
     /// For each sequence of N/2 + 1 numbers p_k, its cosine transform
@@ -153,51 +205,28 @@ impl SpectrumSums {
     }
 }
 
-/// C(l) from the sums of products at each lag.
-fn covariance(products: &[f64], segments: Segments) -> Vec<f64> {
-    let length = segments.length;
-    products.iter().take(length).enumerate().map(|(l, product)| product / (length - l) as f64).collect()
-}
+/// An autocovariance needs so many batches of paths for an interval.
+const FEWEST: u64 = 5;
 
-/// q(l/L) C(l), with zeros up to the lag N/2.
-fn windowed(covariance: &[f64], segments: Segments) -> Vec<f64> {
-    let window = |u: f64| if u <= 0.5 { 1.0 - 6.0 * u * u * (1.0 - u) } else { 2.0 * (1.0 - u).powi(3) };
-    let length = segments.length as f64;
-    let mut all: Vec<f64> = covariance.iter().enumerate().map(|(l, c)| window(l as f64 / length) * c).collect();
-    all.resize(segments.frequencies(), 0.0);
-    all
-}
-
-/// The ends of the intervals of a curve, from the curve and the curves without each batch.
-fn ends(curves: &[Vec<f64>], interval: impl Fn(f64, f64) -> [f64; 2]) -> Ends {
+/// The ends of the intervals of a curve, from the curve and the curves without each batch: of a place,
+/// the value there, its standard error (NaN from a single batch) and the degrees of freedom of that.
+fn ends(curves: &[Vec<f64>], interval: impl Fn(usize, f64, f64, u64) -> [f64; 2]) -> Ends {
     let (curve, without) = (&curves[0], &curves[1..]);
     let freedom = without.len().saturating_sub(1) as u64;
-    let at = |i: usize| match freedom {
-        0 => [f64::NAN; 2],
-        _ => {
-            let error = standard_error(&without.iter().map(|curve| curve[i]).collect::<Vec<f64>>());
-            interval(curve[i], student(freedom) * error)
-        }
+    let at = |i: usize| {
+        let error = standard_error(&without.iter().map(|curve| curve[i]).collect::<Vec<f64>>());
+        interval(i, curve[i], if freedom == 0 { 0.0 } else { error }, freedom)
     };
     (0..curve.len()).map(at).collect()
 }
 
-/// An upper bound of what frequencies beyond pi/s, which the rows cannot tell from lower ones, add
-/// to each value of a spectrum, if the spectrum falls there at least as fast as 1/w^2. With S the
-/// spectrum at pi/s, half of which is aliased there, and u = w s/(2 pi), it is
-///
-/// ```text
-/// S/2 sum_{m != 0} (1/2)^2/(u + m)^2 = S/8 [pi^2/sin^2(pi u) - 1/u^2]
-/// ```
-fn aliased(spectrum: &[f64]) -> Vec<f64> {
-    let last = spectrum.len() - 1;
-    let at = |k: usize| {
-        let u = k as f64 / (2 * last) as f64;
-        let pi = std::f64::consts::PI;
-        let sum = if k == 0 { pi * pi / 3.0 } else { (pi / libm::sin(pi * u)).powi(2) - 1.0 / (u * u) };
-        spectrum[last].max(0.0) / 8.0 * sum
-    };
-    (0..=last).map(at).collect()
+/// The 95 % interval of a positive number with this relative variance r, whose law is that of a chi
+/// square with 2/r degrees of freedom: S nu/chi^2. The quantiles are those of E. B. Wilson and M. M.
+/// Hilferty, *The distribution of chi-square*, PNAS 17 (1931), which are within 3 % from 6 degrees of
+/// freedom on, and err on the safe side below.
+fn chi_square(value: f64, relative_variance: f64) -> [f64; 2] {
+    let ninth = relative_variance.min(1.0) / 9.0;
+    [1.0, -1.0].map(|side| value / (1.0 - ninth + side * NORMAL * ninth.sqrt()).powi(3))
 }
 
 /// The amplitudes of the mean motion at the harmonics of the forcing, by Hann's window.
@@ -235,6 +264,7 @@ impl Codec for SpectrumSums {
     fn write(&self, out: &mut Vec<u8>) {
         self.powers.write(out);
         self.weights.write(out);
+        self.differing.write(out);
         self.forcing_period.write(out);
     }
 
@@ -246,6 +276,7 @@ impl Codec for SpectrumSums {
         self.powers = vec![0.0; length];
         self.powers.read(from)?;
         self.weights.read(from)?;
+        self.differing.read(from)?;
         self.forcing_period.read(from)
     }
 }
@@ -254,9 +285,12 @@ impl Codec for SpectrumSums {
 pub(super) struct SpectrumFold {
     segments: Segments,
     fourier: Fourier,
+    taper: Vec<f64>,
     batches: Vec<usize>,
-    /// x and x' of the rows of the present segment, row after row.
+    /// The deviations of x and x' on the rows of the present segment, row after row.
     rows: [Vec<f64>; VARIABLES],
+    /// For each variable, whether the paths have differed on a row.
+    differ: [bool; VARIABLES],
     sums: SpectrumSums,
 }
 
@@ -269,9 +303,11 @@ impl SpectrumFold {
         SpectrumFold {
             segments,
             fourier: Fourier::new(segments.padded()),
+            taper: segments.taper(),
+            differ: [false; VARIABLES],
             batches: paths.iter().map(|path| batch_of(*path)).collect(),
             rows: std::array::from_fn(|_| Vec::with_capacity(segments.length * paths.len())),
-            sums: SpectrumSums { powers, weights: [0.0; BATCHES], forcing_period },
+            sums: SpectrumSums { powers, forcing_period, ..SpectrumSums::default() },
         }
     }
 
@@ -282,41 +318,35 @@ impl SpectrumFold {
 
     /// Add a row of the output grid.
     pub fn row(&mut self, row: usize, snapshot: &Snapshot<'_>) {
-        let Segments { first_row, length, count } = self.segments;
-        if length == 0 || row < first_row || row >= first_row + count * length {
+        let (Segments { first_row, length, .. }, paths) = (self.segments, self.batches.len());
+        if length == 0 || row < first_row || paths < 2 {
             return;
         }
-        self.rows[0].extend_from_slice(snapshot.displacement);
-        self.rows[1].extend_from_slice(snapshot.velocity);
-        if (row + 1 - first_row).is_multiple_of(length) {
+        for (variable, values) in [snapshot.displacement, snapshot.velocity].into_iter().enumerate() {
+            let mean = values.iter().sum::<f64>() / paths as f64;
+            self.rows[variable].extend(values.iter().map(|y| y - mean));
+            self.differ[variable] |= values.iter().any(|y| *y != values[0]);
+        }
+        if self.rows[0].len() == length * paths {
             self.transform();
-            self.rows.iter_mut().for_each(Vec::clear);
+            self.rows.iter_mut().for_each(|rows| drop(rows.drain(..self.segments.stride() * paths)));
         }
     }
 
     /// Adds the powers of a segment.
     fn transform(&mut self) {
         let (paths, length) = (self.batches.len(), self.segments.length);
-        if paths < 2 {
-            return;
-        }
-        for rows in &mut self.rows {
-            for row in rows.chunks_mut(paths) {
-                let mean = row.iter().sum::<f64>() / paths as f64;
-                row.iter_mut().for_each(|y| *y -= mean);
-            }
-        }
+        self.sums.differing.iter_mut().zip(self.differ).for_each(|(count, differ)| *count += u64::from(differ));
         let (padded, frequencies) = (self.segments.padded(), self.segments.frequencies());
-        let unbiased = paths as f64 / (paths - 1) as f64;
         let [mut real, mut imaginary] = [const { Vec::<Numbers>::new() }; 2];
         for (chunk, batches) in self.batches.chunks(COLUMNS).enumerate() {
             // x is the real part and x' the imaginary part, so that one transform serves both.
             for (part, rows) in [&mut real, &mut imaginary].into_iter().zip(&self.rows) {
                 part.clear();
                 part.resize(padded, [0.0; COLUMNS]);
-                for (numbers, row) in part.iter_mut().zip(rows.chunks(paths)).take(length) {
+                for ((numbers, row), taper) in part.iter_mut().zip(rows.chunks(paths)).zip(&self.taper).take(length) {
                     let columns = &row[chunk * COLUMNS..][..batches.len()];
-                    numbers[..batches.len()].copy_from_slice(columns);
+                    numbers.iter_mut().zip(columns).for_each(|(number, y)| *number = taper * y);
                 }
             }
             self.fourier.transform(&mut real, &mut imaginary);
@@ -327,7 +357,7 @@ impl SpectrumFold {
             for k in 0..frequencies {
                 let mirrored = (padded - k) % padded;
                 let [a, b, c, d] = [real[k], real[mirrored], imaginary[k], imaginary[mirrored]];
-                let square = |y: f64, z: f64| 0.25 * unbiased * (y * y + z * z);
+                let square = |y: f64, z: f64| 0.25 * (y * y + z * z);
                 let power = |of: fn([f64; 4]) -> [f64; 2]| -> Numbers {
                     std::array::from_fn(|i| {
                         let [y, z] = of([a[i], b[i], c[i], d[i]]);
@@ -343,12 +373,79 @@ impl SpectrumFold {
                     }
                 }
             }
-            batches.iter().for_each(|batch| self.sums.weights[*batch] += 1.0);
+            let weight = (paths - 1) as f64 / paths as f64;
+            batches.iter().for_each(|batch| self.sums.weights[*batch] += weight);
         }
     }
 
     /// The sums of all segments.
     pub fn finish(self) -> SpectrumSums {
         self.sums
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::stats::synthetic::model;
+    use crate::sums::coverage::Coverage;
+    use rand_distr::{Distribution, StandardNormal};
+    use rand_pcg::Pcg64Dxsm;
+    use rand_pcg::rand_core::SeedableRng;
+
+    /// The spectrum of paths whose x is y_{n+1} = y_n/2 + a normal, and whose x' is `velocity`.
+    fn spectrum(rng: &mut Pcg64Dxsm, paths: usize, rows: usize, velocity: f64) -> Spectrum {
+        let timeline = Timeline { end: (rows - 1) as f64, output_step: 1.0, period: None, after: 0.0 };
+        let numbers: Vec<u64> = (0..paths as u64).collect();
+        let mut fold = SpectrumFold::new(&model(), &timeline, &numbers);
+        let mut normal = || -> f64 { StandardNormal.sample(rng) };
+        let mut x: Vec<f64> = (0..paths).map(|_| normal() / 0.75f64.sqrt()).collect();
+        for row in 0..rows {
+            x.iter_mut().for_each(|x| *x = 0.5 * *x + normal());
+            let (v, is_static) = (vec![velocity; paths], vec![false; paths]);
+            let seen =
+                Snapshot { time: row as f64, displacement: &x, velocity: &v, temperature: &v, is_static: &is_static };
+            fold.row(row, &seen);
+        }
+        fold.finish().summary(&timeline, [&[], &[]])
+    }
+
+    /// S(w) = 1/|1 - e^{-iw}/2|^2. Null: the interval holds it in 95 % of all ensembles, from two paths
+    /// on, in one segment and in three, at a low, a middle and a high frequency; 1000 ensembles of each,
+    /// so a share is off by 0.7 % in the standard deviation. Two paths err on the safe side, by the
+    /// approximation of the quantiles. An error of 2 in the variance would give 83 or 99.4 %.
+    #[test]
+    fn intervals_of_a_spectrum_hold_the_truth_from_two_paths_on() {
+        let mut rng = Pcg64Dxsm::seed_from_u64(1967);
+        for (paths, rows, least) in [(2, 200, 0.93), (5, 200, 0.93), (40, 200, 0.93), (8, 2000, 0.93)] {
+            let mut held = Coverage::default();
+            for _ in 0..334 {
+                let found = spectrum(&mut rng, paths, rows, 0.0);
+                for share in [0.1, 0.4, 0.8] {
+                    let k = (share * found.frequency.len() as f64) as usize;
+                    let truth = 1.0 / (1.25 - libm::cos(found.frequency[k]));
+                    let [low, high] = found.displacement.spectrum_ends.at(k);
+                    assert!(0.0 < low && low < high && high.is_finite(), "{paths}: {low} {high}");
+                    held.count(low <= truth && truth <= high);
+                }
+            }
+            println!("{paths} paths, {rows} rows: {}", held.share());
+            assert!((least..0.985).contains(&held.share()), "{paths} paths, {rows} rows: {}", held.share());
+        }
+    }
+
+    /// The integral of S is the variance, which is 4/3, and S is positive everywhere. What is the same in
+    /// all paths has no spectrum.
+    #[test]
+    fn a_spectrum_is_positive_and_its_integral_the_variance_and_what_is_alike_has_none() {
+        let found = spectrum(&mut Pcg64Dxsm::seed_from_u64(2), 300, 1500, 0.25);
+        let of = &found.displacement;
+        let inside: f64 = of.spectrum[1..of.spectrum.len() - 1].iter().sum();
+        let integral = (of.spectrum[0] + of.spectrum[of.spectrum.len() - 1] + 2.0 * inside) * found.frequency[1]
+            / std::f64::consts::TAU;
+        assert!((integral - of.autocovariance[0]).abs() < 1e-12 && (integral - 4.0 / 3.0).abs() < 0.03, "{integral}");
+        assert!((of.autocovariance[3] - integral / 8.0).abs() < 0.02, "{:?}", &of.autocovariance[..4]);
+        assert!(of.spectrum.iter().all(|power| *power > 0.0) && found.segments == 2);
+        assert!(found.velocity.spectrum.iter().chain(&found.velocity.autocovariance).all(|value| value.is_nan()));
     }
 }

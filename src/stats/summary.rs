@@ -180,7 +180,8 @@ pub struct Densities {
 /// ([`crate::stats::Spectrum`]).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Fluctuations {
-    /// The autocovariance at each lag.
+    /// The autocovariance at each lag; NaN, as all that follows, where all paths are alike at every
+    /// row, so that nothing fluctuates.
     pub autocovariance: Vec<f64>,
     /// Interval of each autocovariance.
     pub autocovariance_ends: Ends,
@@ -188,9 +189,6 @@ pub struct Fluctuations {
     pub spectrum: Vec<f64>,
     /// Interval of each value of the spectrum.
     pub spectrum_ends: Ends,
-    /// An upper bound of what frequencies that the output grid cannot tell from these add to each
-    /// value, if the spectrum falls at least as fast as 1/w^2 beyond the highest of them.
-    pub aliased: Vec<f64>,
 }
 
 /// The amplitude of the mean motion at one harmonic of the forcing.

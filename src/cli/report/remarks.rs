@@ -17,7 +17,7 @@ pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)>
     remarks.push(("slips", slips(summary)));
     remarks.extend(long_slips(summary).map(|line| ("", line)));
     remarks.extend(summary.cycle.as_ref().map(|cycle| ("cycle", of_cycle(cycle, info))));
-    remarks.extend(spectrum(summary, info).map(|line| ("", line)));
+    remarks.extend(spectrum(summary).map(|line| ("", line)));
     remarks.extend(start(summary, info).map(|line| ("start", line)));
     remarks.extend(few_periods(summary).map(|line| ("drift", line)));
     remarks.extend(unsettled(summary).map(|line| ("drift", line)));
@@ -100,27 +100,19 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     format!("{name}{advance}; amplitude {amplitude}{symmetry}; {rest}")
 }
 
-/// Says how the spectrum is formed, and up to which frequency it can be trusted.
-fn spectrum(summary: &Summary, info: &RunInfo) -> Option<String> {
+/// Says how the spectrum is formed, and what has none.
+fn spectrum(summary: &Summary) -> Option<String> {
     let spectrum = summary.spectrum.as_ref()?;
-    let of = &spectrum.velocity;
-    let is_sound = |k: &usize| of.aliased[*k] <= ALIASED * of.spectrum[*k];
-    let trusted = (0..spectrum.frequency.len()).take_while(is_sound).last();
-    let unit = Dimension { time: -1, ..Dimension::ONE }.label(&info.provenance.units);
-    let until = trusted.map_or("nowhere".to_string(), |k| {
-        format!("up to w = {}", format!("{} {unit}", significant(spectrum.frequency[k], 3)).trim_end())
-    });
+    let variables = [("x", &spectrum.displacement), ("x'", &spectrum.velocity)];
+    let alike = variables.iter().filter(|(_, of)| of.spectrum.iter().all(|power| power.is_nan()));
+    let alike: Vec<&str> = alike.map(|(name, _)| *name).collect();
+    if !alike.is_empty() {
+        return Some(format!("none of {}: all paths are alike at every row of the output grid", alike.join(" and ")));
+    }
     let segments = counted(spectrum.segments, "segment");
-    Some(format!(
-        "spectra are means over paths and {segments} of {} rows, with Parzen's lag window; frequencies beyond the output \
-         grid add at most {} % to that of x' {until}",
-        spectrum.lag.len(),
-        100.0 * ALIASED
-    ))
+    let rows = 2 * spectrum.lag.len();
+    Some(format!("spectra are means over paths and {segments} of some {rows} rows, with Hann's taper"))
 }
-
-/// The part of a spectrum that may belong to frequencies beyond the output grid.
-const ALIASED: f64 = 0.05;
 
 /// Says what is left out of the statistics because it happened before the time from which on they
 /// count.
