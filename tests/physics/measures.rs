@@ -136,7 +136,7 @@ fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
             (15..=16).for_each(|i| shares[i] += densities.at_rest / 2.0);
             shares
         };
-        boltzmann([0.0, alpha], 1.0, [100.0, 400.0], "", shares, |v| law(v.abs()));
+        boltzmann([0.0, alpha], 1.0, [50.0, 200.0], "", shares, |v| law(v.abs()));
     }
 }
 

@@ -55,7 +55,7 @@ pub(super) fn unstable(case: &Case) -> Vec<String> {
 /// With a larger share of its energy added to the body in a half-cycle, means are off by a few per
 /// cent or more: 33 % where the share is 15 %, against a stop as stiff as a spring of K = 20 at h =
 /// 0.01.
-const MUCH: f64 = 0.1;
+const MUCH: f64 = 0.125;
 
 /// Whether the plain explicit step adds much energy where a force of the user's own is stiffest,
 /// e^{pi w0 h} - 1 of it in a half-cycle, and damping takes less than the step gives back.
