@@ -140,7 +140,7 @@ impl Slip<'_> {
             }
             let last = self.motion(path);
             if !last.is_finite() {
-                return Err(Unresolved);
+                return Err(Unresolved::NoNumber);
             }
             let searched = step.between(self.direction.value(), (start.x, first), (path.displacement, last));
             let push = own.as_ref().map_or(0.0, |own| own.push);
@@ -148,7 +148,7 @@ impl Slip<'_> {
             let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
             let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
             if !path.noise.is_finite() {
-                return Err(Unresolved);
+                return Err(Unresolved::NoNumber);
             }
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
             if event.is_some() || is_last {
