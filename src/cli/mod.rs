@@ -156,7 +156,7 @@ verbs! {
     Init(init),
     /// Print a completion script for a shell
     Completions(completions),
-    /// Write manual pages for `man`
+    /// Print a manual page for `man`
     Man(man),
     /// Read a file in a process of its own, which mc starts for files without a checksum
     #[command(hide = true)]
@@ -167,6 +167,21 @@ verbs! {
 /// work are those of `ranks`.
 pub fn main(ranks: Option<&'static dyn Ranks>) -> ExitCode {
     ranks.into_iter().for_each(ranks::share_with);
+    interrupt::refuse_large_files();
+    if ranks.is_some() {
+        // MPI wants to be called by the first thread.
+        return answered();
+    }
+    // The stack of the first thread is as small as `ulimit -s` says.
+    let answering = std::thread::Builder::new().stack_size(STACK).spawn(answered);
+    answering.map_or_else(|_| answered(), |thread| thread.join().unwrap_or(ExitCode::FAILURE))
+}
+
+/// Bytes of the stack of the thread that does the work, those that the first thread usually has.
+const STACK: usize = 8 << 20;
+
+/// Parses the arguments, calls one verb, and returns its exit code.
+fn answered() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
             let done = guarded(|| arguments.call()).unwrap_or_else(|flaw| Err(flaw.into()));
