@@ -12,6 +12,7 @@ use pyo3::types::{PyDict, PyList};
 use std::collections::HashMap;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
+use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use stick_slip::dataset::{Dataset, Recorder};
 use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _};
@@ -72,7 +73,7 @@ pub fn run<'py>(
         run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut kept).into_sink(&mut part).simulate()
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
-    let remarks = remarks(py, &outcome, is_interrupted)?;
+    let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
     let Kept { recorder, own, .. } = kept;
     let named = |Own { name, estimate, .. }: &Own| {
         let Measurement { estimate, standard_error, low, high } = *estimate;
@@ -115,7 +116,7 @@ pub fn merge<'py>(
         run.stopped_by(&watch.stop).with_progress(&mut reported).into_sink(&mut recorder).go_on(whole.so_far.clone())
     })?;
     let outcome = outcome.map_err(|error| of_run(py, error))?;
-    let remarks = remarks(py, &outcome, is_interrupted)?;
+    let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
     let mut dataset = recorder.into_dataset();
     for part in &datasets {
         dataset.append_rows(part).map_err(|cause| refused(PartsError::Rows { path: "a part".into(), cause }))?;
@@ -185,7 +186,7 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
 }
 
 /// The warnings about an outcome. An outcome without paths is an exception instead.
-fn remarks(py: Python<'_>, outcome: &Outcome, is_interrupted: bool) -> PyResult<Vec<String>> {
+fn remarks(py: Python<'_>, scenario: &Checked, outcome: &Outcome, is_interrupted: bool) -> PyResult<Vec<String>> {
     let paths = outcome.summary.completed_paths;
     if paths == 0 {
         return Err(match is_interrupted {
@@ -201,7 +202,10 @@ fn remarks(py: Python<'_>, outcome: &Outcome, is_interrupted: bool) -> PyResult<
         remarks.push(format!("interrupted after {paths} paths: the statistics are of these"));
     }
     if outcome.is_all_lost() {
-        remarks.push("every path diverged or was given up, so there are no statistics: take a smaller step".into());
+        let first = outcome.summary.diverged.first();
+        let why = first.and_then(|path| scenario.plan().why_lost(*path, &AtomicBool::new(false)));
+        let why = why.map_or_else(|| "take a smaller step".to_string(), |why| format!("of the first, {why}"));
+        remarks.push(format!("every path diverged or was given up, so there are no statistics: {why}"));
     }
     if let Some(reason @ EndedBy::Hopeless(_)) = &outcome.ended_by {
         remarks.push(format!("the goal is out of reach: {reason}"));

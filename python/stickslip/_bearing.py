@@ -13,6 +13,7 @@ from ._data import dataset, ready, warn
 from ._scenario import ScenarioLike, Settings, samples, source, written
 from ._time import Time
 from ._time import seconds as _seconds
+from ._types import checked
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -105,6 +106,7 @@ def calibrate(
         ArgumentError: an argument, or something in the data, is wrong.
         RunError: the measurement does not determine the parameters.
     """
+    checked(calibrate, locals())
     ready()
     _probability(interval)
     if not 1 <= starts <= 1000:
@@ -194,6 +196,7 @@ def forecast(
         RunError: the measurement does not determine the parameters of bearing or weather.
         KeyboardInterrupt: Ctrl-C came before two draws were done.
     """
+    checked(forecast, locals())
     ready()
     _probability(interval)
     for name, count in (("draws", draws), ("years", years)):
@@ -302,6 +305,7 @@ def fit_temperature(
         ArgumentError: an argument, or something in the data, is wrong.
         RunError: the samples do not determine the fit.
     """
+    checked(fit_temperature, locals())
     _one_or_two(processes)
     lengths = None
     if periods is not None:
@@ -430,6 +434,7 @@ def twin(
         ScenarioError: something in the scenario is wrong.
         ArgumentError: an argument is wrong.
     """
+    checked(twin, locals())
     ready()
     for name, given, most in (
         ("scatter", scatter, 0.5),

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from ._scenario import ScenarioLike, Scheme, Settings, parse
+from ._types import checked
 from ._wording import in_python
 
 
@@ -64,6 +65,7 @@ def check(
             right.
         ArgumentError: `temperature` is not a measurement.
     """
+    checked(check, locals())
     parsed = parse(
         scenario,
         set,

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from ._types import checked
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -48,6 +49,7 @@ def events(ds: xr.Dataset) -> pd.DataFrame:
         ArgumentError: the data set has no events, or some of its paths were selected.
         ModuleNotFoundError: pandas is not installed.
     """
+    checked(events, locals())
     pandas = _pandas()
     import numpy as np
 
@@ -92,6 +94,7 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
         ArgumentError: the data set has no statistics.
         ModuleNotFoundError: pandas is not installed.
     """
+    checked(summary, locals())
     pandas = _pandas()
     if "statistic" not in ds.dims or "estimate" not in ds:
         raise wrong_argument(

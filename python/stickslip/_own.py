@@ -57,7 +57,7 @@ class Events:
         """
         import numpy as np
 
-        weights = np.asarray(values, dtype=np.float64)
+        weights = _real("values", "these", values)
         return np.bincount(self.path, weights, minlength=len(self.count)).astype(np.float64)
 
 
@@ -79,7 +79,7 @@ def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
         events = Events(*columns)
         given = statistic(events)
         parts: tuple[Any, ...] = given if isinstance(given, tuple) else (given,)
-        numbers = [np.ascontiguousarray(part, dtype=np.float64) for part in parts]
+        numbers = [np.ascontiguousarray(_real("own", name, part)) for part in parts]
         if len(numbers) > 2 or any(part.shape != events.count.shape for part in numbers):
             shapes = ", ".join(str(part.shape) for part in numbers)
             raise wrong_argument(
@@ -98,3 +98,20 @@ def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
         return numbers[0], (numbers[1] if len(numbers) > 1 else None)
 
     return call
+
+
+def _real(argument: str, shown: str, values: Any) -> npt.NDArray[np.float64]:
+    """The values as real numbers. Those that would lose a part of what they say are refused."""
+    import numpy as np
+
+    problem = None
+    if np.ma.is_masked(values):
+        problem = "it has masked values"
+    elif np.iscomplexobj(values):
+        problem = "it has imaginary parts"
+    try:
+        if problem is None:
+            return np.asarray(values, dtype=np.float64)
+    except (TypeError, ValueError) as error:
+        problem = f"it is no array of numbers ({error})"
+    raise wrong_argument(argument, shown, problem, "give real numbers, 0 for nothing")

@@ -11,6 +11,7 @@ from . import _native
 from ._data import raw
 from ._run import of_run
 from ._scenario import ScenarioLike, Settings, parse
+from ._types import checked
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -114,6 +115,7 @@ def plot(
         ScenarioError: something in the scenario is wrong.
         RunError: there is nothing to draw, because every path was lost.
     """
+    checked(plot, locals())
     if theme not in ("light", "dark"):
         raise wrong_argument("theme", theme, "there is no such theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log)

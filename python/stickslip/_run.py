@@ -12,6 +12,7 @@ from ._progress import Progress, shown
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
 from ._time import seconds as _seconds
+from ._types import checked
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -140,6 +141,7 @@ def run(
         KeyboardInterrupt: Ctrl-C came before the first paths were done.
         Exception: whatever a function in `own` or `progress` raises.
     """
+    checked(run, locals())
     ready()
     end, goals = _end_and_goals(until)
     seconds = None if max_time is None else _seconds("max_time", max_time)
@@ -219,9 +221,10 @@ def merge(
         ArgumentError: a part is missing, given twice, damaged, or of another run or program. The
             checks are those of `mc merge`.
     """
+    checked(merge, locals())
     given = []
     for number, ds in enumerate(parts):
-        if "part" not in ds.attrs or "part_state" not in ds:
+        if not hasattr(ds, "data_vars") or "part" not in ds.attrs or "part_state" not in ds:
             raise wrong_argument(
                 "parts",
                 f"parts[{number}]",
@@ -299,6 +302,7 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
     """
+    checked(replay, locals())
     return dataset(_native.replay(of_run(run), path))
 
 
@@ -324,7 +328,17 @@ def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:
     """The end of the simulation and the goals. A goal is a text with a comparison."""
     if until is None or isinstance(until, (int, float)):
         return until, []
-    all_of_them = [until] if isinstance(until, str) else list(until)
+    try:
+        all_of_them = [until] if isinstance(until, str) else list(until)
+    except TypeError:
+        all_of_them = [until]
+    if not all(isinstance(text, str) for text in all_of_them):
+        raise wrong_argument(
+            "until",
+            until,
+            "it is neither a time nor a goal",
+            'give a number, or a goal such as "stick_duration_mean < 0.5%", or a list of goals',
+        )
     ends = [text for text in all_of_them if "<" not in text]
     if len(ends) > 1:
         raise wrong_argument(

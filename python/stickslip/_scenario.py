@@ -108,6 +108,13 @@ def source(scenario: ScenarioLike) -> tuple[str, str | None]:
     """The name of a scenario in messages, and its text; no text if it is in a file."""
     if isinstance(scenario, Mapping):
         return "scenario", _toml.document(scenario)
+    if not isinstance(scenario, (str, os.PathLike)):
+        raise wrong_argument(
+            "scenario",
+            type(scenario).__name__,
+            "it is no scenario",
+            "give the path of a TOML file, TOML text, the name of a shipped one, or a dictionary",
+        )
     path = os.fspath(scenario)
     if "\n" in path:
         return "scenario", path
@@ -149,6 +156,13 @@ def samples(
             "a masked time",
             "a value without a time cannot be placed",
             "leave out the samples without a time, e.g. x[~numpy.ma.getmaskarray(times)]",
+        )
+    if np.iscomplexobj(times) or np.iscomplexobj(values):
+        raise wrong_argument(
+            argument,
+            "complex numbers",
+            "a measurement has no imaginary part",
+            "give the real part, e.g. x.real",
         )
     times = np.asarray(times)
     values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)

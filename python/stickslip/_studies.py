@@ -10,6 +10,7 @@ from ._data import dataset, ready, warn
 from ._progress import Progress, shown
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time, seconds
+from ._types import checked
 from .errors import wrong_argument
 
 if TYPE_CHECKING:
@@ -77,6 +78,7 @@ def sweep(
         ArgumentError: another argument is wrong.
         KeyboardInterrupt: Ctrl-C came before the first point was done.
     """
+    checked(sweep, locals())
     ready()
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
     if bool(vary) == bool(keys):
@@ -147,6 +149,7 @@ def trade(
         ArgumentError: `budget` is not a time to measure for.
         RunError: the budget is too small, or there is nothing to compare.
     """
+    checked(trade, locals())
     ready()
     parsed = parse(scenario, set, temperature, seed=seed)
     made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads)

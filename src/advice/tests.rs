@@ -173,8 +173,20 @@ fn a_force_that_the_step_cannot_follow_is_named_with_its_place() {
         says(kind, "0.01", "-500*xdot - x^3", "step-unstable", "damps the body as alpha = 250 would at");
     }
     let energy = "% to the body's energy in every half-cycle";
-    says("discrete-vi", "0.01", "-1e3*max(x-3,0)", "step-unstable", &format!("the explicit step 0.01 adds 170 {energy}"));
-    says("discrete-vi", "0.01", "-20*max(x-3,0)", "step-unstable", &format!("the explicit step 0.01 adds 15.5 {energy}"));
+    says(
+        "discrete-vi",
+        "0.01",
+        "-1e3*max(x-3,0)",
+        "step-unstable",
+        &format!("the explicit step 0.01 adds 170 {energy}"),
+    );
+    says(
+        "discrete-vi",
+        "0.01",
+        "-20*max(x-3,0)",
+        "step-unstable",
+        &format!("the explicit step 0.01 adds 15.5 {energy}"),
+    );
     says("corrected-vi", "0.01", "-1e3*max(x-3,0)", "step-against-oscillator", "9.93 steps per half-cycle there");
     for force in ["-0.01*x^3", "0.1*xdot - 0.05*x^2*xdot", "-10*max(x-3,0)", "sin(x)"] {
         let found = warnings("discrete-vi", "0.01", force);

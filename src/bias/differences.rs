@@ -14,14 +14,14 @@ use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, 
 use super::groups::{GroupObserver, Grouped, Groups};
 use super::no_bias::{MIN_STEPS, NoBias};
 use super::widening::widening_factor;
-use crate::ensemble::{drawn, in_order};
+use crate::ensemble::{drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
 use crate::stats::{Bias, Dimension, Record, Statistic, Totals};
 use crate::sums::jackknife;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// One path in this many of a run is simulated at three steps. This takes at most three times the
 /// work of a path, since each step draws the normals of the finest one. So it takes at most a
@@ -179,8 +179,8 @@ impl Differences {
         // The finest level comes first, because its pieces take longest.
         let make = |index: u64| {
             let (level, done) = ((index / pieces) as usize, index % pieces * width);
-            let (totals, lost) = self.piece(level, done, width.min(self.per_group - done));
-            (level, totals, lost)
+            let (totals, lost) = self.piece(level, done, width.min(self.per_group - done), stop)?;
+            Some((level, totals, lost))
         };
         let deliver = |(level, totals, lost): (usize, Vec<Totals>, usize)| -> Result<_, Infallible> {
             levels[level].merge(&totals);
@@ -188,7 +188,7 @@ impl Differences {
             Ok(ControlFlow::Continue(()))
         };
         let count = pieces * LEVELS.len() as u64;
-        let Ok(delivered) = in_order(count, threads, stop, make, deliver);
+        let Ok(delivered) = in_order_while(count, threads, stop, make, deliver);
         match diverged {
             _ if delivered < count => Err(NoBias::Stopped),
             0 => Ok(levels),
@@ -197,14 +197,14 @@ impl Differences {
     }
 
     /// The totals of each group over its next `width` paths, after the first `done` of them, and
-    /// the number of paths that diverged.
-    fn piece(&self, level: usize, done: u64, width: u64) -> (Vec<Totals>, usize) {
+    /// the number of paths that diverged. `None` if `stop` is set meanwhile.
+    fn piece(&self, level: usize, done: u64, width: u64, stop: &AtomicBool) -> Option<(Vec<Totals>, usize)> {
         let groups = self.groups as u64;
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
-        let mut observer =
-            GroupObserver::new((&self.model, &self.timeline, &self.record), first, width as usize, self.groups);
+        let scene = (&self.model, &self.timeline, &self.record);
+        let mut observer = (GroupObserver::new(scene, first, width as usize, self.groups), stop);
         let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut observer);
-        (observer.finish(), lost.len())
+        (!stop.load(Ordering::Relaxed)).then(|| (observer.0.finish(), lost.len()))
     }
 }

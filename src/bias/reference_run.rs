@@ -6,7 +6,7 @@
 //! of two finite ensembles, of which the reference run is the smaller one.
 
 use super::widening::widening_factor;
-use crate::ensemble::{Plan, in_order};
+use crate::ensemble::{Plan, in_order_while};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
@@ -96,18 +96,18 @@ impl ReferenceRun {
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
         let pricing = if exact.paths_abreast() > 1 { IN_LANES } else { ONE_BY_ONE };
-        let paths = self.affordable(&exact, self.budget / pricing.path_steps_per_evaluation)?;
+        let paths = self.affordable(&exact, self.budget / pricing.path_steps_per_evaluation, stop)?;
         let size = pricing.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan { simulation, record: self.record, seed: self.seed, paths, antithetic: false };
         let mut totals = Totals::empty(plan.model(), plan.timeline());
-        let make = |index: u64| plan.piece(index * size, size.min(paths - index * size)).totals;
+        let make = |index: u64| Some(plan.piece_until(index * size, size.min(paths - index * size), stop)?.totals);
         let deliver = |piece: Totals| -> Result<_, Infallible> {
             totals.merge(&piece);
             Ok(ControlFlow::Continue(()))
         };
         let pieces = paths.div_ceil(size);
-        let Ok(delivered) = in_order(pieces, threads, stop, make, deliver);
+        let Ok(delivered) = in_order_while(pieces, threads, stop, make, deliver);
         let is_whole = delivered == pieces && totals.diverged().is_empty();
         is_whole.then(|| Referenced { paths, estimates: totals.estimates() })
     }
@@ -115,14 +115,15 @@ impl ReferenceRun {
     /// The number of paths that this many evaluations allow, judged by the cost of the first paths,
     /// which are stopped if they exceed the whole budget. None if it is too small, or if the scheme
     /// does not resolve all slips.
-    fn affordable(&self, exact: &EventDrivenSimulation, evaluations: u64) -> Option<u64> {
+    fn affordable(&self, exact: &EventDrivenSimulation, evaluations: u64, stop: &AtomicBool) -> Option<u64> {
         if exact.resolution().is_some() || evaluations < FEWEST {
             return None;
         }
         let first: Vec<u64> = (0..FIRST).collect();
-        let mut observer = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first);
+        let own = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first);
+        let mut observer = (own, stop);
         let limited = exact.clone().with_work_limit(evaluations / FIRST);
-        let Simulated { lost, evaluations: spent } = limited.simulate_counting(self.seed, &first, &mut observer);
+        let Simulated { lost, evaluations: spent, .. } = limited.simulate_counting(self.seed, &first, &mut observer);
         let paths = (evaluations * FIRST / spent.max(1)).min(self.paths);
         (lost.is_empty() && paths >= FEWEST).then_some(paths)
     }

@@ -64,9 +64,10 @@ pub struct Calibrate {
 
 impl Calibrate {
     pub fn call(&self) -> Result<(), Failure> {
-        let scene = BridgeScene::read(&self.scenario, &settings(&self.set)?)?;
+        let set = settings(&self.set)?;
+        let scene = BridgeScene::read(&self.scenario, &set)?;
         if let Some(output) = &self.output {
-            writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
+            writable(output, self.force, self.source.inputs(&self.scenario, &set))?;
         }
         let record = self.source.record(&self.scenario, &scene)?;
         let question = CalibrationQuestion {
@@ -85,9 +86,11 @@ impl Calibrate {
             refused(self.source.shown(), &error, remedy)
         })?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
-        show(&stored.title, &stored.calibration, &stored.warnings, self.json)?;
         if let Some(output) = &self.output {
             store::write_calibration(output, &stored, self.force)?;
+        }
+        show(&stored.title, &stored.calibration, &stored.warnings, self.json)?;
+        if let Some(output) = &self.output {
             note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }

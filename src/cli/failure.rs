@@ -61,9 +61,6 @@ impl Failure {
             Failure::Scenario(error) => (2, vec![error.to_string()]),
             Failure::Run(problem) => (1, vec![problem.clone()]),
             Failure::Interrupted => (exit_code(), Vec::new()),
-            // In `mc ... | head` the reader closes the pipe when it has read enough, which is no
-            // failure.
-            Failure::Output(error) if error.kind() == io::ErrorKind::BrokenPipe => (0, Vec::new()),
             Failure::Output(error) => (1, vec![format!("cannot write to standard output: {error}")]),
         };
         for problem in problems {
@@ -90,8 +87,7 @@ impl From<Misfit> for Failure {
     }
 }
 
-/// Writes to standard output for people. A closed pipe is a failure to return and not a panic, as
-/// it is with `print!`.
+/// Writes to standard output for people.
 pub fn print(text: &str) -> Result<(), Failure> {
     print_as_it_is(&safe::text(text))
 }
@@ -101,9 +97,14 @@ pub fn print_data(text: &str) -> Result<(), Failure> {
     print_as_it_is(&safe::data(text))
 }
 
+/// In `mc ... | head` the reader closes the pipe when it has read enough. That is no failure, and
+/// the verb goes on to its end, because what else it was asked for does not depend on the reader.
 fn print_as_it_is(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
-    out.write_all(text.as_bytes()).and_then(|()| out.flush()).map_err(Failure::Output)
+    match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output(error)),
+        _ => Ok(()),
+    }
 }
 
 /// Writes a line to standard error. A failure to write it is ignored.

@@ -75,11 +75,13 @@ impl FitTemperature {
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
             .map_err(|error| without_weather(&self.data, &error, too_short))?;
         found.warnings().iter().for_each(warn);
-        print(&if self.json { json(&found) } else { report(&found) })?;
         if let Some(output) = &self.output {
             let start = table.start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
             let text = part(&found, &self.data, &start);
             store::write_whole(output, text.as_bytes(), self.force)?;
+        }
+        print(&if self.json { json(&found) } else { report(&found) })?;
+        if let Some(output) = &self.output {
             note(&format!("{} holds the temperature, to be added to a scenario without one", output.display()));
         }
         Ok(())

@@ -64,13 +64,14 @@ pub struct Forecast {
 
 impl Forecast {
     pub fn call(&self) -> Result<(), Failure> {
-        let scene = BridgeScene::read(&self.scenario, &settings(&self.set)?)?;
+        let set = settings(&self.set)?;
+        let scene = BridgeScene::read(&self.scenario, &set)?;
         for output in &self.output {
             if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
                 let problem = format!("-o {}: the ending does not tell what to write", output.display());
                 return Err(Failure::usage(problem, "write a name that ends in .csv or .html"));
             }
-            writable(output, self.force, self.source.inputs(&self.scenario, &scene))?;
+            writable(output, self.force, self.source.inputs(&self.scenario, &set))?;
         }
         let threads = self.threads.ready("this forecast", STUDY_BYTES)?;
         let stop = stop_on_signals()?;
@@ -92,13 +93,15 @@ impl Forecast {
             .map_err(|error| self.without_years(&error))?
             .ok_or(Failure::Interrupted)?;
         found.warnings().into_iter().for_each(warn);
+        let text = |output: &Path| match is_page(output) {
+            true => page(&scene, &calibration, &weather, &found),
+            false => csv(&found),
+        };
+        let files: Vec<(&Path, String)> = self.output.iter().map(|output| (output.as_path(), text(output))).collect();
+        store::write_together(&files, self.force)?;
         print(&if self.json { json(&found) } else { report(&scene.title, &found) })?;
         for output in &self.output {
-            let (text, has) = match is_page(output) {
-                true => (page(&scene, &calibration, &weather, &found), "is the page"),
-                false => (csv(&found), "has all years"),
-            };
-            store::write_whole(output, text.as_bytes(), self.force)?;
+            let has = if is_page(output) { "is the page" } else { "has all years" };
             note(&format!("{} {has}", output.display()));
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }

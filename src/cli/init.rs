@@ -78,7 +78,7 @@ impl Init {
         let beside = start.data.iter().map(|(name, text)| (output.with_file_name(name), *text));
         let files: Vec<(PathBuf, &str)> = std::iter::once((output.clone(), text.as_str())).chain(beside).collect();
         files.iter().try_for_each(|(path, _)| writable(path, self.force, [""; 0]))?;
-        files.iter().try_for_each(|(path, text)| store::write_whole(path, text.as_bytes(), self.force))?;
+        store::write_together(&files, self.force)?;
         files[1..].iter().for_each(|(path, _)| note(&format!("wrote {}", path.display())));
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())

@@ -27,13 +27,16 @@ pub fn exit_code() -> u8 {
     128 + u8::try_from(signal).unwrap_or(0)
 }
 
+/// Lets writing beyond the size limit of files be an error of the write, whose message says what to
+/// do. Otherwise a signal would end the process, and leave what it was writing.
+pub fn refuse_large_files() {
+    let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
+}
+
 /// A flag that the first of these signals raises. The second signal ends the process. May be called
 /// once in a process.
 pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
     let stop = Arc::new(AtomicBool::new(false));
-    // With a handler for SIGXFSZ, writing beyond the size limit of files is an error of the write,
-    // whose message says what to do. Without one, the signal ends the process.
-    let _ = signal_hook::flag::register(SIGXFSZ, Arc::new(AtomicBool::new(false)));
     let ignored = ignored();
     let heard = ENDING.into_iter().filter(|signal| ignored >> (signal - 1) & 1 == 0);
     // If the handlers cannot be installed, a signal still ends the process, but the run is not

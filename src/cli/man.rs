@@ -1,21 +1,30 @@
-//! `mc man`: writes a manual page for each command.
+//! `mc man`: prints a manual page on standard output.
 
-use super::failure::Failure;
+use super::failure::{Failure, print_data};
 use clap::CommandFactory as _;
-use std::path::PathBuf;
 
 /// Arguments of `mc man`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  mc man ~/.local/share/man/man1 && man mc-run")]
+#[command(after_help = "Examples:\n  mc man run | man -l -\n  mc man > ~/.local/share/man/man1/mc.1")]
 pub struct Man {
-    /// The folder for the pages; it is created if it does not exist
-    folder: PathBuf,
+    /// The command of which to print the page [default: mc itself]
+    command: Option<String>,
 }
 
 impl Man {
     pub fn call(&self) -> Result<(), Failure> {
-        std::fs::create_dir_all(&self.folder)
-            .and_then(|()| clap_mangen::generate_to(super::Arguments::command(), &self.folder))
-            .map_err(|e| Failure::Run(format!("{}: cannot write manual pages: {e}", self.folder.display())))
+        let mut all = super::Arguments::command();
+        all.build();
+        let page = match &self.command {
+            None => all,
+            Some(name) => {
+                let found = all.get_subcommands().find(|verb| verb.get_name() == name && !verb.is_hide_set());
+                let unknown = || Failure::usage(format!("there is no command `{name}`"), "`mc --help` lists them");
+                found.ok_or_else(unknown)?.clone()
+            }
+        };
+        let mut text = Vec::new();
+        clap_mangen::Man::new(page).render(&mut text).map_err(Failure::Output)?;
+        print_data(&String::from_utf8_lossy(&text))
     }
 }

@@ -1,8 +1,9 @@
 //! Reads the measured columns of a bearing that flags and a scenario name.
 
-use super::{Failure, note, results};
+use super::{Failure, note};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::MeasuredRecord;
+use stick_slip::config::{Override, input_files};
 use stick_slip::data::{BearingData, ColumnSource, DataError, DateOrder, Layout, Origin, Repairs, Wording};
 use stick_slip::scenario::BridgeScene;
 
@@ -133,10 +134,8 @@ impl Source {
 
     /// All files that a study of these measurements is made from: they, a scenario, and the
     /// measurements that it names.
-    pub fn inputs(&self, scenario: &Path, scene: &BridgeScene) -> Vec<PathBuf> {
-        let named = [&scene.temperature_source, &scene.displacement_source].map(|source| source.file.as_deref());
-        let named = named.into_iter().flat_map(|file| results::with_series(scenario, file));
-        self.data.iter().chain(&self.temperature_file).cloned().chain(named).collect()
+    pub fn inputs(&self, scenario: &Path, set: &[Override]) -> Vec<PathBuf> {
+        self.data.iter().chain(&self.temperature_file).cloned().chain(input_files(scenario, set)).collect()
     }
 
     /// Reads temperatures and displacements. Repairs are noted on standard error.

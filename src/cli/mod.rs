@@ -128,12 +128,23 @@ verbs! {
     Init(init),
     /// Print a completion script for a shell
     Completions(completions),
-    /// Write manual pages for `man`
+    /// Print a manual page for `man`
     Man(man),
 }
 
-/// Parses the arguments, calls one verb, and returns its exit code.
+/// Starts the thread that does the work.
 pub fn main() -> ExitCode {
+    interrupt::refuse_large_files();
+    // The stack of the first thread is as small as `ulimit -s` says.
+    let answering = std::thread::Builder::new().stack_size(STACK).spawn(answered);
+    answering.map_or_else(|_| answered(), |thread| thread.join().unwrap_or(ExitCode::FAILURE))
+}
+
+/// Bytes of the stack of the thread that does the work, those that the first thread usually has.
+const STACK: usize = 8 << 20;
+
+/// Parses the arguments, calls one verb, and returns its exit code.
+fn answered() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
             let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));

@@ -1,8 +1,8 @@
 //! Flags that change keys of a scenario.
 
 use super::failure::Failure;
-use std::path::Path;
-use stick_slip::config::{Override, ScenarioError};
+use std::path::{Path, PathBuf};
+use stick_slip::config::{Override, ScenarioError, input_files};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::{Goal, GoalError};
@@ -45,6 +45,11 @@ impl Overrides {
     /// their own.
     pub fn scenario(&self, path: &Path) -> Result<Scenario, Failure> {
         Ok(Scenario::read(path, &self.without_goals()?)?)
+    }
+
+    /// The files that the scenario is made from with these flags.
+    pub fn inputs(&self, path: &Path) -> Result<Vec<PathBuf>, Failure> {
+        Ok(input_files(path, &self.list()?))
     }
 
     /// The changes, for a verb that has no goals; a goal is an error there.

@@ -6,7 +6,7 @@ use super::numbers::counted;
 use super::overrides::settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
-use stick_slip::config::Override;
+use stick_slip::config::{Override, input_files};
 use stick_slip::figure::{self, Absent, COLUMN, Drawing, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
@@ -90,7 +90,7 @@ impl Plot {
                 let mut overrides = settings(&self.set)?;
                 overrides.extend(self.until());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
-                writable(output, self.force, results::inputs(&self.subject, &scenario))?;
+                writable(output, self.force, input_files(&self.subject, &overrides))?;
                 self.draw(&Subject::Scenario { scenario: &scenario, path: self.path })
             }
             kind if !self.beside.is_empty() && kind != Some(FileKind::Sweep) => {

@@ -3,6 +3,7 @@
 
 use super::{Failure, files, note, print, results, writable};
 use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{self, ReplayRows, Status, other_program};
 use stick_slip::ensemble::Plan;
 use stick_slip::scenario::Scenario;
@@ -78,7 +79,8 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     writer.finish(&replay.block.totals.summary(), Status::Complete)?;
     print(&format!("path {path}\n"))?;
     if replay.is_lost() {
-        return print(if scenario.scheme.step().is_some() { "it diverged\n" } else { "it was given up\n" });
+        let why = scenario.plan().why_lost(path, &AtomicBool::new(false));
+        return print(&why.map_or("it diverged\n".to_string(), |why| format!("it was given up: {why}\n")));
     }
     let events = replay.block.events.unwrap_or_default();
     print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;

@@ -23,19 +23,6 @@ pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
     PathBuf::from(name)
 }
 
-/// The files that a run of a scenario is made from: the scenario, and the measured temperature that
-/// it names.
-pub fn inputs(path: &Path, scenario: &Scenario) -> Vec<PathBuf> {
-    let measured = scenario.measured.as_ref().map(|measured| measured.file.as_str());
-    with_series(path, measured)
-}
-
-/// A scenario and the file of a temperature that it names.
-pub fn with_series(path: &Path, file: Option<&str>) -> Vec<PathBuf> {
-    let series = file.map(|file| path.parent().unwrap_or(Path::new("")).join(file));
-    std::iter::once(path.to_owned()).chain(series).collect()
-}
-
 /// The scenario of a file of results, with its measured temperature, after these overrides.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
     Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())

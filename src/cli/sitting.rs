@@ -11,6 +11,7 @@ use stick_slip::engine::{Asked, EndedBy, Outcome, Run, RunError, Sink, SoFar, St
 use stick_slip::ensemble::{BLOCK_SIZE, Flaw};
 use stick_slip::model::Model;
 use stick_slip::scenario::Scenario;
+use stick_slip::scheme::Unresolved;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
 use stick_slip::study::accuracy::AccuracyGoal;
@@ -93,8 +94,10 @@ impl<'a> Sitting<'a> {
             Ok(outcome) => self.report(&outcome),
             Err(RunError::Sink { error, outcome }) => {
                 // The file could not be written, so the results in memory are at least printed.
-                if let Some(outcome) = outcome.filter(|outcome| outcome.summary.completed_paths > 0) {
-                    self.print(&outcome)?;
+                if let Some(outcome) = outcome.filter(|outcome| outcome.summary.completed_paths > 0)
+                    && let Err(unprinted) = self.print(&outcome)
+                {
+                    unprinted.report();
                 }
                 Err(RunError::Sink { error, outcome: None }.into())
             }
@@ -135,7 +138,7 @@ impl<'a> Sitting<'a> {
         let info = self.print(outcome)?;
         let failure = match &outcome.ended_by {
             Some(EndedBy::Hopeless(reason)) => Some(ending::hopeless(reason)),
-            _ if outcome.is_all_lost() => Some(all_lost(self.scenario)),
+            _ if outcome.is_all_lost() => Some(self.all_lost(outcome)),
             _ => None,
         };
         if outcome.status == Status::Interrupted && self.leaves == Leaves::Nothing {
@@ -202,37 +205,41 @@ impl<'a> Sitting<'a> {
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
         }
     }
-}
 
-/// The message where every path was lost.
-fn all_lost(scenario: &Scenario) -> String {
-    let Model { force, oscillator, .. } = &scenario.model;
-    let cause = match force {
-        Some(_) => {
-            " The reason may be `force.expression`: that it has no value where the body is, or drives it without bound"
-        }
-        None if oscillator.damping < 0.0 => " The reason may be the negative damping, which lets the body run away",
-        None => "",
-    };
-    let (lost, remedy) = match (scenario.scheme.step(), cause) {
-        (Some(_), "") => (
-            "every path diverged, so there are no statistics",
-            "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be",
-        ),
-        (Some(_), _) => (
-            "every path diverged, so there are no statistics.",
-            "what the warnings of mc check say; a smaller step tells whether the step is the reason",
-        ),
-        (None, "") => (
-            "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, or meets a number that \
-             is not finite",
-            "a shorter --until; or --scheme discrete-vi, whose work is its number of steps",
-        ),
-        (None, _) => (
-            "every path was given up, so there are no statistics: it takes more than 10^8 evaluations, meets a number \
-             that is not finite, or has no step short enough for the force.",
-            "what the warnings of mc check say, or a shorter --until",
-        ),
-    };
-    format!("{lost}{cause}\n  fix: {remedy}")
+    /// The message where every path was lost.
+    fn all_lost(&self, outcome: &Outcome) -> String {
+        let Model { force, oscillator, .. } = &self.scenario.model;
+        let cause = match force {
+            Some(_) => {
+                ". The reason may be `force.expression`: that it has no value where the body is, or drives it without \
+                 bound"
+            }
+            None if oscillator.damping < 0.0 => {
+                ". The reason may be the negative damping, which lets the body run away"
+            }
+            None => "",
+        };
+        let first = outcome.summary.diverged.first();
+        let why = first.and_then(|path| self.scenario.plan().why_lost(*path, self.stop));
+        let (lost, remedy) = match why {
+            None if cause.is_empty() => (
+                "every path diverged, so there are no statistics".to_string(),
+                "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be",
+            ),
+            None => (
+                "every path diverged, so there are no statistics".to_string(),
+                "what the warnings of mc check say; a smaller step tells whether the step is the reason",
+            ),
+            Some(why) => {
+                let remedy = match why {
+                    Unresolved::TooLong => {
+                        "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
+                    }
+                    _ => "what the warnings of mc check say, or a shorter --until",
+                };
+                (format!("every path was given up, so there are no statistics; of the first, {why}"), remedy)
+            }
+        };
+        format!("{lost}{cause}\n  fix: {remedy}")
+    }
 }

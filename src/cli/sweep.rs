@@ -76,7 +76,7 @@ impl Sweep {
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
-        writable(&output, true, results::inputs(&self.scenario, &question.scenario))?;
+        writable(&output, true, self.overrides.inputs(&self.scenario)?)?;
         let Sweep { force, threads, statistic: statistics, quiet, json, .. } = self;
         SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
             .simulate(question)

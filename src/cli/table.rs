@@ -57,10 +57,13 @@ pub fn comma_separated(rows: &[Row]) -> String {
     full(rows).iter().map(line).collect()
 }
 
-/// A text as one cell of comma-separated values.
+/// A text as one cell of comma-separated values. What a spreadsheet would take for a formula, and
+/// is no number, is marked as a text in the way of spreadsheets.
 pub fn quoted(text: &str) -> String {
+    let is_formula = text.starts_with(['=', '+', '-', '@', '\t', '\r']) && text.contains(char::is_alphanumeric);
+    let mark = if is_formula && text.parse::<f64>().is_err() { "'" } else { "" };
     let is_plain = !text.contains([',', '"', '\n', '\r']);
-    if is_plain { text.to_string() } else { format!("\"{}\"", text.replace('"', "\"\"")) }
+    if is_plain { format!("{mark}{text}") } else { format!("\"{mark}{}\"", text.replace('"', "\"\"")) }
 }
 
 /// The rows as a table of Markdown, headings first.
@@ -128,6 +131,29 @@ fn full(rows: &[Row]) -> Vec<Vec<String>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn what_a_spreadsheet_would_compute_is_marked_as_a_text() {
+        for (text, cell) in [
+            ("=cmd.h5", "'=cmd.h5"),
+            ("=HYPERLINK(\"http://a.b\",\"c\")", "\"'=HYPERLINK(\"\"http://a.b\"\",\"\"c\"\")\""),
+            ("+1+cmd|' /C calc'!A0", "'+1+cmd|' /C calc'!A0"),
+            ("-2+3", "'-2+3"),
+            ("@SUM(A1)", "'@SUM(A1)"),
+            ("\t=1", "'\t=1"),
+            ("-1.5e-3", "-1.5e-3"),
+            ("+4", "+4"),
+            ("-inf", "-inf"),
+            ("+-", "+-"),
+            ("-", "-"),
+            ("", ""),
+            ("a=b", "a=b"),
+            ("a,\"b\"", "\"a,\"\"b\"\"\""),
+        ] {
+            assert_eq!(quoted(text), cell, "{text}");
+            assert_eq!(comma_separated(&[Row::labelled(text, ["1 000"])]), format!("{cell},1000\n"), "{text}");
+        }
+    }
 
     #[test]
     fn a_table_for_a_paper_has_numbers_as_mathematics_and_text_escaped() {

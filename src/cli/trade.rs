@@ -6,11 +6,11 @@ use super::overrides::settings;
 use super::plot::{self, Format};
 use super::progress::measuring;
 use super::trade_report::{self, Asked};
-use super::{Failure, Threads, note, print, print_data, results, stop_on_signals, warn, writable};
+use super::{Failure, Threads, note, print, print_data, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
-use stick_slip::config::Override;
+use stick_slip::config::{Override, input_files};
 use stick_slip::engine::Provenance;
 use stick_slip::figure::{self, Style, Subject};
 use stick_slip::scenario::Scenario;
@@ -56,7 +56,7 @@ impl Trade {
         overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
         let scenario = Scenario::read(&self.scenario, &overrides)?;
         if let Some(output) = &self.output {
-            self.refuse_to_lose(output, &scenario)?;
+            self.refuse_to_lose(output, &input_files(&self.scenario, &overrides))?;
         }
         let used = scenario.run_bytes(scenario.ensemble.paths, self.threads.number());
         let threads = self.threads.ready("a measurement of this scenario", used)?;
@@ -66,24 +66,23 @@ impl Trade {
         let trade = measuring(self.budget, false, &stop, measure)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
         let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
+        if let Some(output) = &self.output {
+            self.write(output, &scenario, &trade, shown)?;
+        }
         match self.json {
             true => print_data(&trade_report::json(&trade, &asked))?,
             false => print(&trade_report::table(&trade, &asked))?,
         }
-        if let Some(output) = &self.output {
-            self.write(output, &scenario, &trade, shown)?;
-        }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
 
-    fn refuse_to_lose(&self, output: &Path, scenario: &Scenario) -> Result<(), Failure> {
+    fn refuse_to_lose(&self, output: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
         if pictures(output).iter().any(|picture| picture == output) {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
-        let inputs = results::inputs(&self.scenario, scenario);
-        writable(output, self.force, &inputs)?;
-        pictures(output).iter().try_for_each(|picture| writable(picture, self.force, &inputs))
+        writable(output, self.force, inputs)?;
+        pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }
 
     fn write(

@@ -2,11 +2,11 @@
 
 use super::numbers::{grouped, parse_duration, parse_share_in, significant};
 use super::overrides::settings;
-use super::{Failure, Row, aligned, measurements, note, print, results, writable};
+use super::{Failure, Row, aligned, measurements, note, print, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin as Made, twin, values};
-use stick_slip::config::{Override, shipped_at};
+use stick_slip::config::{Override, input_files, shipped_at};
 use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
 use stick_slip::store;
@@ -81,11 +81,7 @@ impl Twin {
     pub fn call(&self) -> Result<(), Failure> {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
-        writable(
-            &self.output,
-            self.force,
-            results::with_series(&self.scenario, scene.temperature_source.file.as_deref()),
-        )?;
+        writable(&self.output, self.force, input_files(&self.scenario, &set))?;
         let (start, air) = match &scene.temperature_source.file {
             Some(file) => measured(&self.scenario, file, &scene)?,
             None => (self.start, self.drawn(&set)?),

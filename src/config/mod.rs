@@ -39,7 +39,7 @@ use crate::model::{Series, Temperature};
 use crate::scenario::Scenario;
 use source::{Samples, Sources};
 use std::io::{self, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
 /// The key of a scenario that a word probably stands for, such as its symbol.
@@ -150,6 +150,22 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
         unreadable(format!("line {line} is not UTF-8 text"), "save it as UTF-8, without a byte-order mark".into())
     })?;
     Ok((name, text))
+}
+
+/// All files that a scenario is made from, which nothing may be written over: its own, and those
+/// that it or an override names. Every key that holds a file is called `file`.
+pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
+    let shipped = shipped_at(path);
+    let read = || shipped.map(|found| (found.name.into(), found.text.into())).or_else(|| text_of(path).ok());
+    let Some((name, text)) = read() else { return vec![path.to_owned()] };
+    let sources = Sources::new(&name, &text, overrides, None);
+    let sources = shipped.into_iter().fold(sources, Sources::of_shipped);
+    // A text that cannot be read has its faults reported by whoever reads the scenario.
+    let tree = tree::read(&sources).ok();
+    let named = tree.iter().flat_map(|tree| tree.texts_at(keys::FILE.name));
+    // The data of a shipped scenario are in no file.
+    let named = named.filter(|(place, file)| sources.data(file).is_none() || sources.is_override(Some(*place)));
+    std::iter::once(path.to_owned()).chain(named.map(|(_, file)| sources.path_of(file))).collect()
 }
 
 impl Shipped {

@@ -144,7 +144,7 @@ fn read(
 impl Sources<'_> {
     /// The path of a file that the scenario or an override names, relative to the folder of the
     /// scenario.
-    fn path_of(&self, file: &str) -> PathBuf {
+    pub fn path_of(&self, file: &str) -> PathBuf {
         Path::new(self.name).parent().unwrap_or(Path::new("")).join(file)
     }
 }

@@ -33,6 +33,26 @@ pub(super) struct Entry {
     pub node: Node,
 }
 
+impl Node {
+    /// The texts of this key, in whatever table it is, with their places.
+    pub fn texts_at(&self, key: &str) -> Vec<(Place, &str)> {
+        match &self.value {
+            Value::Array(items) => items.iter().flat_map(|item| item.texts_at(key)).collect(),
+            Value::Table(entries) => entries.iter().flat_map(|entry| entry.texts_at(key)).collect(),
+            _ => Vec::new(),
+        }
+    }
+}
+
+impl Entry {
+    fn texts_at(&self, key: &str) -> Vec<(Place, &str)> {
+        match &self.node.value {
+            Value::Text(text) if self.key == key => vec![(self.node.place, text)],
+            _ => self.node.texts_at(key),
+        }
+    }
+}
+
 impl Value {
     /// What a message calls such a value.
     pub fn kind(&self) -> &'static str {

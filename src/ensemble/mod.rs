@@ -21,7 +21,7 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::Model;
 use crate::noise;
-use crate::scheme::{Observer, Simulate as _, Simulation, Timeline};
+use crate::scheme::{Observer, Simulate as _, Simulation, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
@@ -102,16 +102,28 @@ impl Plan {
         self.piece(path, 1)
     }
 
+    /// Why path number `path` of the ensemble is given up, for which it is simulated again until
+    /// `stop` is set; none if it is not, and where lost paths have diverged.
+    pub fn why_lost(&self, path: u64, mut stop: &AtomicBool) -> Option<Unresolved> {
+        let drawn = drawn(&[path], self.antithetic);
+        self.simulation.why_lost(self.seed, drawn[0], &mut stop)
+    }
+
     /// Simulate the paths `first .. first + paths`. They may lie beyond the end of the ensemble.
     pub fn piece(&self, first: u64, paths: u64) -> BlockResult {
         let never = AtomicBool::new(false);
         loop {
             // The flag is never set, so the first attempt succeeds.
-            let piece = Piece::new(first, paths, self.antithetic);
-            if let Some((piece, ())) = self.piece_beside(piece, &(), &never) {
+            if let Some(piece) = self.piece_until(first, paths, &never) {
                 return piece;
             }
         }
+    }
+
+    /// The same. Returns `None` if `stop` is set meanwhile.
+    pub(crate) fn piece_until(&self, first: u64, paths: u64, stop: &AtomicBool) -> Option<BlockResult> {
+        let piece = Piece::new(first, paths, self.antithetic);
+        Some(self.piece_beside(piece, &(), stop)?.0)
     }
 
     /// Simulate block `index`, which a companion observes too. Returns `None` if `halt` is set

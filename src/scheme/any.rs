@@ -123,6 +123,10 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.simulate(seed, paths, observer),)+ }
             }
 
+            fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
+                match self { $(Simulation::$Scheme(simulation) => simulation.why_lost(seed, path, observer),)+ }
+            }
+
             fn step(&self) -> Option<f64> {
                 match self { $(Simulation::$Scheme(simulation) => simulation.step(),)+ }
             }

@@ -1,6 +1,6 @@
 //! What a scheme has to define ([`Method`]), and what it can do on a model ([`Simulate`]).
 
-use super::{Misfit, Observer, Resolution, Stability, Timeline};
+use super::{Misfit, Observer, Resolution, Stability, Timeline, Unresolved};
 use crate::model::Model;
 
 /// A scheme with its one parameter, and its properties. Each scheme is a type in a file of its own,
@@ -61,6 +61,12 @@ pub trait Simulate: Sized {
     /// them is no result.
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize>;
 
+    /// Why this path of the ensemble is given up, for which it is simulated again. None if it is not,
+    /// and for a scheme with a step, where every lost path has diverged.
+    fn why_lost(&self, _seed: u64, _path: u64, _observer: &mut dyn Observer) -> Option<Unresolved> {
+        None
+    }
+
     /// The time step h; the times of all events are whole multiples of it. None for a scheme
     /// without a step.
     fn step(&self) -> Option<f64> {
@@ -101,7 +107,8 @@ pub trait Simulate: Sized {
         self
     }
 
-    /// The same simulation, where each path is given up after `limit` evaluations instead of 10^8.
+    /// The same simulation, where each path is given up after `limit` evaluations instead of
+    /// those of some seconds.
     /// A scheme with a step is not changed, because its work is its number of steps.
     fn with_work_limit(self, _limit: u64) -> Self {
         self

@@ -30,6 +30,7 @@ pub use discrete_vi::corrected_exit;
 pub use discrete_vi::{CorrectedVi, DiscreteSimulation, DiscreteVi, divergence_bound, monitoring_shift};
 #[doc(hidden)]
 pub use event_driven::Simulated;
+pub use event_driven::Unresolved;
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, TOLERANCES};
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};

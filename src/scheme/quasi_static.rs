@@ -42,8 +42,9 @@
 
 use super::columns::{Columns, Seen};
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, StepLadder, StepRules,
-    UnfeltNoise, Unresolved, WORK_LIMIT, Watch, WatchedPiece, WorkLeft, cell_length, check_friction, noise_between,
+    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated, StepLadder,
+    StepRules, UnfeltNoise, Unresolved, WITHOUT_NOISE, Watch, WatchedPiece, Watching, WorkLeft, cell_length,
+    check_friction, noise_between, work_limit,
 };
 use super::{
     Course, DEFAULT_TOLERANCE, Discretisation, Glide, Instant, Look, Method, Misfit, Observer, Parameter, Simulate,
@@ -238,37 +239,44 @@ impl QuasiStaticSimulation {
         } else {
             Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
         };
-        QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits, work_limit: WORK_LIMIT, slip }
+        QuasiStaticSimulation {
+            model: model.clone(),
+            timeline: *timeline,
+            exits,
+            work_limit: work_limit(WITHOUT_NOISE),
+            slip,
+        }
     }
 
     /// Computes the one path that there is without noise, and reports it to the observer for every
     /// lane. If the path cannot be resolved, all lanes are lost.
-    fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Vec<usize> {
-        let mut columns = Columns::new(lanes);
-        let mut work = WorkLeft::new(self.work_limit);
+    fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Simulated {
+        let (mut columns, observer) = (Columns::new(lanes), Watching::new(observer));
+        let is_stopped = || observer.borrow().is_stopped();
+        let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
         let mut x = self.model.initial_displacement;
         let (mut phase, mut since, mut excess) = (Phase::Static, 0.0, 0.0);
         let mut next = self.next(cascade, phase, since, x, excess, &mut work);
-        let follows = observer.follows();
-        let follow = |phase, since, x, excess, until: f64, observer: &mut dyn Observer| {
+        let follows = observer.borrow().follows();
+        let follow = |phase, since, x, excess, until: f64| {
             if let (true, Phase::Slip(direction)) = (follows, phase) {
-                let tell = |glide| (0..lanes).for_each(|lane| observer.glide(lane, &glide));
+                let tell = |glide| (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide));
                 self.slip.glides(since, x, direction, excess, [0.0, until.min(self.slip.response.duration)], tell);
             }
         };
         for stop in self.timeline.stops() {
             while let Ok(Some(event)) = next {
-                if event.time > stop.time || observer.is_stopped() {
+                if event.time > stop.time {
                     break;
                 }
-                follow(phase, since, x, excess, f64::INFINITY, observer);
-                (0..lanes).for_each(|lane| observer.event(lane, event));
+                follow(phase, since, x, excess, f64::INFINITY);
+                (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
                 (phase, since, x) = (event.kind.phase(), event.time, event.displacement);
                 excess = self.slip.excess(&event);
                 next = self.next(cascade, phase, since, x, excess, &mut work);
             }
             if stop.instant == Instant::End {
-                follow(phase, since, x, excess, stop.time - since, observer);
+                follow(phase, since, x, excess, stop.time - since);
             }
             let (x, v) = match phase {
                 _ if next.is_err() => (f64::NAN, f64::NAN),
@@ -276,9 +284,14 @@ impl QuasiStaticSimulation {
                 Phase::Slip(direction) => self.slip.at(x, direction, excess, stop.time - since),
             };
             columns.fill((x, v, cascade.mean_temperature(stop.time), phase == Phase::Static));
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+            if is_stopped() {
+                break;
+            }
+            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        if next.is_ok() { Vec::new() } else { (0..lanes).collect() }
+        let why = next.err();
+        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
+        Simulated { lost, why, evaluations: self.work_limit - work.left() }
     }
 
     /// The event that ends a phase without noise; none if the phase does not end. A slip began with
@@ -323,7 +336,7 @@ impl NoisyRecursion {
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
         let ladder = scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end));
         let corridor = Corridor::new(&scene, rules.chord_error);
-        NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: WORK_LIMIT, closeness: 1 }
+        NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: work_limit(1), closeness: 1 }
     }
 }
 
@@ -455,16 +468,11 @@ impl Simulate for QuasiStaticSimulation {
     /// A path is given up if it makes all the evaluations that it may, or if a value is not a
     /// number.
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
-        match &self.exits {
-            Exits::Noisy(cascade) => {
-                let all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths);
-                let mut all = if observer.follows() { all.followed() } else { all };
-                event_driven::simulate(&mut all, paths.len(), observer).lost
-            }
-            Exits::Noiseless(cascade, noise) => {
-                self.one_path(cascade, paths.len(), &mut noise.added_before(observer, seed, paths))
-            }
-        }
+        self.simulate_counting(seed, paths, observer).lost
+    }
+
+    fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
+        self.simulate_counting(seed, &[path], observer).why
     }
 
     fn with_work_limit(mut self, limit: u64) -> Self {
@@ -480,5 +488,23 @@ impl Simulate for QuasiStaticSimulation {
             cascade.closeness = closeness;
         }
         self
+    }
+}
+
+impl QuasiStaticSimulation {
+    /// [`Simulate::simulate`], which also returns why a path is given up.
+    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
+        match &self.exits {
+            Exits::Noisy(cascade) => {
+                let observer = Watching::new(observer);
+                let is_stopped = || observer.borrow().is_stopped();
+                let all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths, &is_stopped);
+                let mut all = if observer.borrow().follows() { all.followed() } else { all };
+                event_driven::simulate(&mut all, paths.len(), &observer)
+            }
+            Exits::Noiseless(cascade, noise) => {
+                self.one_path(cascade, paths.len(), &mut noise.added_before(observer, seed, paths))
+            }
+        }
     }
 }

@@ -89,6 +89,15 @@ pub enum StoreError {
         /// The file that appeared.
         target: PathBuf,
     },
+    /// The same for a file of which nothing is kept.
+    #[error(
+        "{}: appeared while it was being made, and was not replaced; nothing is written\n  fix: choose another output file with -o, or \
+         replace it with --force", target.display()
+    )]
+    Overtaken {
+        /// The file that appeared.
+        target: PathBuf,
+    },
     /// Another process has the file open and HDF5 has locked it.
     #[error("{}: in use by another process; wait or close that one", path.display())]
     InUse {

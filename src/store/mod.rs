@@ -65,5 +65,5 @@ pub use trade::{read_trade, write_trade};
 pub use verify::{
     Difference, Expected, Sealed, Verification, Verified, check_bytes, verify_calibration, verify_sweep, verify_trade,
 };
-pub use workshop::write_whole;
+pub use workshop::{write_together, write_whole};
 pub use writer::Writer;

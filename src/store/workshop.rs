@@ -106,7 +106,12 @@ impl Workshop {
 
     /// The same error, from the cause as text and whether the disk is full.
     pub fn failure(&self, cause: String, is_full: bool) -> StoreError {
-        let (partial, target, saved_paths) = (self.folder.clone(), self.target.clone(), self.saved_paths);
+        // What was saved is gone with the folder.
+        if let Err(taken_away) = self.check(None) {
+            return taken_away;
+        }
+        let (partial, target) = (self.folder.clone(), self.target.clone());
+        let saved_paths = if self.is_saved() { self.saved_paths } else { 0 };
         match is_full {
             true => StoreError::DiskFull { partial, target, saved_paths, cause },
             false => StoreError::Write { partial, target, saved_paths, cause },
@@ -118,9 +123,20 @@ impl Workshop {
     pub fn publish(&self) -> Result<(), StoreError> {
         self.check(None)?;
         let (results, link) = (self.path(RESULTS), self.path(LINK));
-        give_name(&results, Some(&link), &self.target, &self.folder, self.force)?;
+        let named = give_name(&results, Some(&link), &self.target, &self.folder, self.force);
+        named.map_err(|error| match error {
+            // Without a saved state, the folder and the results in it go.
+            StoreError::Appeared { target, .. } if !self.is_saved() => StoreError::Overtaken { target },
+            StoreError::Rename { source, .. } if !self.is_saved() => self.failed(&source),
+            error => error,
+        })?;
         self.discard();
         Ok(())
+    }
+
+    /// Whether a state is saved in the folder, which then stays after a failure.
+    fn is_saved(&self) -> bool {
+        fs::exists(self.path(STATE)).unwrap_or(true)
     }
 
     /// Remove the folder. If it contains files that are not of this program, they stay, and the
@@ -136,7 +152,7 @@ impl Workshop {
 impl Drop for Workshop {
     /// Remove the folder if no state was saved in it.
     fn drop(&mut self) {
-        if self.check(None).is_ok() && !fs::exists(self.path(STATE)).unwrap_or(true) {
+        if self.check(None).is_ok() && !self.is_saved() {
             self.discard();
         }
     }
@@ -145,14 +161,33 @@ impl Drop for Workshop {
 /// Write a file in one step, so that a file of this name is always complete. With `force`, an
 /// existing regular file of this name is replaced.
 pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), StoreError> {
-    let workshop = Workshop::open(target, force)?;
-    let write = || {
-        let mut file = own::create(&workshop.path(RESULTS))?;
-        file.write_all(bytes)?;
-        file.sync_all()
+    write_together(&[(target, bytes)], force)
+}
+
+/// The same for several files, of which none gets its name before all are on the disk. If one
+/// cannot get its name, those that have one already lose it again, unless they have replaced others.
+pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(files: &[(P, B)], force: bool) -> Result<(), StoreError> {
+    let write = |(target, bytes): &(P, B)| {
+        let workshop = Workshop::open(target.as_ref(), force)?;
+        let write = || {
+            let mut file = own::create(&workshop.path(RESULTS))?;
+            file.write_all(bytes.as_ref())?;
+            file.sync_all()?;
+            let made = file.metadata()?;
+            Ok((made.dev(), made.ino()))
+        };
+        let made = write().map_err(|error| workshop.failed(&error))?;
+        Ok((workshop, made))
     };
-    write().map_err(|error| workshop.failed(&error))?;
-    workshop.publish()
+    let written = files.iter().map(write).collect::<Result<Vec<_>, StoreError>>()?;
+    for (done, (workshop, _)) in written.iter().enumerate() {
+        if let Err(error) = workshop.publish() {
+            let ours = written[..done].iter().filter(|(named, made)| !force && identity(&named.target) == Some(*made));
+            ours.for_each(|(named, _)| drop(fs::remove_file(&named.target)));
+            return Err(error);
+        }
+    }
+    Ok(())
 }
 
 /// The permissions of the folder: where a file is replaced that others may not read, they may not

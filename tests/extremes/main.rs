@@ -20,4 +20,5 @@ mod equal_friction;
 mod invariants;
 mod long_runs;
 mod stability;
+mod stopped;
 mod survey;

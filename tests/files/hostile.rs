@@ -82,6 +82,38 @@ fn a_time_limit_and_an_interrupt_do_not_wait_for_a_block() {
     }
 }
 
+/// Forces of fine structure, under which a path takes minutes and may be given up. Whoever asks gets
+/// an answer at once: `mc check`, a time limit, Ctrl-C and SIGTERM.
+#[test]
+fn a_force_of_fine_structure_keeps_nobody_waiting() {
+    let late = Duration::from_secs(8);
+    let here = folder();
+    for (force, signal, code) in [("sin(1e6*x)", "INT", 130), ("sign(sin(1e15*x))", "TERM", 143)] {
+        let force = format!("force.expression={force}");
+        let scene = ["--scheme", "event-driven", "--set", &force];
+        let start = Instant::now();
+        let output = mc(&here, &[&["check", RHO025], &scene[..]].concat());
+        assert!(output.status.success(), "{}", text(&output.stderr));
+        println!("mc check: {:?}", start.elapsed());
+        assert!(start.elapsed() < late, "{:?}", start.elapsed());
+        let run = [&["run", RHO025], &scene[..], &["--quiet", "-o", "a.h5"]].concat();
+        let start = Instant::now();
+        let limited = [&run[..], &["--max-time", "1s"]].concat();
+        assert_refused(&here, &limited, 1, &["time was up before the first 256 paths", "--max-time"]);
+        assert!(start.elapsed() < Duration::from_secs(1) + late, "{:?}", start.elapsed());
+        let mut running = Running::mc(here.path(), &run);
+        running.until_it_answers();
+        std::thread::sleep(Duration::from_secs(1));
+        let start = Instant::now();
+        running.signal(signal);
+        let output = running.end();
+        println!("SIG{signal}: {:?}", start.elapsed());
+        assert!(start.elapsed() < late, "{:?}", start.elapsed());
+        assert_eq!(output.status.code(), Some(code), "{}", text(&output.stderr));
+        assert!(names(here.path()).is_empty());
+    }
+}
+
 #[test]
 fn only_regular_files_are_replaced_and_never_an_input() {
     let here = folder();

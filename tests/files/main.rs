@@ -10,6 +10,7 @@ mod shim;
 #[path = "../synthetic/mod.rs"]
 mod synthetic;
 
+mod asked;
 mod failing_writes;
 mod file_contents;
 mod foreign_files;

@@ -240,7 +240,8 @@ pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
     let paths = if n == 1 { "path" } else { "paths" };
     (n > 0).then(|| {
         let loss = info.loss();
-        format!("{} {paths} {loss}, in no statistic: number {}{more}", grouped(n as u64), numbers.join(", "))
+        let why = if info.provenance.step.is_some() { "" } else { "; mc replay says why" };
+        format!("{} {paths} {loss}, in no statistic: number {}{more}{why}", grouped(n as u64), numbers.join(", "))
     })
 }
 

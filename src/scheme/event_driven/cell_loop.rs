@@ -22,6 +22,7 @@ use crate::noise::looking_place;
 use crate::scheme::columns::{Columns, LOST};
 use crate::scheme::timeline::Stop;
 use crate::scheme::{Glide, Instant, Observer};
+use std::cell::RefCell;
 
 /// A stop lies on the end of a cell if their times differ by at most this fraction, which is
 /// rounding.
@@ -30,6 +31,9 @@ const ALIGNMENT: f64 = 4.0 * f64::EPSILON;
 /// The largest number of cells that one path crosses before the next path.
 const MOST_QUIET: usize = 64;
 
+/// The observer, which the paths ask between their events whether they are still wanted.
+pub type Watching<'o> = RefCell<&'o mut dyn Observer>;
+
 /// Paths at the border of two cells, and how the loop takes them across cells.
 pub trait PathSet {
     /// The scheme.
@@ -37,7 +41,7 @@ pub trait PathSet {
 
     fn cascade(&self) -> &Self::Cascade;
     /// Takes all paths across cells that have no stop inside.
-    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer);
+    fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>);
     /// Takes all paths across a cell with stops inside.
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside);
     /// Writes the state of every path at the end of the cell that was crossed last.
@@ -48,16 +52,16 @@ pub trait PathSet {
 }
 
 /// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
-pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &mut dyn Observer) -> Simulated {
+pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>) -> Simulated {
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
     let mut columns = Columns::new(count);
     let (mut quiet, mut inside) =
-        (Vec::new(), Inside { glides: observer.follows().then(Vec::new), ..Inside::default() });
+        (Vec::new(), Inside { glides: observer.borrow().follows().then(Vec::new), ..Inside::default() });
     let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
-    while let Some(stop) = stops.peek().filter(|_| !observer.is_stopped()) {
+    while let Some(stop) = stops.peek().filter(|_| !observer.borrow().is_stopped()) {
         // Collect the cells without a stop inside, up to the end of a cell at which there is a
         // stop. Where paths go one by one, each crosses all of them before the next path, which is
         // easier for the branch prediction of a processor.
@@ -70,7 +74,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &mut dyn Obser
             let next = || stops.next_if(|stop| is_before(stop, cell.end));
             inside.begin(std::iter::from_fn(next), &cell, count, closeness);
             paths.cross_watched(&cell, &mut inside);
-            inside.tell(observer, stops.peek().is_none());
+            inside.tell(*observer.borrow_mut(), stops.peek().is_none());
             quiet.push(cell.clone());
             cell.move_to(paths.cascade().scene(), paths.cascade().ladder(), cell.index + 1);
         } else {
@@ -83,10 +87,11 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &mut dyn Obser
                 paths.look(passed, &mut columns);
                 is_set = true;
             }
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
         }
         if paths.are_lost() {
             columns.fill(LOST);
+            let mut observer = observer.borrow_mut();
             stops.by_ref().for_each(|stop| observer.snapshot(stop.instant, columns.snapshot(stop.time)));
         }
     }
@@ -155,7 +160,7 @@ impl Inside {
         let watch = Glances { glances, cell_start: cell.start, draws, lane, seen, passed: 0 };
         let mut watch = Follower { watch, lane, glides: glides.as_mut() };
         let emit = |event| events.push((lane, event));
-        path.is_lost = cross(cascade, cell, path, scratch, &mut watch, emit).is_err();
+        path.lost = cross(cascade, cell, path, scratch, &mut watch, emit).err();
         let (passed, seen) = (watch.watch.passed, watch.watch.seen);
         if passed < glances.len() {
             seen[passed..glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));

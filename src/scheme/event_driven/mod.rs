@@ -26,10 +26,10 @@ mod work;
 pub use law::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use law::step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
 pub use simulation::EventDrivenSimulation;
-pub use work::Simulated;
+pub use work::{Simulated, Unresolved};
 
 pub(super) use alone::{Cascade, OneByOne, Path, Watch, WatchedPiece};
-pub(super) use cell_loop::simulate;
+pub(super) use cell_loop::{Watching, simulate};
 pub(super) use law::cells::{Cell, cell_length};
 pub(super) use law::corridor::Corridor;
 pub(super) use law::inside::{Glance, Known, noise_between};
@@ -37,7 +37,7 @@ pub(super) use law::ladder::StepLadder;
 pub(super) use law::scene::Scene;
 pub(super) use law::step_rules::StepRules;
 pub(super) use noiseless::{ExactTime, Noiseless, UnfeltNoise};
-pub(super) use work::{Unresolved, WORK_LIMIT, WorkLeft};
+pub(super) use work::{WITHOUT_NOISE, WorkLeft, work_limit};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};

@@ -24,10 +24,11 @@ use super::law::scene::Scene;
 use super::law::slip_step::SlipStep;
 use super::law::slip_transition::DrivenOscillator;
 use super::law::step_rules::StepRules;
-use super::work::{Simulated, WORK_LIMIT};
+use super::work::{OWN_FORCE, Simulated, work_limit};
 use crate::lanes::InstructionSet;
 use crate::model::Model;
 use crate::scheme::{Observer, Timeline};
+use std::cell::RefCell;
 
 /// The noisy scheme for one scene.
 #[derive(Clone, Debug)]
@@ -91,6 +92,7 @@ impl Noisy {
         let halvings = if scene.has_own_force() { FINEST_HALVING + 1 } else { 0 };
         let halved = |n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n));
         let halved = (0..halvings).map(halved).collect();
+        let cost = if scene.has_own_force() { OWN_FORCE } else { 1 };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy {
@@ -104,7 +106,7 @@ impl Noisy {
             most_error: rules.most_error,
             most_bend: rules.most_bend,
             search,
-            work_limit: WORK_LIMIT,
+            work_limit: work_limit(cost),
             closeness: 1,
         }
     }
@@ -136,14 +138,15 @@ impl Noisy {
 
     /// Simulates the paths with these numbers.
     pub fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
-        let instructions = InstructionSet::detect();
-        let follows = observer.follows();
+        let (instructions, follows) = (InstructionSet::detect(), observer.follows());
+        let observer = RefCell::new(observer);
+        let is_stopped = || observer.borrow().is_stopped();
         if paths.len() > FEW && self.has_equal_cells() && !follows {
-            let mut all = Abreast::new(self, instructions, seed, paths);
-            return cell_loop::simulate(&mut all, paths.len(), observer);
+            let mut all = Abreast::new(self, instructions, seed, paths, &is_stopped);
+            return cell_loop::simulate(&mut all, paths.len(), &observer);
         }
-        let all = OneByOne::new(self, instructions, seed, paths);
+        let all = OneByOne::new(self, instructions, seed, paths, &is_stopped);
         let mut all = if follows { all.followed() } else { all };
-        cell_loop::simulate(&mut all, paths.len(), observer)
+        cell_loop::simulate(&mut all, paths.len(), &observer)
     }
 }

@@ -5,7 +5,7 @@ use super::law::scene::Scene;
 use super::law::step_rules::{Resolution, StepRules};
 use super::noiseless::{GeneralNoiseless, Noiseless, UnfeltNoise};
 use super::noisy::Noisy;
-use super::work::Simulated;
+use super::work::{Simulated, Unresolved};
 use crate::lanes::InstructionSet;
 use crate::model::Model;
 use crate::scheme::{Observer, Simulate, Timeline};
@@ -78,6 +78,10 @@ impl Simulate for EventDrivenSimulation {
     /// number.
     fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         self.simulate_counting(seed, paths, observer).lost
+    }
+
+    fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
+        self.simulate_counting(seed, &[path], observer).why
     }
 
     fn paths_abreast(&self) -> usize {

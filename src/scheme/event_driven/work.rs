@@ -1,15 +1,20 @@
-//! A limit on the computing time of one path.
+//! A limit on the computing time of one path, and the place where every path looks whether it is
+//! still wanted.
 //!
 //! The number of steps of these schemes follows from the scene and cannot be read off a scenario.
 //! For example, an oscillator of 1e9 Hz that never comes to rest needs 1e15 steps for a million
 //! seconds. Every evaluation in a loop whose length depends on the scene (steps, intervals of a
 //! bisection, points of a root search, events) is counted here, so that the simulation of every
-//! path ends.
+//! path ends, and at once if the observer stops it.
 
 /// The number of evaluations that a path may still make.
-#[derive(Clone, Copy, Debug)]
-pub struct WorkLeft {
+#[derive(Clone, Copy)]
+pub struct WorkLeft<'w> {
+    /// Until the next look whether the path is still wanted.
     left: u64,
+    /// After it.
+    later: u64,
+    is_stopped: &'w dyn Fn() -> bool,
 }
 
 /// The result of simulating some paths.
@@ -17,40 +22,121 @@ pub struct WorkLeft {
 pub struct Simulated {
     /// The lanes of the paths that had to be given up.
     pub lost: Vec<usize>,
+    /// Why the first of them was.
+    pub why: Option<Unresolved>,
     /// The number of evaluations of all paths together: a measure of computing time that does not
     /// depend on the machine.
     pub evaluations: u64,
 }
 
-/// A path is given up, because it made all evaluations that it may or because a value was not a
-/// number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Unresolved;
+/// Why a path is given up.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Unresolved {
+    /// It made all evaluations that it may.
+    #[error("it takes more evaluations than a path may make, which is some seconds")]
+    TooLong,
+    /// A value was not a finite number.
+    #[error("it meets a number that is not finite")]
+    NoNumber,
+    /// The shortest step is too long.
+    #[error("the force changes too much within the shortest step")]
+    TooFine,
+    /// The observer stopped the simulation.
+    #[error("it was stopped")]
+    Stopped,
+}
 
-/// The number of evaluations that a path may make. They take ten seconds to two minutes; the paths
-/// of usual scenes take microseconds to seconds.
-pub const WORK_LIMIT: u64 = 100_000_000;
+/// The number of evaluations that a path with noise may make. They take about ten seconds; the
+/// paths of usual scenes take microseconds to seconds.
+const WORK_LIMIT: u64 = 100_000_000;
 
-impl WorkLeft {
+/// How many times as long an evaluation takes elsewhere: in scenes without noise, and in those with
+/// noise and a force of the user's own.
+pub const WITHOUT_NOISE: u64 = 10;
+pub const OWN_FORCE: u64 = 30;
+
+/// The number of evaluations that a path may make where each takes so many times as long.
+pub const fn work_limit(cost: u64) -> u64 {
+    WORK_LIMIT / cost
+}
+
+/// A path looks after so many evaluations whether it is still wanted. They take 0.1 to 10 ms.
+const LOOK: u64 = 1 << 10;
+
+impl WorkLeft<'static> {
     /// A limit of `limit` evaluations.
+    #[cfg(test)]
     pub fn new(limit: u64) -> Self {
-        WorkLeft { left: limit }
+        WorkLeft::watched(limit, &|| false)
+    }
+}
+
+impl<'w> WorkLeft<'w> {
+    /// A limit of `limit` evaluations, and of those made until `is_stopped`.
+    pub fn watched(limit: u64, is_stopped: &'w dyn Fn() -> bool) -> Self {
+        let left = limit.min(LOOK);
+        WorkLeft { left, later: limit - left, is_stopped }
     }
 
     /// The number of evaluations that are left.
     pub fn left(self) -> u64 {
-        self.left
+        self.left + self.later
     }
 
-    /// Counts several evaluations at once. Where fewer are left, none is left afterwards.
-    pub fn spend_all(&mut self, evaluations: u64) {
-        self.left = self.left.saturating_sub(evaluations);
-    }
-
-    /// Counts one evaluation; an error if none is left.
+    /// Counts one evaluation; an error if none is left, or if the path is no longer wanted.
     #[inline(always)]
     pub fn spend(&mut self) -> Result<(), Unresolved> {
-        self.left = self.left.checked_sub(1).ok_or(Unresolved)?;
+        match self.left.checked_sub(1) {
+            Some(left) => {
+                self.left = left;
+                Ok(())
+            }
+            None => self.look(),
+        }
+    }
+
+    /// Counts an evaluation where none is left until the next look.
+    #[cold]
+    #[inline(never)]
+    fn look(&mut self) -> Result<(), Unresolved> {
+        let Some(later) = self.later.checked_sub(1) else { return Err(Unresolved::TooLong) };
+        if (self.is_stopped)() {
+            return Err(Unresolved::Stopped);
+        }
+        *self = WorkLeft::watched(later, self.is_stopped);
         Ok(())
+    }
+}
+
+impl std::fmt::Debug for WorkLeft<'_> {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{} evaluations", self.left())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::cell::Cell;
+
+    #[test]
+    fn a_path_makes_as_many_evaluations_as_it_may_and_looks_around_in_between() {
+        let looks = Cell::new(0);
+        let look = || {
+            looks.set(looks.get() + 1);
+            looks.get() == 3
+        };
+        for (limit, spent, why) in [
+            (0, 0, Unresolved::TooLong),
+            (1, 1, Unresolved::TooLong),
+            (2 * LOOK, 2 * LOOK, Unresolved::TooLong),
+            (10 * LOOK, 3 * LOOK, Unresolved::Stopped),
+        ] {
+            looks.set(0);
+            let mut work = WorkLeft::watched(limit, &look);
+            let made = (0..).take_while(|_| work.spend().is_ok()).count() as u64;
+            assert_eq!((made, work.left(), work.spend()), (spent, limit - spent, Err(why)), "{limit}");
+            looks.set(2);
+        }
     }
 }

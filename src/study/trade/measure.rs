@@ -5,7 +5,7 @@ use super::ladder::is_exact;
 use super::rung::{Cost, GROUPS, Rung};
 use super::timing::{bare_plan, cost};
 use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, TradeError, pairing};
-use crate::ensemble::{Plan, in_order};
+use crate::ensemble::{Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Scheme, Simulate as _};
 use crate::stats::{Estimate, GroupValues, Totals};
@@ -190,12 +190,15 @@ fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: End<'_>) -> Res
     let plan = bare_plan(scenario, run.scheme)?;
     let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline());
-    let make = |piece: u64| plan.piece(run.first + piece * PIECE, PIECE.min(paths - piece * PIECE)).totals;
+    let never = AtomicBool::new(false);
+    let stop = end.limits.stop.unwrap_or(&never);
+    let make =
+        |piece: u64| Some(plan.piece_until(run.first + piece * PIECE, PIECE.min(paths - piece * PIECE), stop)?.totals);
     let deliver = |piece: Totals| -> Result<_, Infallible> {
         totals.merge(&piece);
         Ok(end.flow())
     };
-    let Ok(_) = in_order(paths.div_ceil(PIECE), threads, &AtomicBool::new(false), make, deliver);
+    let Ok(_) = in_order_while(paths.div_ceil(PIECE), threads, &never, make, deliver);
     Ok(rung(run.scheme, &totals))
 }
 
@@ -265,10 +268,12 @@ fn in_groups(
     end: End<'_>,
 ) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
-    let make = |piece: u64| -> Vec<Totals> {
+    let never = AtomicBool::new(false);
+    let stop = end.limits.stop.unwrap_or(&never);
+    let make = |piece: u64| -> Option<Vec<Totals>> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
         let first = APART + group * of_group + slice;
-        plans.iter().map(|(_, plan)| plan.piece(first, PIECE.min(of_group - slice)).totals).collect()
+        plans.iter().map(|(_, plan)| Some(plan.piece_until(first, PIECE.min(of_group - slice), stop)?.totals)).collect()
     };
     let mut turn = 0;
     let deliver = |rungs: Vec<Totals>| -> Result<_, Infallible> {
@@ -279,7 +284,7 @@ fn in_groups(
         Ok(end.flow())
     };
     let pieces = GROUPS * of_group.div_ceil(PIECE);
-    let Ok(delivered) = in_order(pieces, threads, &AtomicBool::new(false), make, deliver);
+    let Ok(delivered) = in_order_while(pieces, threads, &never, make, deliver);
     // Pieces go to the groups in turn, so if few were delivered, only the first groups have paths.
     groups.iter_mut().for_each(|groups| groups.truncate(delivered.min(GROUPS) as usize));
     groups

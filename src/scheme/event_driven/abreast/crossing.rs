@@ -16,6 +16,9 @@ const MOST_ODD: usize = 2;
 /// The number of lanes after which the decision for `MOST_ODD` is made.
 const SWEPT: usize = 4096;
 
+/// After so many tasks in one cell it is asked whether the paths are still wanted.
+const LOOK: u32 = 64;
+
 /// The number of lanes in which paths cross a cell.
 pub fn width(instructions: InstructionSet) -> usize {
     let mut width = Width(0);
@@ -137,8 +140,12 @@ impl Abreast<'_> {
             self.mark_all_odd();
         } else {
             self.run(cell, Sweep);
-            while let Some(task) = self.jobs.longest() {
+            for turn in 1_u32.. {
+                let Some(task) = self.jobs.longest() else { break };
                 self.work_on(task, cell);
+                if turn.is_multiple_of(LOOK) && (self.is_stopped)() {
+                    return;
+                }
             }
             self.count_work();
             if let Some(inside) = &mut inside {
@@ -192,7 +199,7 @@ impl Abreast<'_> {
     /// Marks all lanes to cross the cell alone.
     fn mark_all_odd(&mut self) {
         let Abreast { odd, lost, count, .. } = self;
-        odd.extend((0..*count).filter(|lane| !lost.contains(lane)).map(|lane| lane as u32));
+        odd.extend((0..*count).filter(|lane| !lost.contains_key(lane)).map(|lane| lane as u32));
     }
 
     /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell

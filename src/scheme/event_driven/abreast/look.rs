@@ -82,7 +82,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
                 inside.seen[i].set_lanes(lane, seen, !L::bitmask(is_slip));
             }
         }
-        for &lane in &self.paths.lost {
+        for &lane in self.paths.lost.keys() {
             inside.seen[..inside.glances.len()].iter_mut().for_each(|seen| seen.set(lane, LOST));
         }
     }
@@ -329,7 +329,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         while lanes != 0 {
             let lane = rows[lanes.trailing_zeros() as usize];
             let Abreast { odd, lost, .. } = &mut *self.paths;
-            if !odd.contains(&lane) && !lost.contains(&(lane as usize)) {
+            if !odd.contains(&lane) && !lost.contains_key(&(lane as usize)) {
                 odd.push(lane);
             }
             lanes &= lanes - 1;

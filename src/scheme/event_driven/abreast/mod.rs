@@ -28,19 +28,18 @@ mod sweep;
 mod tests;
 
 use super::alone::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
-use super::cell_loop::{Inside, PathSet};
+use super::cell_loop::{Inside, PathSet, Watching};
 use super::law::cells::Cell;
 use super::noisy::Noisy;
-use super::work::{Simulated, WorkLeft};
+use super::work::{Simulated, Unresolved, WorkLeft};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable, ROW, Row};
 use crate::model::{Event, Phase, Sign};
 use crate::noise::{AddressedDraws, cells};
-use crate::scheme::Observer;
 use crate::scheme::columns::{Columns, LOST};
 use jobs::{Jobs, Queue};
 use records::Records;
 use states::{Border, Phases, rows_from};
-use std::collections::BTreeSet;
+use std::collections::BTreeMap;
 
 /// Paths that are simulated together.
 pub struct Abreast<'a> {
@@ -59,8 +58,8 @@ pub struct Abreast<'a> {
     /// Evaluations of each path until now, and until the start of the cell.
     spent: Vec<u64>,
     spent_before: Vec<u64>,
-    /// The lanes whose paths have been given up.
-    lost: BTreeSet<usize>,
+    /// The lanes whose paths have been given up, and why.
+    lost: BTreeMap<usize, Unresolved>,
     jobs: Jobs,
     /// The pieces in which the paths are observed.
     records: Records,
@@ -75,11 +74,18 @@ pub struct Abreast<'a> {
     swept: usize,
     turned_odd: usize,
     scratch: (SlipBuffers, PendingNodes),
+    is_stopped: &'a dyn Fn() -> bool,
 }
 
 impl<'a> Abreast<'a> {
-    /// The paths with these numbers, at t = 0.
-    pub fn new(noisy: &'a Noisy, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
+    /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`.
+    pub fn new(
+        noisy: &'a Noisy,
+        instructions: InstructionSet,
+        seed: u64,
+        paths: &[u64],
+        is_stopped: &'a dyn Fn() -> bool,
+    ) -> Self {
         let count = paths.len();
         let lanes = count.next_multiple_of(ROW);
         let states = vec![Row([0.0; ROW]); lanes + ROW];
@@ -96,7 +102,7 @@ impl<'a> Abreast<'a> {
             draws: Vec::with_capacity(count),
             spent: vec![0; lanes + ROW],
             spent_before: vec![0; lanes + ROW],
-            lost: BTreeSet::new(),
+            lost: BTreeMap::new(),
             jobs: Jobs::new(lanes, crossing::width(instructions)),
             records: Records::default(),
             begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
@@ -105,9 +111,10 @@ impl<'a> Abreast<'a> {
             swept: 0,
             turned_odd: 0,
             scratch: (noisy.scratch(), PendingNodes::new()),
+            is_stopped,
         };
         for (lane, &number) in paths.iter().enumerate() {
-            let path = alone::start(noisy, seed, number);
+            let path = alone::start(noisy, seed, number, is_stopped);
             all.draws.push(path.draws);
             all.put(lane, &path);
             std::mem::swap(&mut all.now, &mut all.next);
@@ -117,10 +124,9 @@ impl<'a> Abreast<'a> {
     }
 
     /// The path of a lane at the start of the cell.
-    fn path(&self, lane: usize) -> Path<f64> {
+    fn path(&self, lane: usize) -> Path<'a, f64> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
-        let mut work = WorkLeft::new(self.noisy.work_limit);
-        work.spend_all(self.spent_before[lane]);
+        let left = self.noisy.work_limit.saturating_sub(self.spent_before[lane]);
         Path {
             after: 0.0,
             displacement,
@@ -130,8 +136,8 @@ impl<'a> Abreast<'a> {
             phase: if eps == 0.0 { Phase::Static } else { Phase::Slip(Sign::of(eps)) },
             motion,
             draws: self.draws[lane],
-            work,
-            is_lost: false,
+            work: WorkLeft::watched(left, self.is_stopped),
+            lost: None,
         }
     }
 
@@ -145,15 +151,15 @@ impl<'a> Abreast<'a> {
         self.next[lane] = Row([path.displacement, v, path.noise, path.force, eps, origin, key, flip]);
         self.phases.set(lane, eps != 0.0);
         self.spent[lane] = self.noisy.work_limit - path.work.left();
-        if path.is_lost {
-            self.give_up(lane);
+        if let Some(why) = path.lost {
+            self.give_up(lane, why);
         }
     }
 
     /// Gives up the path of a lane.
-    fn give_up(&mut self, lane: usize) {
+    fn give_up(&mut self, lane: usize, why: Unresolved) {
         self.phases.leave_out(lane);
-        self.lost.insert(lane);
+        self.lost.entry(lane).or_insert(why);
     }
 
     /// Gives up the paths that have spent all their evaluations.
@@ -167,7 +173,7 @@ impl<'a> Abreast<'a> {
         if is_over {
             for lane in 0..self.count {
                 if self.spent[lane] > limit {
-                    self.give_up(lane);
+                    self.give_up(lane, Unresolved::TooLong);
                 }
             }
         }
@@ -182,7 +188,7 @@ impl<'a> Abreast<'a> {
         } else {
             let emit = |event| self.events.push((lane as u32, event));
             let crossed = alone::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
-            path.is_lost = crossed.is_err();
+            path.lost = crossed.err();
         }
         self.put(lane, &path);
     }
@@ -215,12 +221,13 @@ impl PathSet for Abreast<'_> {
         self.noisy
     }
 
-    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
+    fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>) {
         for cell in cells {
-            if observer.is_stopped() {
+            if (self.is_stopped)() {
                 return;
             }
             self.cross_cell(cell, None);
+            let mut observer = observer.borrow_mut();
             for (lane, event) in self.events.drain(..) {
                 observer.event(lane as usize, event);
             }
@@ -233,7 +240,7 @@ impl PathSet for Abreast<'_> {
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {
         self.instructions.run(&mut LookAtEnd { paths: self, passed, columns });
-        for &lane in &self.lost {
+        for &lane in self.lost.keys() {
             columns.set(lane, LOST);
         }
     }
@@ -245,7 +252,8 @@ impl PathSet for Abreast<'_> {
     fn simulated(&self) -> Simulated {
         let limit = self.noisy.work_limit;
         Simulated {
-            lost: self.lost.iter().copied().collect(),
+            lost: self.lost.keys().copied().collect(),
+            why: self.lost.values().next().copied(),
             evaluations: self.spent[..self.count].iter().map(|&spent| spent.min(limit)).sum(),
         }
     }

@@ -4,7 +4,7 @@ use crate::model::paper::paper;
 use crate::model::{Event, Harmonic, Model};
 use crate::noise::MIRROR;
 use crate::scheme::event_driven::alone::OneByOne;
-use crate::scheme::event_driven::cell_loop;
+use crate::scheme::event_driven::cell_loop::{self, Watching};
 use crate::scheme::event_driven::law::step_rules::StepRules;
 use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
@@ -74,14 +74,14 @@ fn a_path_is_the_same_abreast_and_alone() {
             let nothing = Everything { events: vec![Vec::new(); paths.len()], ..Everything::default() };
             let mut alone = nothing.clone();
             let one_by_one = cell_loop::simulate(
-                &mut OneByOne::new(&noisy, InstructionSet::detect(), 5, &paths),
+                &mut OneByOne::new(&noisy, InstructionSet::detect(), 5, &paths, &|| false),
                 paths.len(),
-                &mut alone,
+                &Watching::new(&mut alone),
             );
             for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
-                let mut paths_abreast = Abreast::new(&noisy, set, 5, &paths);
+                let mut paths_abreast = Abreast::new(&noisy, set, 5, &paths, &|| false);
                 let mut abreast = nothing.clone();
-                let simulated = cell_loop::simulate(&mut paths_abreast, paths.len(), &mut abreast);
+                let simulated = cell_loop::simulate(&mut paths_abreast, paths.len(), &Watching::new(&mut abreast));
                 let is_odd = paths_abreast.turned_odd as f64 / paths_abreast.swept as f64;
                 println!("{name}, {}: {} events, {is_odd:.4} odd", set.name(), alone.count);
                 for (lane, (a, b)) in abreast.events.iter().zip(&alone.events).enumerate() {

@@ -6,16 +6,17 @@ use super::watch::{Follower, Nobody};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
 use crate::scheme::columns::{Columns, LOST, Seen};
-use crate::scheme::event_driven::cell_loop::{Inside, PathSet};
+use crate::scheme::event_driven::cell_loop::{Inside, PathSet, Watching};
 use crate::scheme::event_driven::law::cells::Cell;
 use crate::scheme::event_driven::work::Simulated;
-use crate::scheme::{Glide, Observer};
+use crate::scheme::Glide;
 
 /// Paths that are simulated one after the other.
 pub struct OneByOne<'a, C: Cascade> {
     cascade: &'a C,
     instructions: InstructionSet,
-    paths: Vec<Path<C::Memory>>,
+    paths: Vec<Path<'a, C::Memory>>,
+    is_stopped: &'a dyn Fn() -> bool,
     /// The events of the cells that were crossed last, with their lanes.
     events: Vec<(usize, Event)>,
     /// The motion of these cells, if it is followed.
@@ -24,12 +25,19 @@ pub struct OneByOne<'a, C: Cascade> {
 }
 
 impl<'a, C: Cascade> OneByOne<'a, C> {
-    /// The paths with these numbers, at t = 0.
-    pub fn new(cascade: &'a C, instructions: InstructionSet, seed: u64, paths: &[u64]) -> Self {
+    /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`.
+    pub fn new(
+        cascade: &'a C,
+        instructions: InstructionSet,
+        seed: u64,
+        paths: &[u64],
+        is_stopped: &'a dyn Fn() -> bool,
+    ) -> Self {
         OneByOne {
             cascade,
             instructions,
-            paths: paths.iter().map(|&path| start(cascade, seed, path)).collect(),
+            paths: paths.iter().map(|&path| start(cascade, seed, path, is_stopped)).collect(),
+            is_stopped,
             events: Vec::new(),
             glides: None,
             scratch: (cascade.scratch(), PendingNodes::new()),
@@ -50,25 +58,24 @@ struct CrossOneByOne<'p, 'a, C: Cascade> {
     all: &'p mut OneByOne<'a, C>,
     cells: &'p [Cell],
     inside: Option<&'p mut Inside>,
-    is_stopped: &'p dyn Fn() -> bool,
 }
 
 impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let OneByOne { cascade, paths, events, glides, scratch, .. } = &mut *self.all;
+        let OneByOne { cascade, paths, events, glides, scratch, is_stopped, .. } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
-            if (self.is_stopped)() {
+            if is_stopped() {
                 return;
             }
-            while let Some(cell) = cells.next().filter(|_| !path.is_lost) {
+            while let Some(cell) = cells.next().filter(|_| path.lost.is_none()) {
                 if let Some(inside) = &mut self.inside {
                     inside.cross(lane, *cascade, cell, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
                     let mut watch = Follower { watch: Nobody, lane, glides: glides.as_mut() };
-                    path.is_lost = cross(*cascade, cell, path, scratch, &mut watch, emit).is_err();
+                    path.lost = cross(*cascade, cell, path, scratch, &mut watch, emit).err();
                 }
             }
         }
@@ -82,10 +89,10 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
         self.cascade
     }
 
-    fn cross(&mut self, cells: &[Cell], observer: &mut dyn Observer) {
+    fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>) {
         let instructions = self.instructions;
-        let is_stopped = &|| observer.is_stopped();
-        instructions.run(&mut CrossOneByOne { all: self, cells, inside: None, is_stopped });
+        instructions.run(&mut CrossOneByOne { all: self, cells, inside: None });
+        let mut observer = observer.borrow_mut();
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
         }
@@ -97,7 +104,7 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let cells = std::slice::from_ref(cell);
         let instructions = self.instructions;
-        instructions.run(&mut CrossOneByOne { all: self, cells, inside: Some(inside), is_stopped: &|| false });
+        instructions.run(&mut CrossOneByOne { all: self, cells, inside: Some(inside) });
     }
 
     fn look(&self, passed: &Cell, columns: &mut Columns) {
@@ -107,12 +114,13 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
     }
 
     fn are_lost(&self) -> bool {
-        self.paths.iter().all(|path| path.is_lost)
+        self.paths.iter().all(|path| path.lost.is_some())
     }
 
     fn simulated(&self) -> Simulated {
         Simulated {
-            lost: self.paths.iter().enumerate().filter(|(_, path)| path.is_lost).map(|(lane, _)| lane).collect(),
+            lost: (0..self.paths.len()).filter(|&lane| self.paths[lane].lost.is_some()).collect(),
+            why: self.paths.iter().find_map(|path| path.lost),
             evaluations: self.paths.iter().map(|path| self.cascade.work_limit() - path.work.left()).sum(),
         }
     }
@@ -120,7 +128,7 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
 
 /// The state that an observer sees of a path at the end of a cell.
 fn at_the_end<C: Cascade>(cascade: &C, cell: &Cell, path: &Path<C::Memory>) -> Seen {
-    if path.is_lost {
+    if path.lost.is_some() {
         return LOST;
     }
     let (x, v) = cascade.look(path, cell);

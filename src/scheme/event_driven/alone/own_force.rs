@@ -220,8 +220,11 @@ impl OwnForce {
                 && trial.unsettled <= most_error
                 && trial.bend <= slip.noisy.most_bend * forces;
             if is_resolved || halvings == finest {
-                if trial.error.is_nan() || trial.error > forces + trial.end.abs() {
-                    return Err(Unresolved);
+                if trial.error.is_nan() {
+                    return Err(Unresolved::NoNumber);
+                }
+                if trial.error > forces + trial.end.abs() {
+                    return Err(Unresolved::TooFine);
                 }
                 self.start_from(&trial, path.force);
                 self.may_grow = is_resolved && trial.error <= GROWTH * most_error;

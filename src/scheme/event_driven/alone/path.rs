@@ -13,7 +13,7 @@ use crate::scheme::event_driven::work::{Unresolved, WorkLeft};
 
 /// The state of one path.
 #[derive(Clone, Debug)]
-pub struct Path<M> {
+pub struct Path<'w, M> {
     /// The time up to which it has been simulated, after the start of the cell.
     pub after: f64,
     /// x, or x at the start of the phase if the scheme computes x from that.
@@ -30,8 +30,9 @@ pub struct Path<M> {
     /// What else the scheme needs to know of the motion.
     pub motion: M,
     pub draws: AddressedDraws,
-    pub work: WorkLeft,
-    pub is_lost: bool,
+    pub work: WorkLeft<'w>,
+    /// Why the path was given up, if it was.
+    pub lost: Option<Unresolved>,
 }
 
 /// What the loop needs from a scheme.
@@ -74,15 +75,20 @@ pub trait Cascade {
 }
 
 /// A path at t = 0.
-pub fn start<C: Cascade>(cascade: &C, seed: u64, path: u64) -> Path<C::Memory> {
+pub fn start<'w, C: Cascade>(
+    cascade: &C,
+    seed: u64,
+    path: u64,
+    is_stopped: &'w dyn Fn() -> bool,
+) -> Path<'w, C::Memory> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     let (noise, second_noise) = scene.draw_initial_noise(draws);
-    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::new(cascade.work_limit())) }
+    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::watched(cascade.work_limit(), is_stopped)) }
 }
 
-impl<M: Default> Path<M> {
+impl<'w, M: Default> Path<'w, M> {
     /// A path at t = 0, at rest, with this n.
-    pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: WorkLeft) -> Self {
+    pub fn new(scene: &Scene, noise: f64, draws: AddressedDraws, work: WorkLeft<'w>) -> Self {
         let displacement = scene.initial_displacement;
         Path {
             after: 0.0,
@@ -94,7 +100,7 @@ impl<M: Default> Path<M> {
             motion: M::default(),
             draws,
             work,
-            is_lost: false,
+            lost: None,
         }
     }
 }

@@ -143,7 +143,7 @@ impl Slip<'_> {
             }
             let last = self.motion(path);
             if !last.is_finite() {
-                return Err(Unresolved);
+                return Err(Unresolved::NoNumber);
             }
             let searched = step.between(self.direction.value(), (start.x, first), (path.displacement, last));
             let push = own.as_ref().map_or(0.0, |own| own.push);
@@ -151,7 +151,7 @@ impl Slip<'_> {
             let stop = flow.first_stop(path, pending, passed, watch.is_looking())?;
             let event = stop.map(|stop| self.stopped(path, (began, start.x), &stop));
             if !path.noise.is_finite() {
-                return Err(Unresolved);
+                return Err(Unresolved::NoNumber);
             }
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
             if watch.follows() {

@@ -50,7 +50,7 @@ pub(super) fn stick<C: Cascade>(
         force,
     };
     if scene.has_own_force() && !path.force.is_finite() {
-        return Err(Unresolved);
+        return Err(Unresolved::NoNumber);
     }
     if path.force.abs() >= scene.friction.static_force {
         return Ok(Some(slip(path.force, path.after)));
@@ -58,7 +58,7 @@ pub(super) fn stick<C: Cascade>(
     let stick = Stick::new(scene, cascade.corridor(), cell, displacement, end_noise);
     let Some(exit) = stick.exit(path, pending, watch)? else {
         path.force = stick.with_own(cell.last, cell.length).value + end_noise - stick.spring;
-        return if path.force.is_nan() { Err(Unresolved) } else { Ok(None) };
+        return if path.force.is_nan() { Err(Unresolved::NoNumber) } else { Ok(None) };
     };
     (path.after, path.noise) = (exit.after, exit.noise);
     Ok(Some(slip(exit.force, exit.after)))

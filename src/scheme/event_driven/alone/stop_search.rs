@@ -66,7 +66,7 @@ impl StopSearch {
 }
 
 /// A search that has come to some place in its step.
-struct Bisection<'a, P> {
+struct Bisection<'a, 'w, P> {
     search: &'a StopSearch,
     /// The time and the distance since the start of the step, and the motion, up to which V is
     /// known to be positive.
@@ -74,11 +74,11 @@ struct Bisection<'a, P> {
     travel: f64,
     left: SlipVelocity,
     draws: &'a mut AddressedDraws,
-    work: &'a mut WorkLeft,
+    work: &'a mut WorkLeft<'w>,
     passed: P,
 }
 
-impl<P: FnMut(Passed)> Bisection<'_, P> {
+impl<P: FnMut(Passed)> Bisection<'_, '_, P> {
     /// The first zero of V in `whole`, which is not clear.
     #[inline(always)]
     fn run(
@@ -159,7 +159,7 @@ impl<P: FnMut(Passed)> Bisection<'_, P> {
     fn stop(&mut self, next: Interval) -> Result<SlipStop, Unresolved> {
         let acceleration = self.come_to_stop(next);
         if !(self.after + self.travel + acceleration).is_finite() {
-            return Err(Unresolved);
+            return Err(Unresolved::NoNumber);
         }
         Ok(SlipStop { after: self.after, acceleration, travel: forwards(self.travel) })
     }

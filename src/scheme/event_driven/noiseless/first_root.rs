@@ -55,7 +55,7 @@ pub fn first_root<const N: usize>(
             .map(|(i, g)| (if g.value <= 0.0 { 0.0 } else { g.positive_for(span) }, i))
             .fold((f64::INFINITY, 0), |a, b| if b.0 < a.0 || b.0.is_nan() { b } else { a });
         if step.is_nan() || (step.is_infinite() && end.is_infinite()) {
-            return Err(Unresolved);
+            return Err(Unresolved::NoNumber);
         }
         let next = r + step;
         if next - r <= f64::EPSILON * r {

@@ -13,7 +13,7 @@
 //! is missed, and are found to rounding. Nothing is random, so one path is computed and reported
 //! for every lane.
 
-use super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
+use super::super::work::{Simulated, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use crate::model::{
@@ -22,6 +22,7 @@ use crate::model::{
 };
 use crate::scheme::columns::Columns;
 use crate::scheme::{Course, Glide, Instant, Observer, Timeline};
+use std::cell::RefCell;
 
 /// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
@@ -96,45 +97,52 @@ impl Noiseless {
         // A body without a spring under a constant force has no time scale but that of the run.
         let longest = if timeline.end > 0.0 { timeline.end } else { 1.0 };
         let span = (1.0 / fastest).min(if fastest > 0.0 { f64::INFINITY } else { longest }).min(body.bounded_for());
-        Noiseless { model: model.clone(), timeline: *timeline, body, span, work_limit: WORK_LIMIT }
+        Noiseless { model: model.clone(), timeline: *timeline, body, span, work_limit: work_limit(WITHOUT_NOISE) }
     }
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
     pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let mut columns = Columns::new(lanes);
-        let mut work = WorkLeft::new(self.work_limit);
+        let (mut columns, observer) = (Columns::new(lanes), RefCell::new(observer));
+        let is_stopped = || observer.borrow().is_stopped();
+        let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
         let mut leg = self.initial_leg(&mut work);
-        let follows = observer.follows();
-        let follow = |leg: &Leg, duration: f64, observer: &mut dyn Observer| {
+        let follows = observer.borrow().follows();
+        let follow = |leg: &Leg, duration: f64| {
             if follows {
-                self.glides(leg, duration, |glide| (0..lanes).for_each(|lane| observer.glide(lane, &glide)));
+                self.glides(leg, duration, |glide| {
+                    (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide))
+                });
             }
         };
         for stop in self.timeline.stops() {
             while let Ok(Some((end, is_due))) = leg.as_ref().map(|leg| leg.end_by(stop.time)) {
-                if !is_due || observer.is_stopped() {
+                if !is_due {
                     break;
                 }
                 if let Ok(leg) = &leg {
-                    follow(leg, leg.end.map_or(0.0, |(duration, _)| duration), observer);
+                    follow(leg, leg.end.map_or(0.0, |(duration, _)| duration));
                 }
                 if let End::Event(event) = end {
-                    (0..lanes).for_each(|lane| observer.event(lane, event));
+                    (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
                 }
                 leg = leg.and_then(|leg| self.next_leg(&leg, &mut work));
             }
             if let (Ok(leg), Instant::End) = (&leg, stop.instant) {
-                follow(leg, leg.start.until(stop.time), observer);
+                follow(leg, leg.start.until(stop.time));
             }
             match &leg {
                 Ok(leg) => columns.fill(self.state(leg, stop.time)),
-                Err(Unresolved) => columns.fill((f64::NAN, f64::NAN, f64::NAN, false)),
+                Err(_) => columns.fill((f64::NAN, f64::NAN, f64::NAN, false)),
             }
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+            if is_stopped() {
+                break;
+            }
+            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        let lost = if leg.is_ok() { Vec::new() } else { (0..lanes).collect() };
-        Simulated { lost, evaluations: self.work_limit - work.left() }
+        let why = leg.err();
+        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
+        Simulated { lost, why, evaluations: self.work_limit - work.left() }
     }
 
     fn initial_leg(&self, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
@@ -156,7 +164,7 @@ impl Noiseless {
     /// The leg that follows `leg`.
     fn next_leg(&self, leg: &Leg, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
         work.spend()?;
-        let Some((duration, end)) = leg.end else { return Err(Unresolved) };
+        let Some((duration, end)) = leg.end else { return Err(Unresolved::NoNumber) };
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
         match (end, leg.phase) {
@@ -347,7 +355,7 @@ impl Noiseless {
             !can_be_computed_with(&[(displacement + state.displacement).abs(), state.velocity.abs()])
         };
         if runs_away {
-            return Err(Unresolved);
+            return Err(Unresolved::NoNumber);
         }
         let end = root.filter(|&(r, _)| r <= horizon).map(|(r, _)| {
             let state = flow.at(r);

@@ -12,7 +12,7 @@
 //! Steps of slips and of searches end at the samples of a measured temperature, where it has kinks.
 //! Nothing is random, so one path is computed and reported for every lane.
 
-use super::super::super::work::{Simulated, Unresolved, WORK_LIMIT, WorkLeft};
+use super::super::super::work::{Simulated, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
 use super::forces::{Forces, LocalTemperature};
@@ -22,6 +22,7 @@ use super::stick_search::{SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign};
 use crate::scheme::columns::{Columns, LOST, Seen};
 use crate::scheme::{Course, Glide, Instant, Observer, Timeline};
+use std::cell::RefCell;
 
 /// The relative error of a step of a slip.
 const TOLERANCE: f64 = 1e-13;
@@ -107,50 +108,62 @@ impl GeneralNoiseless {
         });
         let tolerance = TOLERANCE;
         let model = model.clone();
-        GeneralNoiseless { model, timeline: *timeline, forces, sticks, span, tolerance, work_limit: WORK_LIMIT }
+        GeneralNoiseless {
+            model,
+            timeline: *timeline,
+            forces,
+            sticks,
+            span,
+            tolerance,
+            work_limit: work_limit(WITHOUT_NOISE),
+        }
     }
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
     pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let mut columns = Columns::new(lanes);
-        let mut work = WorkLeft::new(self.work_limit);
+        let (mut columns, observer) = (Columns::new(lanes), RefCell::new(observer));
+        let is_stopped = || observer.borrow().is_stopped();
+        let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
         let mut stretch = self.initial_stretch(&mut work);
-        let follows = observer.follows();
-        let follow = |stretch: &Stretch, duration: f64, observer: &mut dyn Observer| -> Result<(), Unresolved> {
+        let follows = observer.borrow().follows();
+        let follow = |stretch: &Stretch, duration: f64| -> Result<(), Unresolved> {
             if !follows {
                 return Ok(());
             }
-            self.glides(stretch, duration, |glide| (0..lanes).for_each(|lane| observer.glide(lane, &glide)))
+            self.glides(stretch, duration, |glide| {
+                (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide))
+            })
         };
         for stop in self.timeline.stops() {
             while let Ok(Some((end, true))) = stretch.as_ref().map(|stretch| stretch.end_by(stop.time)) {
-                if observer.is_stopped() {
-                    return Simulated { lost: Vec::new(), evaluations: self.work_limit - work.left() };
-                }
                 if let Ok(here) = &stretch
-                    && let Err(lost) = follow(here, here.end.map_or(0.0, |(duration, _)| duration), observer)
+                    && let Err(lost) = follow(here, here.end.map_or(0.0, |(duration, _)| duration))
                 {
                     stretch = Err(lost);
                     break;
                 }
                 if let StretchEnd::Event(event) = end {
-                    (0..lanes).for_each(|lane| observer.event(lane, event));
+                    (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
                 }
                 stretch = stretch.and_then(|stretch| self.next_stretch(&stretch, &mut work));
             }
             if let (Ok(here), Instant::End) = (&stretch, stop.instant)
-                && let Err(lost) = follow(here, here.temperature.start().until(stop.time), observer)
+                && let Err(lost) = follow(here, here.temperature.start().until(stop.time))
             {
                 stretch = Err(lost);
             }
             let seen = stretch.as_ref().map_err(|lost| *lost).and_then(|here| self.state(here, stop.time, &mut work));
             columns.fill(seen.unwrap_or(LOST));
             stretch = seen.and(stretch);
-            observer.snapshot(stop.instant, columns.snapshot(stop.time));
+            if is_stopped() {
+                break;
+            }
+            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
         }
-        let lost = if stretch.is_ok() { Vec::new() } else { (0..lanes).collect() };
-        Simulated { lost, evaluations: self.work_limit - work.left() }
+        let why = stretch.err();
+        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
+        Simulated { lost, why, evaluations: self.work_limit - work.left() }
     }
 
     fn initial_stretch(&self, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
@@ -171,7 +184,7 @@ impl GeneralNoiseless {
 
     /// The stretch that follows `stretch`.
     fn next_stretch(&self, stretch: &Stretch, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
-        let Some((duration, end)) = stretch.end else { return Err(Unresolved) };
+        let Some((duration, end)) = stretch.end else { return Err(Unresolved::NoNumber) };
         let start = stretch.temperature.start().after(duration);
         match (end, stretch.phase) {
             (StretchEnd::Event(event), _) => match event.kind.phase() {
@@ -184,7 +197,7 @@ impl GeneralNoiseless {
             (StretchEnd::Step(motion, next), Phase::Slip(direction)) => {
                 self.slip(start, (motion.displacement, motion.velocity), direction, next, work)
             }
-            (StretchEnd::Step(..), Phase::Static) => Err(Unresolved),
+            (StretchEnd::Step(..), Phase::Static) => Err(Unresolved::NoNumber),
         }
     }
 
@@ -192,7 +205,7 @@ impl GeneralNoiseless {
     fn force_at_rest(&self, time: ExactTime, displacement: f64, work: &mut WorkLeft) -> Result<f64, Unresolved> {
         work.spend()?;
         let b = self.forces.at(&self.forces.near(time), displacement, 0.0, 0.0);
-        if b.is_finite() { Ok(b) } else { Err(Unresolved) }
+        if b.is_finite() { Ok(b) } else { Err(Unresolved::NoNumber) }
     }
 
     /// A static phase and its exit, the first time at which |b| > f_s.
@@ -278,7 +291,8 @@ impl GeneralNoiseless {
     /// not count as work of the path, which is the same whether it is followed or not.
     fn glides(&self, stretch: &Stretch, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
         let Phase::Slip(direction) = stretch.phase else { return Ok(()) };
-        let (motion, mut work) = (self.motion(&stretch.temperature, direction), WorkLeft::new(WORK_LIMIT));
+        let (motion, mut work) =
+            (self.motion(&stretch.temperature, direction), WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false));
         let mut here = stretch.from;
         for i in 1..=PIECES {
             let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;

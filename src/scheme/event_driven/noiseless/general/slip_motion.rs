@@ -74,7 +74,7 @@ impl SlipMotion<'_> {
     pub fn with(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Result<Kinematics, Unresolved> {
         let acceleration = self.acceleration(x, v, after, work)?;
         let motion = Kinematics { after, displacement: x, velocity: v, acceleration };
-        if x.is_finite() && v.is_finite() && acceleration.is_finite() { Ok(motion) } else { Err(Unresolved) }
+        if x.is_finite() && v.is_finite() && acceleration.is_finite() { Ok(motion) } else { Err(Unresolved::NoNumber) }
     }
 
     /// The motion at a later time.
@@ -180,6 +180,6 @@ impl SlipMotion<'_> {
             let next = [0, 1].map(|j| before[j] + 2.0 * part * slope[j]);
             (before, here) = (here, next);
         }
-        Err(Unresolved)
+        Err(Unresolved::NoNumber)
     }
 }

@@ -138,5 +138,5 @@ fn zero(
         }
         u = if newton > low && newton < high { newton } else { low + 0.5 * (high - low) };
     }
-    Err(Unresolved)
+    Err(Unresolved::NoNumber)
 }

@@ -122,5 +122,5 @@ fn crossing(
         }
         (last, last_is_high) = (r, Some(is_high));
     }
-    Err(Unresolved)
+    Err(Unresolved::NoNumber)
 }

@@ -1,0 +1,98 @@
+"""Refuse arguments of a wrong type in the words of the package."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from datetime import timedelta
+from numbers import Integral, Real
+from typing import Any
+
+from .errors import wrong_argument
+
+
+def _is_text(given: Any) -> bool:
+    return isinstance(given, str)
+
+
+def _are_texts(given: Any) -> bool:
+    return _is_text(given) or isinstance(given, Iterable) and all(_is_text(one) for one in given)
+
+
+def _is_number(given: Any) -> bool:
+    return isinstance(given, Real) and not isinstance(given, bool)
+
+
+def _is_whole(given: Any) -> bool:
+    return isinstance(given, Integral) and not isinstance(given, bool) and 0 <= given < 2**64
+
+
+def _is_truth(given: Any) -> bool:
+    return isinstance(given, bool) or type(given).__name__ in ("bool_", "bool")
+
+
+def _is_time(given: Any) -> bool:
+    return _is_number(given) or isinstance(given, (str, timedelta))
+
+
+def _is_table(given: Any) -> bool:
+    return isinstance(given, Mapping)
+
+
+def _is_record(given: Any) -> bool:
+    return _is_table(given) or _are_texts(given)
+
+
+def _is_progress(given: Any) -> bool:
+    return given is None or isinstance(given, bool) or callable(given)
+
+
+def _is_dataset(given: Any) -> bool:
+    return hasattr(given, "data_vars") and hasattr(given, "attrs")
+
+
+def _are_many(given: Any) -> bool:
+    return isinstance(given, Iterable) and not _is_dataset(given)
+
+
+#: What an annotation asks for: a test, and what to give instead.
+_ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
+    "str": (_is_text, "give a text"),
+    "Sequence[str]": (_are_texts, "give a list of texts"),
+    "str | Sequence[str]": (_are_texts, "give a text or a list of texts"),
+    "float": (_is_number, "give a number"),
+    "int": (_is_whole, "give a whole number, 0 or above"),
+    "bool": (_is_truth, "give True or False"),
+    "Time": (_is_time, 'give a number of seconds, a text such as "10m", or a timedelta'),
+    "Settings": (_is_table, 'give a dictionary, e.g. {"friction.static": 1.3}'),
+    "Mapping[str, Statistic]": (_is_table, "give a dictionary of functions by name"),
+    "Mapping[str, Values]": (_is_table, "give a dictionary of values by key"),
+    "Mapping[str, tuple[float, float]]": (_is_table, "give a dictionary of pairs by key"),
+    "Mapping[str, Any]": (_is_table, "give a dictionary"),
+    "Record": (_is_record, 'give "paths", "events", a list of both, or a dictionary'),
+    "Progress": (_is_progress, "give True, or a callable f(done, expected)"),
+    "xr.Dataset": (_is_dataset, "give what a function of this package returned, or load() of its file"),
+    "Sequence[xr.Dataset]": (_are_many, "give a list of data sets"),
+}
+
+#: Arguments that the engine checks, because they replace keys of a scenario or have messages of
+#: their own.
+_OF_THE_ENGINE = ("paths", "seed", "scheme", "step", "tolerance", "until", "threads")
+
+
+def checked(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
+    """Compare the arguments of a public function, its `locals()` at the start, with its annotations.
+
+    Raises:
+        ArgumentError: one of them has a wrong type.
+    """
+    for name, annotation in function.__annotations__.items():
+        kind = str(annotation)
+        is_optional = kind.endswith(" | None")
+        kind = kind[: -len(" | None")] if is_optional else kind
+        if name == "return" or kind not in _ASKED or is_optional and name in _OF_THE_ENGINE:
+            continue
+        value = given[name]
+        is_such, remedy = _ASKED[kind]
+        if not (is_optional and value is None or is_such(value)):
+            shown = repr(value) if isinstance(value, (str, Real)) or value is None else type(value).__name__
+            raise wrong_argument(name, shown, "it is of the wrong type or range", remedy)

@@ -1,0 +1,149 @@
+"""What is of the wrong type, or says more than a real number can, is refused in the words of the
+package, and a flaw of the engine is an exception like any other."""
+
+from __future__ import annotations
+
+import os
+import signal
+import threading
+import time
+
+import numpy as np
+import pytest
+import stickslip as ss
+import xarray as xr
+
+pytestmark = pytest.mark.filterwarnings("ignore::stickslip.StickSlipWarning")
+
+MASKED = np.ma.masked_greater(np.arange(5.0), 3.5)
+
+
+def of_count(values):
+    """A statistic that gives these values for each path."""
+    return lambda events: np.resize(values, len(events.count))
+
+
+def test_statistics_of_ones_own_lose_nothing_unsaid():
+    def masked(events):
+        return np.ma.masked_less(np.arange(float(len(events.count))), 1.0)
+
+    def weighted(events):
+        return events.per_path(np.ma.masked_less(events.time, 1.0))
+
+    for function, problem in [
+        (masked, "masked"),
+        (lambda events: (events.count, masked(events)), "masked"),
+        (of_count(np.array([1 + 2j])), "imaginary"),
+        (of_count(np.array([1 + 0j])), "imaginary"),
+        (lambda events: ["a"] * len(events.count), "no array of numbers"),
+        (lambda events: None, "gives shapes"),
+        (weighted, "masked"),
+        (lambda events: events.per_path(events.time + 1j), "imaginary"),
+    ]:
+        with pytest.raises(ss.ArgumentError, match=problem):
+            ss.run("rho025", paths=256, step=0.1, bias=False, own={"mine": function})
+    unmasked = np.ma.asarray(MASKED.data)
+    ds = ss.run("rho025", paths=256, step=0.1, bias=False, own={"mine": of_count(unmasked)})
+    assert ds.own_estimate.item() == pytest.approx(np.resize(unmasked, 256).mean())
+
+
+@pytest.mark.parametrize("times", [False, True])
+def test_a_measurement_has_no_imaginary_part(times):
+    t = np.arange(0.0, 100.0)
+    given = (t + 0j, t) if times else (t, t + 5j)
+    with pytest.raises(ss.ArgumentError, match="imaginary part") as raised:
+        ss.check("rho025", temperature=given)
+    assert raised.value.argument == "temperature"
+
+
+RUN = {"scenario": "rho025", "paths": 10, "step": 0.1}
+
+
+@pytest.mark.parametrize(
+    ("call", "argument"),
+    [
+        (lambda: ss.merge("x"), "parts"),
+        (lambda: ss.merge(3), "parts"),
+        (lambda: ss.merge([None]), "parts"),
+        (lambda: ss.merge(xr.Dataset()), "parts"),
+        (lambda: ss.replay(xr.Dataset(), -1), "path"),
+        (lambda: ss.replay(xr.Dataset(), 1.5), "path"),
+        (lambda: ss.replay("a.h5", 0), "run"),
+        (lambda: ss.run(None), "scenario"),
+        (lambda: ss.run(3), "scenario"),
+        (lambda: ss.check(None), "scenario"),
+        (lambda: ss.sweep(["rho025"], {"friction.static": [1.1]}), "scenario"),
+        (lambda: ss.run(**RUN, until=[1]), "until"),
+        (lambda: ss.run(**RUN, until=object()), "until"),
+        (lambda: ss.run(**RUN, until={"a": 1}.values()), "until"),
+        (lambda: ss.run(**RUN, set=3), "set"),
+        (lambda: ss.run(**RUN, set=["a"]), "set"),
+        (lambda: ss.run(**RUN, record=3), "record"),
+        (lambda: ss.run(**RUN, record=[3]), "record"),
+        (lambda: ss.run(**RUN, bias="no"), "bias"),
+        (lambda: ss.run(**RUN, part=3), "part"),
+        (lambda: ss.run(**RUN, own=[len]), "own"),
+        (lambda: ss.run(**RUN, progress=3), "progress"),
+        (lambda: ss.run(**RUN, accuracy="1%"), "accuracy"),
+        (lambda: ss.run("rho025", accuracy=0.1, statistic=3), "statistic"),
+        (lambda: ss.run(**RUN, max_time=[3]), "max_time"),
+        (lambda: ss.sweep("rho025", 3), "vary"),
+        (lambda: ss.sweep("rho025", elasticity=3), "elasticity"),
+        (lambda: ss.trade("rho025", budget=None), "budget"),
+        (lambda: ss.plot("rho025", path=-1), "path"),
+        (lambda: ss.plot("rho025", width="wide"), "width"),
+        (lambda: ss.events("a.h5"), "ds"),
+        (lambda: ss.summary(None), "ds"),
+        (lambda: ss.twin("bridge", gaps=-1), "gaps"),
+        (lambda: ss.twin("bridge", seed="one"), "seed"),
+        (lambda: ss.calibrate("bridge", "a.csv", starts=2.5), "starts"),
+        (lambda: ss.forecast("bridge", "a.csv", draws=-3), "draws"),
+        (lambda: ss.fit_temperature("a.csv", processes="two"), "processes"),
+    ],
+)
+def test_a_wrong_type_is_named(call, argument):
+    with pytest.raises(ss.ArgumentError) as raised:
+        call()
+    assert raised.value.argument == argument and raised.value.remedy
+
+
+def test_numbers_of_numpy_are_numbers():
+    ds = ss.run("rho025", paths=np.int64(300), step=np.float32(0.125), max_time=np.float64(60.0))
+    assert ds.attrs["paths"] == 300
+    assert ss.replay(ds, np.int64(3)).sizes["path"] == 1
+
+
+def test_paths_that_diverge_are_no_exception():
+    ds = ss.run(
+        "rho025",
+        paths=256,
+        seed=1,
+        step=0.1,
+        until=400.0,
+        bias=False,
+        record={"density": True},
+        set={"force.expression": "-0.1*x^3", "time.output_step": 20.0},
+    )
+    assert ds.attrs["completed_paths"] == 256 and ds.attrs["diverged_paths"] > 0
+
+
+@pytest.mark.parametrize("expression", ["sin(1e6*x)", "sign(sin(1e15*x))"])
+@pytest.mark.parametrize("function", ["run", "sweep"])
+def test_ctrl_c_ends_a_force_of_fine_structure(expression, function):
+    """The bound allows for a machine with other work; the engine needs a third of a second."""
+
+    def interrupt():
+        time.sleep(1.0)
+        os.kill(os.getpid(), signal.SIGINT)
+
+    arguments = {"scheme": "event-driven", "set": {"force.expression": expression}}
+    thread = threading.Thread(target=interrupt)
+    thread.start()
+    start = time.monotonic()
+    with pytest.raises(KeyboardInterrupt):
+        if function == "run":
+            ss.run("rho025", **arguments)
+        else:
+            ss.sweep("rho025", {"friction.static": [1.1, 1.2]}, **arguments)
+    thread.join()
+    assert time.monotonic() - start < 6.0
