@@ -22,7 +22,7 @@ fuzz_target!(|bytes: &[u8]| {
         }),
         Ok(Some(FileKind::Sweep)) => store::read_sweep(&FILE).map(drop),
         Ok(Some(FileKind::Calibration)) => store::read_calibration(&FILE).map(drop),
-        Ok(Some(FileKind::Trade)) => store::read_prices(&FILE, None).map(drop),
+        Ok(Some(FileKind::Trade)) => store::read_trade(&FILE).map(drop),
         Ok(None) | Err(_) => Ok(()),
     };
 });

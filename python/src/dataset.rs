@@ -62,11 +62,12 @@ pub fn from_python((attributes, variables): Handed<'_>) -> PyResult<Dataset> {
     Ok(Dataset::of(read_attributes(&attributes)?, entries))
 }
 
+fn numbers<T: Element + Copy>(values: &Bound<'_, PyAny>) -> Option<Vec<T>> {
+    let array = values.cast::<PyArrayDyn<T>>().ok()?;
+    Some(array.readonly().as_array().iter().copied().collect())
+}
+
 fn column(values: &Bound<'_, PyAny>) -> PyResult<Option<Column>> {
-    fn numbers<T: Element + Copy>(values: &Bound<'_, PyAny>) -> Option<Vec<T>> {
-        let array = values.cast::<PyArrayDyn<T>>().ok()?;
-        Some(array.readonly().as_array().iter().copied().collect())
-    }
     let number = numbers(values).map(Column::F64);
     let number = number.or_else(|| numbers(values).map(Column::U64)).or_else(|| numbers(values).map(Column::U32));
     let number = number.or_else(|| numbers(values).map(Column::I8)).or_else(|| numbers(values).map(Column::U8));
@@ -83,6 +84,8 @@ fn read_attributes(attributes: &Bound<'_, PyDict>) -> PyResult<Vec<(String, Attr
             Attribute::Text(value.extract()?)
         } else if value.is_instance_of::<PyFloat>() {
             Attribute::Real(value.extract()?)
+        } else if let Some(flags) = numbers(&value) {
+            Attribute::Flags(flags)
         } else if let Ok(count) = value.extract() {
             Attribute::Count(count)
         } else {

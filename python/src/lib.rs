@@ -9,6 +9,7 @@
 //! bearing    calibration, weather and forecast of measured bearings, synthetic measurements
 //! plot       pictures of all of them
 //! dataset    a data set -> NumPy arrays, which take over its memory; and back
+//! verify     a run compared with a second simulation
 //! errors     an error of the engine -> an exception of stickslip.errors
 //! ```
 
@@ -20,6 +21,7 @@ mod plot;
 mod run;
 mod scenario;
 mod studies;
+mod verify;
 mod watched;
 
 /// Native part of the package; use the functions of `stickslip` itself.
@@ -30,11 +32,13 @@ mod _native {
     #[pymodule_export]
     use super::plot::{Picture, plot_calibration, plot_scenario, plot_sweeps, plot_trade};
     #[pymodule_export]
-    use super::run::{blocks, merge, replay, run};
+    use super::run::{merge, replay, run};
     #[pymodule_export]
     use super::scenario::{Scenario, parse, shipped};
     #[pymodule_export]
     use super::studies::{choose, sweep, trade};
+    #[pymodule_export]
+    use super::verify::verify;
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -10,13 +10,12 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use std::collections::HashMap;
-use std::ops::ControlFlow;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 use stick_slip::dataset::{Dataset, Recorder};
-use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError, Sink as _};
-use stick_slip::ensemble::{ThreadsError, in_order};
+use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError};
+use stick_slip::ensemble::ThreadsError;
 use stick_slip::saved::{PartRecorder, Parts, PartsError};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Goal;
@@ -122,37 +121,6 @@ pub fn merge<'py>(
         dataset.append_rows(part).map_err(|cause| refused(PartsError::Rows { path: "a part".into(), cause }))?;
     }
     Ok((to_python(py, dataset)?, remarks))
-}
-
-/// Simulates the blocks with these numbers, in ascending order, of a run of `paths` paths. The data
-/// set has the rows of their single paths.
-#[pyfunction]
-#[pyo3(signature = (scenario, paths, numbers, threads))]
-pub fn blocks<'py>(
-    py: Python<'py>,
-    scenario: &Scenario,
-    paths: u64,
-    numbers: Vec<u64>,
-    threads: Threads,
-) -> PyResult<Variables<'py>> {
-    let scenario = &scenario.checked;
-    let asked = Asked::paths(paths);
-    let plan = asked.plan(scenario);
-    let mut recorder = Recorder::default();
-    let begun = recorder.begin(scenario, &asked);
-    let (ended, is_interrupted) = watched(py, None, |watch: &Watch| {
-        let make = |index: u64| plan.block(numbers[index as usize]);
-        let deliver = |block| recorder.block(&block).map(ControlFlow::<()>::Continue);
-        let ended = in_order(numbers.len() as u64, threads.0, &watch.stop, make, deliver);
-        ended.map(drop).map_err(|error| error.to_string())
-    })?;
-    let flaw = |problem: String| errors::of_run(py, &problem, "report it");
-    begun.map_err(|error| flaw(error.to_string()))?;
-    ended.map_err(flaw)?;
-    if is_interrupted {
-        return Err(PyKeyboardInterrupt::new_err("interrupted while blocks were simulated again"));
-    }
-    to_python(py, recorder.into_dataset())
 }
 
 /// Reads the number of a part. Refuses what only a whole run can have: goals and a time limit.

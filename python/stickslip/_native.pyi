@@ -193,9 +193,16 @@ def twin(
     duration: float,
     every: float,
 ) -> tuple[Variables, list[str]]: ...
-def blocks(
-    scenario: Scenario, paths: int, numbers: list[int], threads: int | None
-) -> Variables: ...
+def verify(
+    run: Handed, blocks: int | None, threads: int | None
+) -> tuple[
+    int,
+    list[int],
+    int,
+    bool,
+    int,
+    tuple[str, int | None, int | None, str, str, str] | None,
+]: ...
 def plot_scenario(scenario: Scenario, run: Handed | None, path: int, drawn: Drawn) -> Picture: ...
 def plot_trade(trade: Handed, of: str | None, drawn: Drawn) -> Picture: ...
 def plot_sweeps(sweeps: list[tuple[str, Handed]], of: str | None, drawn: Drawn) -> Picture: ...

@@ -8,6 +8,7 @@ mod check;
 mod completed;
 mod completions;
 mod cost;
+mod dataset;
 mod document;
 mod ending;
 mod failure;

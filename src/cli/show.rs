@@ -6,9 +6,10 @@ use super::files;
 use super::report::{self, Csv, RunInfo};
 use super::results;
 use super::table::{Row, comma_separated, latex, markdown};
-use super::{calibrate, calibrate_report, sweep, sweep_report, trade_report};
+use super::{calibrate, calibrate_report, dataset, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
+use stick_slip::dataset::Dataset;
 use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Statistic, Summary};
@@ -67,13 +68,13 @@ impl Show {
                 calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
             }
             Content::Trade(trade) => match self.json {
-                true => print_data(&trade_report::stored_json(&trade, &file.display().to_string())),
+                true => print_data(&dataset::json(&Dataset::of_trade(&trade.scenario, &trade.trade), Some(file))),
                 false => print(&trade_report::stored_table(&trade)),
             },
             Content::Sweep(stored) => {
                 let sweep = sweep::stored(file, *stored)?;
                 match self.json {
-                    true => print_data(&sweep_report::json(&sweep, file)),
+                    true => print_data(&dataset::json(&Dataset::of_sweep(&sweep), Some(file))),
                     false => print(&sweep_report::table(&sweep, &[], file)),
                 }
             }

@@ -3,9 +3,10 @@
 
 use super::numbers::wrapped;
 use super::progress::Progress;
-use super::{Failure, Threads, note, print, print_data, stop_on_signals, sweep_report, warn};
+use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, sweep_report, warn};
 use std::collections::BTreeMap;
 use std::path::Path;
+use stick_slip::dataset::Dataset;
 use stick_slip::engine::Provenance;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{SweepFile, partial_path};
@@ -69,7 +70,7 @@ impl SweepSitting<'_> {
 
     fn print(&self, sweep: &Sweep) -> Result<(), Failure> {
         if self.json {
-            print_data(&sweep_report::json(sweep, self.output))?;
+            print_data(&dataset::json(&Dataset::of_sweep(sweep), Some(self.output)))?;
         } else if !self.quiet {
             print(&sweep_report::table(sweep, self.statistics, self.output))?;
         }

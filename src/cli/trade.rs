@@ -6,11 +6,12 @@ use super::overrides::settings;
 use super::plot::{self, Format};
 use super::progress::measuring;
 use super::trade_report::{self, Asked};
-use super::{Failure, Threads, note, print, print_data, stop_on_signals, warn, writable};
+use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use std::time::Duration;
 use stick_slip::config::{Override, input_files};
+use stick_slip::dataset::Dataset;
 use stick_slip::engine::Provenance;
 use stick_slip::figure::{self, Style, Subject};
 use stick_slip::scenario::Scenario;
@@ -65,12 +66,12 @@ impl Trade {
         let measure = |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
         let trade = measuring(self.budget, false, &stop, measure)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
-        let asked = Asked { scenario: &scenario, path: &self.scenario, shown, budget: self.budget, threads };
+        let asked = Asked { scenario: &scenario, path: &self.scenario, shown };
         if let Some(output) = &self.output {
             self.write(output, &scenario, &trade, shown)?;
         }
         match self.json {
-            true => print_data(&trade_report::json(&trade, &asked))?,
+            true => print_data(&dataset::json(&Dataset::of_trade(&scenario, &trade), self.output.as_deref()))?,
             false => print(&trade_report::table(&trade, &asked))?,
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }

@@ -42,5 +42,6 @@ pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;
 pub use rows::Rows;
+pub use run::StoredRun;
 pub use sweep::StoredSweep;
 pub use trade::StoredTrade;

@@ -6,8 +6,10 @@
 //! State         the question, the sums so far, and how much of the rows is valid
 //! PartRecorder  a sink that makes the state of a part
 //! Parts         the states of all parts, checked against each other
+//! Again         a run compared with a second simulation of its scenario
 //! ```
 
+mod again;
 mod checksum;
 mod error;
 mod part;
@@ -15,6 +17,7 @@ mod parts;
 mod rows;
 mod state;
 
+pub use again::{Again, Difference, Sample, again_in_memory, drawn};
 pub use error::SavedError;
 pub use part::PartRecorder;
 pub use parts::{Parts, PartsError};
@@ -24,6 +27,7 @@ pub use state::RunQuestion;
 pub(crate) use rows::write_rows;
 #[cfg(feature = "store")]
 pub(crate) use {
+    again::{Against, Held, again},
     checksum::checksum,
     parts::{RowSource, each_block},
     rows::{OwnedRows, Position, read_rows},

@@ -111,7 +111,6 @@ impl State {
     }
 
     /// The provenance of its numbers, with the program that began the run.
-    #[cfg(feature = "store")]
     pub fn header(&self) -> Provenance {
         let Program { version, git_hash, generator, block_size } = self.program.clone();
         let header = self.question.asked.provenance(&self.question.scenario);

@@ -1,12 +1,12 @@
 //! What a file holds, whatever its kind.
 
 use super::reader::{check_file, open, unfinished};
-use super::{StoreError, Stored, read, read_calibration, read_sweep, read_trade};
+use super::{StoreError, read, read_calibration, read_sweep, read_trade};
 use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
 use crate::dataset::header::FORMAT_NAME;
 use crate::dataset::sweep::SWEEP_FORMAT_NAME;
 use crate::dataset::trade::TRADE_FORMAT_NAME;
-use crate::dataset::{StoredCalibration, StoredSweep, StoredTrade, read_attribute};
+use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade, read_attribute};
 use std::path::Path;
 
 /// From one list: the kinds of files, with the name of the format of each, and their contents.

@@ -45,7 +45,7 @@ mod verify;
 mod workshop;
 mod writer;
 
-pub use crate::dataset::{StoredCalibration, StoredSweep, StoredTrade};
+pub use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade};
 pub use crate::saved::{Parts, RunQuestion, SavedError};
 pub use calibration::{read_calibration, write_calibration};
 pub use content::{Content, FileKind, content, kind};
@@ -55,15 +55,13 @@ pub use found::is_unfinished_sweep;
 pub use lock::lock_path;
 pub use look::is_sealed;
 pub use parts::PartError;
-pub use reader::{Stored, read};
+pub use reader::read;
 pub use remains::take_remains;
 pub use rows::read_path;
 pub use sink::{FileSink, Unfinished};
 pub use space::check_space;
 pub use sweep::{SweepFile, read_sweep, sweep_bytes};
 pub use trade::{read_trade, write_trade};
-pub use verify::{
-    Difference, Expected, Sealed, Verification, Verified, check_bytes, verify_calibration, verify_sweep, verify_trade,
-};
+pub use verify::{Sealed, Verified, check_bytes, verify_calibration, verify_run, verify_sweep, verify_trade};
 pub use workshop::{write_together, write_whole};
 pub use writer::Writer;

@@ -6,32 +6,11 @@ use super::lock::Lock;
 use super::superblock::superblock;
 use super::{StoreError, seal, state};
 use crate::dataset::header::FORMAT_VERSION;
-use crate::dataset::{header, layout, read_or_empty, series, summary};
-use crate::engine::{Part, Provenance, Status};
-use crate::stats::Summary;
+use crate::dataset::{StoredRun as Stored, header};
+use crate::engine::Status;
 use hdf5::File;
 use std::io;
 use std::path::{Path, PathBuf};
-
-/// The header and the statistics of a file, or of an unfinished run.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Stored {
-    /// Where its numbers come from.
-    pub header: Provenance,
-    /// How the run ended. For an unfinished run it says whether the run is running or was
-    /// interrupted.
-    pub status: Status,
-    /// Which part of a run this is, if it is one.
-    pub part: Option<Part>,
-    /// What ended the run before its last path, such as a goal or a limit, if anything did.
-    pub ended_by: Option<String>,
-    /// The file that the run was to write, if the run is not finished and no process is running it.
-    pub unfinished: Option<PathBuf>,
-    /// Number of paths in the file.
-    pub completed_paths: u64,
-    /// Statistics of these paths.
-    pub summary: Summary,
-}
 
 /// The target of an unfinished run, if there is one. `path` is either the target itself or the
 /// folder in which the run is saved.
@@ -65,14 +44,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
         }
         Some(_) => {}
     }
-    let read = || -> hdf5::Result<Stored> {
-        let (status, completed_paths) = header::read_progress(&file)?;
-        let header = header::read(&file, read_or_empty(&file, &layout::TIME)?, series::read(&file)?)?;
-        let summary = summary::read(&file, completed_paths, header.step)?;
-        let (ended_by, part) = (header::read_ended_by(&file)?, header::read_part(&file)?);
-        Ok(Stored { header, status, part, ended_by, unfinished: None, completed_paths, summary })
-    };
-    read().map_err(damaged(path))
+    Stored::read(&file).map_err(damaged(path))
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The

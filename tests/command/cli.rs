@@ -288,7 +288,7 @@ fn a_scenario_is_read_from_standard_input() {
     let from_file = format!("\"$0\" sweep scene.toml {sweep} --json -o file.h5");
     let second_point = |answer: Answer| {
         let sweep: serde_json::Value = serde_json::from_str(answer.done()).unwrap();
-        sweep["points"][1]["statistics"].to_string()
+        sweep["data_vars"]["estimate"]["data"][1].to_string()
     };
     let from_pipe = format!("\"$0\" sweep - {sweep} --json -o again.h5 < scene.toml");
     assert_eq!(second_point(piped(&from_pipe)), second_point(piped(&from_file)));

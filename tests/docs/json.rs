@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// Objects whose keys are names of statistics, quantities or keys of a scenario. All of these names
 /// have the same description.
-const NAMED: [&str; 6] = ["statistics", "parameters", "derived", "levels", "at", "elasticity"];
+const NAMED: [&str; 6] = ["statistics", "parameters", "derived", "attrs", "coords", "data_vars"];
 
 /// Collects the path of every value that is not an object.
 fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
@@ -50,10 +50,10 @@ fn every_key_of_every_object_is_described() {
         ("run", vec!["run", &rho025, "--paths", "512", "--set", "statistics.after=20", "-o", "a.h5"]),
         ("run", vec!["show", "a.h5"]),
         ("check", vec!["check", &rho025]),
-        ("trade", vec!["trade", &rho025, "--budget", "2s", "-o", "trade.h5"]),
-        ("stored trade", vec!["show", "trade.h5"]),
-        ("sweep", vec!["sweep", &rho025, "--paths", "256", "--vary", "friction.static=1.2,1.3", "-o", "sweep.h5"]),
-        ("sweep", vec!["sweep", &rho025, "--paths", "256", "--elasticity", "friction.static", "-o", "star.h5"]),
+        ("data set", vec!["trade", &rho025, "--budget", "2s", "-o", "trade.h5"]),
+        ("data set", vec!["show", "trade.h5"]),
+        ("data set", vec!["sweep", &rho025, "--paths", "256", "--vary", "friction.static=1.2,1.3", "-o", "sweep.h5"]),
+        ("data set", vec!["sweep", &rho025, "--paths", "256", "--elasticity", "friction.static", "-o", "star.h5"]),
         ("verification", vec!["verify", "a.h5"]),
         ("calibration", vec!["calibrate", &bearing, &data]),
         ("weather", vec!["fit-temperature", &data]),

@@ -1,15 +1,12 @@
-//! The report of a trade, for people and for programs: pure functions of what was measured.
+//! The report of a trade for people: pure functions of what was measured.
 
-mod json;
 mod stored;
 mod table;
 
-pub use json::json;
-pub use stored::{LEGEND, stored_json, stored_rows, stored_table};
+pub use stored::{LEGEND, stored_rows, stored_table};
 pub use table::table;
 
 use std::path::Path;
-use std::time::Duration;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Record, Statistic};
 use stick_slip::study::trade::{Standing, Trade};
@@ -22,10 +19,6 @@ pub struct Asked<'a> {
     pub path: &'a Path,
     /// The statistic that the picture shows.
     pub shown: Option<Statistic>,
-    /// The time that the measurement may take.
-    pub budget: Duration,
-    /// The number of threads that measured.
-    pub threads: usize,
 }
 
 /// The statistics that a trade measures: those that no scenario needs to ask for.

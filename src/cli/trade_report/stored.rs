@@ -1,10 +1,7 @@
-//! The cheapest runs that the file of a trade holds: a table for people, and an object for
-//! programs.
+//! The cheapest runs that the file of a trade holds, as a table.
 
-use crate::cli::document::document;
 use crate::cli::numbers::{grouped, percent, significant, time};
 use crate::cli::table::{Row, aligned};
-use serde_json::{Value, json};
 use stick_slip::stats::Statistic;
 use stick_slip::store::StoredTrade;
 use stick_slip::study::trade::{Choice, TARGETS};
@@ -46,23 +43,4 @@ pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static st
         last = Some(statistic);
     }
     rows
-}
-
-/// The JSON object for programs.
-pub fn stored_json(trade: &StoredTrade, file: &str) -> String {
-    let each = cheapest(trade).map(|(statistic, target, run)| {
-        let run = run.map(|Choice { scheme, paths, is_antithetic, seconds, .. }| {
-            json!({
-                "scheme": scheme.name(),
-                "step": scheme.step(),
-                "tolerance": scheme.tolerance(),
-                "paths": paths,
-                "antithetic": is_antithetic,
-                "cpu_seconds": seconds,
-            })
-        });
-        json!({ "statistic": statistic.name(), "target": target, "run": run })
-    });
-    let cheapest: Vec<Value> = each.collect();
-    document("stored trade", json!({ "title": trade.scenario.title, "file": file, "cheapest": cheapest }))
 }

@@ -9,12 +9,10 @@ use super::files;
 use super::numbers::grouped;
 use super::threads::Threads;
 use serde_json::{Value, json};
-use std::collections::BTreeSet;
-use std::hash::{BuildHasher as _, RandomState};
-use std::ops::Range;
 use std::path::PathBuf;
 use std::time::Duration;
-use stick_slip::store::{self, Difference, FileKind, Sealed};
+use stick_slip::saved::{Difference, Sample};
+use stick_slip::store::{self, FileKind, Sealed};
 
 /// How long a file may take to be computed again as a whole if nobody asked for that.
 const UNASKED: Duration = Duration::from_secs(5);
@@ -33,13 +31,6 @@ pub struct Verify {
     /// Print one JSON object on standard output, and nothing else there
     #[arg(long)]
     json: bool,
-}
-
-/// How many blocks are to be simulated again.
-#[derive(Clone, Copy, Debug)]
-enum Sample {
-    Some(u64),
-    All,
 }
 
 fn sample(text: &str) -> Result<Sample, String> {
@@ -94,12 +85,17 @@ impl Verify {
         }
     }
 
+    /// How many blocks or points are to be simulated again.
+    fn sample(&self) -> Sample {
+        self.blocks.unwrap_or(Sample::Within(UNASKED))
+    }
+
     fn refusal(&self, difference: &Difference, checked: &Checked) -> String {
         let remedy = match &checked.other_program {
             Some(_) => "verify it with the program that wrote it, because another version may compute other numbers",
             None => "take the file as it was written; its scenario, its seed or its numbers were changed since",
         };
-        format!("{}: {difference}\n  fix: {remedy}", self.file.display())
+        format!("{}: {}\n  fix: {remedy}", self.file.display(), difference.of("file"))
     }
 
     /// The result for people.
@@ -147,39 +143,5 @@ fn checksum(Sealed { bytes, has_checksum }: Sealed) -> String {
     match has_checksum {
         true => format!("checksum     that of its {bytes} bytes is right\n"),
         false => "checksum     none: another program changed the file, or an earlier version of mc wrote it\n".into(),
-    }
-}
-
-/// `wanted` different numbers of this range, drawn at random.
-fn drawn(all: &Range<u64>, wanted: u64) -> BTreeSet<u64> {
-    let (random, count) = (RandomState::new(), all.end - all.start);
-    let mut drawn = BTreeSet::new();
-    // Floyd's algorithm for a sample: every subset of this size is equally likely.
-    for last in count - wanted.min(count)..count {
-        let number = all.start + random.hash_one(last) % (last + 1);
-        if !drawn.insert(number) {
-            drawn.insert(all.start + last);
-        }
-    }
-    drawn
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_sample_has_its_size_and_every_block_its_chance() {
-        let mut seen = BTreeSet::new();
-        // A sample of 5 out of 20 blocks misses a given block with probability 3/4, and 400 samples
-        // all miss it with probability 1e-50. With 20 blocks, the test fails by chance with
-        // probability below 1e-48. The samples are not seeded.
-        for _ in 0..400 {
-            let sample = drawn(&(100..120), 5);
-            assert_eq!(sample.len(), 5);
-            seen.extend(sample);
-        }
-        assert_eq!(seen, (100..120).collect());
-        assert_eq!(drawn(&(3..7), 4), (3..7).collect());
     }
 }

@@ -1,6 +1,6 @@
 //! Files of many runs, and of a fit.
 
-use super::{Checked, Sample, UNASKED, Verify, drawn};
+use super::{Checked, Verify};
 use crate::cli::failure::Failure;
 use crate::cli::numbers::grouped;
 use crate::cli::sweep;
@@ -10,6 +10,7 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stick_slip::bearing::calibration::calibrate_again;
 use stick_slip::engine::Provenance;
+use stick_slip::saved::{Sample, drawn};
 use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
 use stick_slip::study::sweep::{Sweep, SweepSimulation};
 
@@ -19,10 +20,10 @@ impl Verify {
         let other_program = stored.other_program.clone();
         let mut again = sweep::stored(&self.file, stored.clone())?;
         let all = again.points.len() as u64;
-        let (wanted, limit) = match self.blocks {
-            Some(Sample::All) => (all, None),
-            Some(Sample::Some(wanted)) => (wanted.min(all), None),
-            None => (all, Some(UNASKED)),
+        let (wanted, limit) = match self.sample() {
+            Sample::All => (all, None),
+            Sample::Some(wanted) => (wanted.min(all), None),
+            Sample::Within(limit) => (all, Some(limit)),
         };
         let (start, mut done) = (Instant::now(), BTreeSet::new());
         for point in shuffled(drawn(&(0..all), wanted)) {

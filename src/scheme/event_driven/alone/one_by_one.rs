@@ -5,11 +5,11 @@ use super::stick::PendingNodes;
 use super::watch::{Follower, Nobody};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
+use crate::scheme::Glide;
 use crate::scheme::columns::{Columns, LOST, Seen};
 use crate::scheme::event_driven::cell_loop::{Inside, PathSet, Watching};
 use crate::scheme::event_driven::law::cells::Cell;
 use crate::scheme::event_driven::work::Simulated;
-use crate::scheme::Glide;
 
 /// Paths that are simulated one after the other.
 pub struct OneByOne<'a, C: Cascade> {

@@ -1,17 +1,11 @@
-//! A destination that compares a data set with a file instead of writing it.
+//! A destination that compares a data set with one that is stored, instead of writing it.
 
-use super::Difference;
+use super::{Difference, Held, ReadError};
 use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, ColumnView, Destination, Kind, Source as _, attributes_of, read_other_program};
+use crate::dataset::{Attribute, ColumnView, Destination, Kind, attributes_of, read_other_program};
 use crate::stats::Units;
 use crate::stats::column::FirstDifference;
-use crate::store::StoreError;
-use crate::store::look::is_sealed;
-use crate::store::reader::open;
-use crate::store::variable::read_attribute;
-use hdf5::{File, Location, Result};
 use std::collections::{BTreeMap, BTreeSet};
-use std::path::Path;
 
 /// Attributes that name the program. They are not compared, because a file of another program is
 /// told apart before it is compared.
@@ -21,29 +15,17 @@ const OF_PROGRAM: [&str; 3] = ["program_version", "git_hash", "source"];
 /// version of the format, and the text of the scenario.
 const OF_FORMAT: [&str; 3] = ["Conventions", "format_version", "scenario"];
 
-/// Attributes by which HDF5 and netCDF-4 attach coordinates to variables.
-const OF_LIBRARY: [&str; 8] = [
-    "CLASS",
-    "NAME",
-    "DIMENSION_LIST",
-    "REFERENCE_LIST",
-    "_Netcdf4Dimid",
-    "_Netcdf4Coordinates",
-    "_NCProperties",
-    "_nc3_strict",
-];
-
-/// A file while a data set is compared with it.
+/// A data set that is stored, while another one is compared with it.
 #[derive(Debug)]
-pub(super) struct Against {
-    pub file: File,
+pub(crate) struct Against<'a, H> {
+    pub held: &'a H,
     units: Units,
     /// Names of the variables that were compared.
     seen: BTreeSet<String>,
     /// The attributes of the data set. A later value replaces an earlier one, so they are compared
     /// at the end.
     attributes: BTreeMap<String, Attribute>,
-    /// Attributes that are not compared, because another program laid the file out.
+    /// Attributes that are not compared, because another program laid the data set out.
     laid_out: &'static [&'static str],
     values: u64,
     difference: Option<Difference>,
@@ -53,16 +35,11 @@ pub(super) struct Against {
 /// keeps the second for itself.
 const OF_LAYOUT: &[&str] = &["_FillValue", "coordinates"];
 
-impl Against {
-    pub fn open(path: &Path, units: Units) -> std::result::Result<Against, StoreError> {
+impl<'a, H: Held> Against<'a, H> {
+    pub fn of(held: &'a H, units: Units) -> Self {
         let (seen, attributes) = Default::default();
-        let laid_out = if is_sealed(path)? { &[] } else { OF_LAYOUT };
-        Ok(Against { file: open(path)?, units, seen, attributes, laid_out, values: 0, difference: None })
-    }
-
-    /// Whether another program may have laid the file out.
-    pub fn is_laid_out_anew(&self) -> bool {
-        !self.laid_out.is_empty()
+        let laid_out = if held.is_laid_out_anew() { OF_LAYOUT } else { &[] };
+        Against { held, units, seen, attributes, laid_out, values: 0, difference: None }
     }
 
     /// Number of values and texts that were compared so far.
@@ -90,9 +67,9 @@ impl Against {
     }
 
     /// Compare the attributes of a variable that is written elsewhere, or row by row.
-    pub fn describe(&mut self, variable: &Described, kind: Kind) -> Result<()> {
+    pub fn describe(&mut self, variable: &Described, kind: Kind) -> Result<(), ReadError<H>> {
         self.seen.insert(variable.name.to_owned());
-        if variable.is_bare_dimension() || !self.file.has(variable.name) {
+        if variable.is_bare_dimension() || !self.held.has(variable.name) {
             return Ok(());
         }
         let mut expected: BTreeMap<String, Attribute> = attributes_of(variable, &self.units)
@@ -102,19 +79,16 @@ impl Against {
         if kind == Kind::F64 && !variable.is_coordinate() {
             expected.insert("_FillValue".into(), Attribute::Real(f64::NAN));
         }
-        let dataset = self.file.dataset(variable.name)?;
-        self.compare_attributes(Some(variable.name), &dataset, &expected, &[])
+        self.compare_attributes(Some(variable.name), &expected, &[])
     }
 
-    /// Compare the attributes of the data set, and see that the file has nothing that the data set
-    /// has not.
-    pub fn finish(&mut self) -> Result<()> {
+    /// Compare the attributes of the data set, and see that nothing else is stored.
+    pub fn finish(&mut self) -> Result<(), ReadError<H>> {
         let expected = std::mem::take(&mut self.attributes);
-        let is_own = read_other_program(&self.file)?.is_none();
+        let is_own = read_other_program(self.held)?.is_none();
         let left_out = if is_own { OF_PROGRAM.to_vec() } else { [&OF_PROGRAM[..], &OF_FORMAT[..]].concat() };
-        let file = self.file.clone();
-        self.compare_attributes(None, &file, &expected, &left_out)?;
-        let surplus = file.member_names()?.into_iter().find(|name| !self.seen.contains(name));
+        self.compare_attributes(None, &expected, &left_out)?;
+        let surplus = self.held.names()?.into_iter().find(|name| !self.seen.contains(name));
         if let Some(name) = surplus {
             self.differs_at(&name, (None, "there".into(), "missing".into()));
         }
@@ -124,25 +98,19 @@ impl Against {
     fn compare_attributes(
         &mut self,
         variable: Option<&str>,
-        location: &Location,
         expected: &BTreeMap<String, Attribute>,
         left_out: &[&str],
-    ) -> Result<()> {
-        let there: BTreeSet<String> = location.attr_names()?.into_iter().collect();
-        let names = there.iter().chain(expected.keys().filter(|name| !there.contains(*name)));
+    ) -> Result<(), ReadError<H>> {
+        let there = self.held.attributes(variable)?;
+        let names = there.keys().chain(expected.keys().filter(|name| !there.contains_key(*name)));
         let left_out = [left_out, self.laid_out].concat();
         for name in names.filter(|name| !left_out.contains(&name.as_str())) {
-            let computed = expected.get(name);
-            if computed.is_none() && OF_LIBRARY.contains(&name.as_str()) {
-                continue;
-            }
             self.values += 1;
             // Reals are compared as they are printed, which tells any two of them apart and takes
             // one NaN for another.
-            let stored = read_attribute(location, name)?;
-            let [stored, computed] = lines_that_differ(stored.as_ref(), computed).unwrap_or_else(|| {
-                [stored.as_ref(), computed].map(|attribute| attribute.map_or("missing".into(), shown))
-            });
+            let (stored, computed) = (there.get(name), expected.get(name));
+            let [stored, computed] = lines_that_differ(stored, computed)
+                .unwrap_or_else(|| [stored, computed].map(|attribute| attribute.map_or("missing".into(), shown)));
             if stored != computed {
                 let name = variable.map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
                 self.differs_at(&name, (None, stored, computed));
@@ -168,22 +136,26 @@ fn shown(attribute: &Attribute) -> String {
     }
 }
 
-/// Compares each value with the file instead of writing it.
-impl Destination for Against {
-    type Error = hdf5::Error;
+/// Compares each value with what is stored instead of writing it.
+impl<H: Held> Destination for Against<'_, H> {
+    type Error = ReadError<H>;
 
     fn units(&self) -> &Units {
         &self.units
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<()> {
+    fn write_variable<'a>(
+        &mut self,
+        variable: &Described,
+        values: impl Into<ColumnView<'a>>,
+    ) -> Result<(), ReadError<H>> {
         let values = values.into();
         if values.len() == 0 {
             return Ok(());
         }
         self.describe(variable, values.kind())?;
         self.count(values.len());
-        let found = match self.file.column(variable, values.kind())? {
+        let found = match self.held.column(variable, values.kind())? {
             Some(stored) => stored.values().first_difference(values),
             None => Some((None, "missing".into(), "there".into())),
         };
@@ -193,7 +165,7 @@ impl Destination for Against {
         Ok(())
     }
 
-    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
+    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), ReadError<H>> {
         self.attributes.insert(name.to_owned(), value.into());
         Ok(())
     }

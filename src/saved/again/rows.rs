@@ -1,31 +1,25 @@
-//! The file of a run against its scenario: [`Verification`] takes the place of the writer.
+//! A run against its scenario: [`Verification`] takes the place of the writer.
 
-use super::Difference;
-use super::against::Against;
+use super::{Against, Difference, Held, ReadError};
 use crate::dataset::header;
 use crate::dataset::layout::{self, Variable};
 use crate::dataset::rows::{self, Along, Table};
-use crate::dataset::{ColumnView, Destination as _, Kind, Rows, run, summary};
+use crate::dataset::{ColumnView, Destination as _, Kind, Rows, StoredRun, read_variable, run, summary};
 use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
-use crate::saved::{RowSource as _, of_bytes};
+use crate::saved::state::of_bytes;
 use crate::scenario::SensorBearing;
-use crate::stats::column::FirstDifference;
+use crate::stats::column::{FirstDifference, values_of};
 use crate::stats::{BlockResult, EVENT_COUNT, Record, Summary};
-use crate::store::reader::damaged;
-use crate::store::rows::{column, some_rows};
-use crate::store::variable::read_variable;
-use crate::store::{StoreError, Stored};
-use hdf5::Result;
 use std::ops::Range;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Number of rows that are read at a time.
-const PIECE: usize = 65_536;
+const PIECE: u64 = 65_536;
 
-/// What the file of a run must say of itself, given its scenario.
+/// What a run must say of itself, given its scenario.
 #[derive(Clone, Debug)]
-pub struct Expected {
+pub(super) struct Expected {
     /// Where its numbers come from.
     pub header: Provenance,
     /// What it records of single paths.
@@ -41,15 +35,18 @@ pub struct Expected {
 }
 
 impl Expected {
-    /// What this file must say if its scenario has this provenance. The number of paths is that of
+    /// What this run must say if its scenario has this provenance. The number of paths is that of
     /// the scenario, except in a run that ended at a goal.
-    pub fn of(stored: &Stored, own: Provenance, record: Record) -> Expected {
+    pub fn of(stored: &StoredRun, own: Provenance, record: Record) -> Expected {
         let (part, ended_by) = (stored.part, stored.ended_by.clone());
         let paths = if ended_by.is_some() { stored.header.paths } else { own.paths };
         let all = Asked { part, ..Asked::paths(paths) }.own_paths();
         let (status, completed_paths) = match (&ended_by, part) {
             // It ended after a block that is not the last.
             (Some(_), _) => (Status::Ended, stored.completed_paths.min(all) / BLOCK_SIZE * BLOCK_SIZE),
+            (None, _) if stored.status == Status::Interrupted && stored.completed_paths < all => {
+                (Status::Interrupted, stored.completed_paths / BLOCK_SIZE * BLOCK_SIZE)
+            }
             (None, Some(_)) => (Status::Part, all),
             (None, None) => (Status::Complete, all),
         };
@@ -57,28 +54,22 @@ impl Expected {
     }
 }
 
-/// A finished file of a run while it is compared with a simulation of its scenario.
+/// A run that is stored, while it is compared with a simulation of its scenario.
 #[derive(Debug)]
-pub struct Verification {
-    against: Against,
-    path: PathBuf,
-    /// The number of the first path in the file.
+pub(super) struct Verification<'a, H> {
+    against: Against<'a, H>,
+    /// The number of the first path.
     origin: u64,
     bearing: Option<SensorBearing>,
     /// The first path whose events are not counted yet, and the number of events before it.
     counted: (u64, usize),
 }
 
-impl Verification {
-    /// Open the file at `path`, whose first path is number `origin`, of a run with this header.
-    pub fn open(path: &Path, origin: u64, header: &Provenance) -> std::result::Result<Self, StoreError> {
-        Ok(Verification {
-            against: Against::open(path, header.units.clone())?,
-            path: path.to_owned(),
-            origin,
-            bearing: header.bearing,
-            counted: (origin, 0),
-        })
+impl<'a, H: Held> Verification<'a, H> {
+    /// Of a run with this header, whose first path is number `origin`.
+    pub fn of(held: &'a H, origin: u64, header: &Provenance) -> Self {
+        let against = Against::of(held, header.units.clone());
+        Verification { against, origin, bearing: header.bearing, counted: (origin, 0) }
     }
 
     /// Number of values and texts that were compared so far.
@@ -91,25 +82,16 @@ impl Verification {
         self.against.difference()
     }
 
-    /// Compare the rows in the file with those of a block that was simulated again. Blocks must be
-    /// given in ascending order.
-    pub fn block(&mut self, block: &BlockResult) -> std::result::Result<(), StoreError> {
-        let compared = rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table));
-        compared.map_err(damaged(&self.path))
+    /// Compare the rows that are stored with those of a block that was simulated again. Blocks must
+    /// be given in ascending order.
+    pub fn block(&mut self, block: &BlockResult) -> Result<(), ReadError<H>> {
+        rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table))
     }
 
     /// Compare everything but the rows: attributes, coordinates, lengths and statistics. `summary`
-    /// holds the statistics that were computed again, or else those of the file, whose derived
+    /// holds the statistics that were computed again, or else those that are stored, whose derived
     /// values are then compared.
-    pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> std::result::Result<(), StoreError> {
-        self.compare_rest(expected, summary).map_err(damaged(&self.path))?;
-        if self.difference().is_none() && expected.part.is_some() {
-            self.part_state(expected)?;
-        }
-        Ok(())
-    }
-
-    fn compare_rest(&mut self, expected: &Expected, summary: &Summary) -> Result<()> {
+    pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> Result<(), ReadError<H>> {
         let Expected { header, record, status, completed_paths, part, ended_by } = expected;
         let against = &mut self.against;
         run::write_start(against, header)?;
@@ -123,12 +105,13 @@ impl Verification {
             against.describe(&layout::PART_STATE, Kind::U8)?;
         }
         rows::empty_tables(record, header, |table| self.lengths(expected, &table))?;
-        self.against.finish()
+        self.against.finish()?;
+        if self.difference().is_none() && part.is_some() { self.part_state(expected) } else { Ok(()) }
     }
 
     /// See that a table has as many rows as there are paths or events, and compare the attributes
     /// of its variables.
-    fn lengths(&mut self, expected: &Expected, table: &Table) -> Result<()> {
+    fn lengths(&mut self, expected: &Expected, table: &Table) -> Result<(), ReadError<H>> {
         let paths = expected.completed_paths;
         let rows = match table.along {
             Along::Path => paths as usize,
@@ -140,11 +123,11 @@ impl Verification {
             }
         };
         for (variable, values) in table.variables {
-            if rows == 0 && !self.against.file.link_exists(variable.name) {
+            let there = self.against.held.length(variable.name)?.unwrap_or(0);
+            if rows == 0 && there == 0 {
                 continue;
             }
             self.against.describe(variable, values.kind())?;
-            let there = self.against.file.dataset(variable.name)?.shape().first().copied().unwrap_or(0);
             if there != rows {
                 let (stored, computed) = (format!("one of {there} rows"), format!("one of {rows}"));
                 self.differs(variable.name, None, (None, stored, computed));
@@ -154,37 +137,21 @@ impl Verification {
     }
 
     /// A dimension without a variable has this length and no values.
-    fn bare(&mut self, dimension: &Variable, rows: usize) -> Result<()> {
+    fn bare(&mut self, dimension: &Variable, rows: usize) -> Result<(), ReadError<H>> {
         self.against.describe(dimension, Kind::U32)?;
-        let dataset = self.against.file.dataset(dimension.name)?;
-        // netCDF gives an unlimited dimension the length of its variables, which are compared.
-        if self.against.is_laid_out_anew() && dataset.is_resizable() && dataset.size() == 0 {
-            return Ok(());
-        }
-        if dataset.size() != rows {
-            let (stored, computed) = (format!("one of {} values", dataset.size()), format!("one of {rows}"));
-            self.differs(dimension.name, None, (None, stored, computed));
-            return Ok(());
-        }
-        for start in (0..rows).step_by(PIECE) {
-            let piece = start..(start + PIECE).min(rows);
-            let nothing = vec![0_u32; piece.len()];
-            let found = some_rows(&dataset, Kind::U32, &piece)?.values().first_difference((&nothing).into());
-            if let Some((at, stored, computed)) = found {
-                self.differs(dimension.name, None, (at.map(|at| start + at), stored, computed));
-            }
+        if let Some(found) = self.against.held.bare_difference(dimension.name, rows)? {
+            self.differs(dimension.name, None, found);
         }
         Ok(())
     }
 
     /// The state from which a part is joined to the others must have the scenario and the
     /// statistics of the part.
-    fn part_state(&mut self, expected: &Expected) -> std::result::Result<(), StoreError> {
-        let bytes: Vec<u8> = read_variable(&self.against.file, &layout::PART_STATE).map_err(damaged(&self.path))?;
-        let state = of_bytes(&bytes, &self.path)?;
-        let mut derived = Against::open(&self.path, expected.header.units.clone())?;
-        let compared = summary::write(&mut derived, &state.so_far.totals.totals().summary());
-        compared.map_err(damaged(&self.path))?;
+    fn part_state(&mut self, expected: &Expected) -> Result<(), ReadError<H>> {
+        let bytes: Vec<u8> = read_variable(self.against.held, &layout::PART_STATE)?;
+        let state = of_bytes(&bytes, Path::new(layout::PART_STATE.name)).map_err(|error| error.to_string())?;
+        let mut derived = Against::of(self.against.held, expected.header.units.clone());
+        summary::write(&mut derived, &state.so_far.totals.totals().summary())?;
         if let Some(difference) = derived.difference() {
             let variable = format!("{} in {}", difference.variable, layout::PART_STATE.name);
             self.against.differ(Difference { variable, ..difference.clone() });
@@ -202,7 +169,7 @@ impl Verification {
     }
 
     /// Compare the rows of a block along one dimension.
-    fn table(&mut self, block: &BlockResult, table: &Table) -> Result<()> {
+    fn table(&mut self, block: &BlockResult, table: &Table) -> Result<(), ReadError<H>> {
         if self.difference().is_some() {
             return Ok(());
         }
@@ -236,21 +203,21 @@ impl Verification {
         variable: &Variable,
         values: ColumnView,
         rows: &Range<usize>,
-    ) -> Result<Option<FirstDifference>> {
+    ) -> Result<Option<FirstDifference>, ReadError<H>> {
         if rows.is_empty() {
             return Ok(None);
         }
         self.against.count(values.len());
-        Ok(self.against.file.rows(variable, values.kind(), rows)?.values().first_difference(values))
+        Ok(self.against.held.rows(variable, values.kind(), rows)?.values().first_difference(values))
     }
 
-    /// The number of events of all paths before this one, according to the file.
-    fn events_before(&mut self, path: u64) -> Result<usize> {
+    /// The number of events of all paths before this one, as it is stored.
+    fn events_before(&mut self, path: u64) -> Result<usize, ReadError<H>> {
         let (mut next, mut events) = self.counted;
         while next < path {
-            let some = next..path.min(next + PIECE as u64);
+            let some = next..path.min(next + PIECE);
             let rows = (some.start - self.origin) as usize..(some.end - self.origin) as usize;
-            let counts: Vec<u32> = column(&self.against.file, &EVENT_COUNT, &rows)?;
+            let counts: Vec<u32> = values_of(&EVENT_COUNT, self.against.held.rows(&EVENT_COUNT, Kind::U32, &rows)?)?;
             events += counts.iter().map(|&count| count as usize).sum::<usize>();
             next = some.end;
         }
