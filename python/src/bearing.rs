@@ -74,6 +74,7 @@ pub struct LaidOut {
     dates: Option<String>,
     skip: Option<u64>,
     missing: Vec<String>,
+    outliers: Option<u64>,
 }
 
 impl LaidOut {
@@ -89,6 +90,7 @@ impl LaidOut {
             dates: self.dates.as_ref().map(order).transpose()?,
             skip: self.skip,
             missing: self.missing.clone(),
+            outliers: self.outliers,
             wording: Wording::Argument,
         };
         Ok(layout.over(other))
@@ -149,18 +151,20 @@ type Repaired<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Vec<
 /// Times and values of a measurement in memory, repaired as those of a file are, and what was
 /// repaired. `quantity` is temperature or displacement.
 #[pyfunction]
-#[pyo3(signature = (argument, quantity, times, values))]
+#[pyo3(signature = (argument, quantity, times, values, outliers))]
 pub fn repaired<'py>(
     py: Python<'py>,
     argument: &str,
     quantity: &str,
     times: PyReadonlyArray1<'py, f64>,
     values: PyReadonlyArray1<'py, f64>,
+    outliers: Option<u64>,
 ) -> PyResult<Repaired<'py>> {
     let quantities = [ColumnQuantity::Temperature, ColumnQuantity::Displacement];
     let quantity = quantities.into_iter().find(|known| known.word() == quantity).unwrap_or(quantities[0]);
     let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());
-    let (mut columns, repairs) = data::arrays(&[(quantity, &times, &values)], &[])
+    let layout = Layout { outliers, ..Layout::default() };
+    let (mut columns, repairs) = data::arrays(&[(quantity, &times, &values)], &layout)
         .map_err(|error| errors::of_argument(py, argument, "the samples", &error.to_string(), &error.remedy))?;
     let column = columns.swap_remove(0);
     let said = repairs.sentences().iter().map(|said| format!("{argument}: {said}")).collect();

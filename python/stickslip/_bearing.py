@@ -42,6 +42,7 @@ def calibrate(
     dates: str | None = None,
     skip: int | None = None,
     missing: Sequence[str | float] = (),
+    outliers: int | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -88,6 +89,8 @@ def calibrate(
         skip: number of lines before the names of the columns; by default up to the first line with
             the names that are wanted.
         missing: numbers and words that mark a missing value, besides the usual ones.
+        outliers: leave out values that differ from those around them by more than so many standard
+            deviations of such differences, e.g. 8; none is left out by default.
         temperature_layout: `time`, `zone`, `dates`, `skip` and `missing` of the file of
             temperatures, where they differ.
         set: further keys of the scenario with their values, as for `run`.
@@ -122,7 +125,7 @@ def calibrate(
             temperature_file,
             temperature_unit,
             displacement_unit,
-            _layout(time, zone, dates, skip, missing),
+            _layout(time, zone, dates, skip, missing, outliers),
             _layout(**(temperature_layout or {})),
         ),
         method=method,
@@ -157,6 +160,7 @@ def forecast(
     dates: str | None = None,
     skip: int | None = None,
     missing: Sequence[str | float] = (),
+    outliers: int | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -171,7 +175,7 @@ def forecast(
     Args:
         scenario, data, displacement, set, threads: as for `calibrate`, and so are `temperature`,
             `temperature_file`, `temperature_unit`, `displacement_unit`, `time`, `zone`, `dates`,
-            `skip`, `missing` and `temperature_layout`.
+            `skip`, `missing`, `outliers` and `temperature_layout`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -221,7 +225,7 @@ def forecast(
             temperature_file,
             temperature_unit,
             displacement_unit,
-            _layout(time, zone, dates, skip, missing),
+            _layout(time, zone, dates, skip, missing, outliers),
             _layout(**(temperature_layout or {})),
         ),
         draws=draws,
@@ -282,6 +286,7 @@ def fit_temperature(
     dates: str | None = None,
     skip: int | None = None,
     missing: Sequence[str | float] = (),
+    outliers: int | None = None,
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -296,7 +301,8 @@ def fit_temperature(
         periods: the periods of the harmonics, in seconds, as a text such as "10m", or as a
             timedelta; by default a year of 365.25 days and a day, as far as the samples tell them.
             An empty sequence fits no harmonics.
-        temperature, temperature_unit, time, zone, dates, skip, missing: as for `calibrate`.
+        temperature, temperature_unit, time, zone, dates, skip, missing, outliers: as for
+            `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -318,9 +324,9 @@ def fit_temperature(
         measured = _table(data)
         measured["temperature"] = temperature
         measured["temperature_unit"] = temperature_unit
-        measured["layout"] = _layout(time, zone, dates, skip, missing)
+        measured["layout"] = _layout(time, zone, dates, skip, missing, outliers)
     else:
-        times, values, _ = _repaired(data, "data", "temperature")
+        times, values, _ = _repaired(data, "data", "temperature", outliers)
         measured = _arrays([times, values])
     fit = _native.fit_temperature(measured, processes=processes, periods=lengths)
     warn(fit.remarks)
@@ -557,7 +563,8 @@ def _record(
         "temperature_unit": temperature_unit,
         "displacement_unit": displacement_unit,
     }
-    about_files.update(layout)
+    outliers = layout["outliers"]
+    about_files.update(layout, outliers=None)
     for name, given in about_files.items():
         if given:
             raise wrong_argument(
@@ -567,8 +574,8 @@ def _record(
                 "leave it out; arrays are in degrees, metres, and seconds or dates",
             )
     (times, temperatures, first), (when, readings, later) = (
-        _repaired(data, "data", "temperature"),
-        _repaired(displacement, "displacement", "displacement"),
+        _repaired(data, "data", "temperature", outliers),
+        _repaired(displacement, "displacement", "displacement", outliers),
     )
     if (first is None) != (later is None):
         raise wrong_argument(
@@ -590,6 +597,7 @@ def _layout(
     dates: str | None = None,
     skip: int | None = None,
     missing: Sequence[str | float] = (),
+    outliers: int | None = None,
 ) -> _native.LaidOut:
     """How a file is laid out."""
     return {
@@ -598,6 +606,7 @@ def _layout(
         "dates": dates,
         "skip": skip,
         "missing": [str(mark) for mark in missing],
+        "outliers": outliers,
     }
 
 
@@ -615,11 +624,11 @@ def _table(data: Any) -> _native.Measured:
 
 
 def _repaired(
-    given: Any, argument: str, quantity: str
+    given: Any, argument: str, quantity: str, outliers: int | None = None
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], np.datetime64 | None]:
     """The samples, checked and repaired as the reader of a file does it."""
     times, values, first = samples(given, argument)
-    times, values, remarks = _native.repaired(argument, quantity, times, values)
+    times, values, remarks = _native.repaired(argument, quantity, times, values, outliers)
     warn(remarks, level=5)
     return times, values, first
 

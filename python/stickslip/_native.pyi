@@ -113,9 +113,14 @@ class LaidOut(TypedDict):
     dates: str | None
     skip: int | None
     missing: list[str]
+    outliers: int | None
 
 def repaired(
-    argument: str, quantity: str, times: npt.NDArray[np.float64], values: npt.NDArray[np.float64]
+    argument: str,
+    quantity: str,
+    times: npt.NDArray[np.float64],
+    values: npt.NDArray[np.float64],
+    outliers: int | None,
 ) -> tuple[npt.NDArray[np.float64], npt.NDArray[np.float64], list[str]]: ...
 
 def calibrate(

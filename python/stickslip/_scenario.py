@@ -69,7 +69,7 @@ def parse(
     times_and_values = None
     if temperature is not None:
         times, values, first = samples(temperature)
-        times, values, remarks = _native.repaired("temperature", "temperature", times, values)
+        times, values, remarks = _native.repaired("temperature", "temperature", times, values, None)
         warn(remarks, level=4)
         times_and_values = times, values, first
     parsed = _native.parse(

@@ -35,6 +35,10 @@ pub struct LayoutFlags {
     /// Numbers and words that mark a missing value, besides the usual ones
     #[arg(long, value_name = "MARK,MARK", value_delimiter = ',', allow_hyphen_values = true)]
     missing: Vec<String>,
+    /// Leave out values that differ from those around them by more than so many standard
+    /// deviations of such differences, e.g. 8 [default: none is left out]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
+    outliers: Option<u64>,
 }
 
 /// The same for a file of temperatures that is laid out otherwise than that of the displacements.
@@ -66,10 +70,10 @@ struct TemperatureLayoutFlags {
 impl LayoutFlags {
     /// The layout with these flags, and elsewhere as a scenario says.
     pub fn over(&self, scenario: &Layout) -> Layout {
-        let LayoutFlags { time, zone, dates, skip, missing } = self;
-        let (time, zone) = (time.clone(), zone.clone());
-        Layout { time, zone, dates: *dates, skip: *skip, missing: missing.clone(), wording: Wording::Flag }
-            .over(scenario)
+        let LayoutFlags { time, zone, dates, skip, missing, outliers } = self;
+        let (time, zone, missing) = (time.clone(), zone.clone(), missing.clone());
+        let wording = Wording::Flag;
+        Layout { time, zone, dates: *dates, skip: *skip, missing, outliers: *outliers, wording }.over(scenario)
     }
 }
 
@@ -89,6 +93,7 @@ impl TemperatureLayoutFlags {
             skip: *temperature_skip,
             missing: temperature_missing.clone(),
             wording: Wording::TemperatureFlag,
+            ..Layout::default()
         }
         .over(other)
     }

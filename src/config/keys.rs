@@ -137,6 +137,7 @@ keys! {
         DATES = other("dates", "the order of year, month and day");
         SKIP = other("skip", "lines before the names of the columns");
         MISSING = other("missing", "marks of missing values");
+        OUTLIERS = other("outliers", "standard deviations beyond which a value is left out");
         MAX_GAP = number("max_gap", "", "longest time between two samples", Range::Positive);
         START = other("start", "stamp of t = 0, as the samples say");
         HASH = other("hash", "of the samples");
@@ -153,6 +154,7 @@ keys! {
         SENSOR_DATES = DATES;
         SENSOR_SKIP = SKIP;
         SENSOR_MISSING = MISSING;
+        SENSOR_OUTLIERS = OUTLIERS;
     }
     "temperature.noise" {
         INTENSITY = number("intensity", "rho", "weight of v in T", Range::NonNegative);

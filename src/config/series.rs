@@ -64,6 +64,7 @@ pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> Column
         dates: table.word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word)).and_then(DateOrder::from_word),
         skip: table.place_of(keys::SKIP.name).map(|_| table.whole_or(keys::SKIP, 0, (0, 1_000_000))),
         missing: table.marks(keys::MISSING),
+        outliers: table.place_of(keys::OUTLIERS.name).map(|_| table.whole_or(keys::OUTLIERS, 8, (1, 1_000_000))),
         ..Layout::default()
     };
     ColumnSource {

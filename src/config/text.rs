@@ -232,6 +232,7 @@ fn series(text: &mut String, measured: &Measured, samples: &Series) {
     table(text, "temperature.series");
     other(text, keys::FILE, &string(file));
     let skip = layout.skip.map(|lines| lines.to_string());
+    let outliers = layout.outliers.map(|far| far.to_string());
     let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
     for (key, given) in [
         (keys::SERIES_TIME, layout.time.as_deref().map(string)),
@@ -241,6 +242,7 @@ fn series(text: &mut String, measured: &Measured, samples: &Series) {
         (keys::DATES, layout.dates.map(|order| string(order.word()))),
         (keys::SKIP, skip),
         (keys::MISSING, Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty())),
+        (keys::OUTLIERS, outliers),
     ] {
         if let Some(given) = given {
             other(text, key, &given);

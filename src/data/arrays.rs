@@ -11,9 +11,10 @@ use super::unit::ColumnQuantity;
 /// the results. Values that are NaN are missing.
 pub type Array<'a> = (ColumnQuantity, &'a [f64], &'a [f64]);
 
-/// Check, sort and repair measurements in memory. Their times stay as they are.
-pub fn arrays(arrays: &[Array<'_>], missing: &[String]) -> Result<(Vec<DataColumn>, Repairs), DataError> {
-    let marks = Marks::of(&Layout { missing: missing.to_vec(), ..Layout::default() });
+/// Check, sort and repair measurements in memory, with the marks and the limit of outliers of a
+/// layout. Their times stay as they are.
+pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>, Repairs), DataError> {
+    let marks = Marks::of(layout);
     let mut repairs = Repairs::default();
     let mut columns = Vec::new();
     for (quantity, times, values) in arrays {
@@ -37,13 +38,12 @@ pub fn arrays(arrays: &[Array<'_>], missing: &[String]) -> Result<(Vec<DataColum
                     "give the sample its time, or leave it out",
                 ));
             }
-            let cell = format!("{value}");
             column
-                .take(*time, *value, cell.as_bytes(), place as u32, &marks)
+                .take(*time, *value, place as u32, &marks)
                 .map_err(|(problem, _)| wrong(problem, "mend the value; NaN marks a missing one"))?;
         }
         let twice = "see which of the two is right";
-        sorted(&mut column, &mut repairs, name, twice, &|place| u64::from(place) + 1, true)?;
+        sorted(&mut column, &mut repairs, name, layout, twice, &|place| u64::from(place) + 1, true)?;
         columns.push(column.finished(0.0));
     }
     Ok((columns, repairs))

@@ -1,9 +1,9 @@
 //! The samples of one column: checked, sorted and repaired.
 
 use super::error::{DataError, ProblemAndRemedy};
-use super::marks::{Marks, apart, is_suspect};
-use super::outliers::{resolution, spikes};
-use super::query::{Wanted, Wording};
+use super::marks::Marks;
+use super::outliers::{odd, spikes};
+use super::query::{Layout, Wanted, Wording};
 use super::repairs::{ColumnRepairs, Repairs};
 use super::unit::{self, ColumnQuantity, Unit};
 use crate::numbers::short;
@@ -119,12 +119,11 @@ impl<'a> Column<'a> {
         &mut self,
         when: f64,
         value: f64,
-        cell: &[u8],
         place: u32,
         marks: &Marks,
     ) -> Result<(), (&'static str, &'static str)> {
         if marks.is_number(value) {
-            self.mark(&String::from_utf8_lossy(cell));
+            self.miss();
             return Ok(());
         }
         if !value.is_finite() {
@@ -133,26 +132,29 @@ impl<'a> Column<'a> {
         if value.abs() > LARGEST_MEASURED {
             return Err(("is too large for a measurement", "mend the cell; if it marks a missing value, give MARK"));
         }
-        if value < self.unit.least && !is_suspect(value) {
-            return Err(BELOW_ZERO);
+        if value < self.unit.least {
+            return Err(("is below absolute zero", "mend the unit; if it marks a missing value, give MARK"));
         }
         self.samples.push((when, value, place));
         Ok(())
     }
 
-    fn mark(&mut self, mark: &str) {
-        match self.said.marks.iter().position(|(known, _)| known == mark) {
-            Some(place) => self.said.marks[place].1 += 1,
-            None if self.said.marks.len() < MOST_MARKS => self.said.marks.push((mark.to_string(), 1)),
-            None => self.said.outliers += 1,
-        }
-    }
-
-    /// Leave out the samples that are flagged, each with what is to be counted.
-    fn leave_out(&mut self, flags: &[bool], mut count: impl FnMut(&mut Self, f64)) {
-        let all = std::mem::take(&mut self.samples);
-        for (sample, flag) in all.into_iter().zip(flags) {
-            if *flag { count(self, sample.1) } else { self.samples.push(sample) }
+    /// Leave out the samples that stand out by more than the layout says; without such a limit, say
+    /// where one stands out.
+    fn look_for_outliers(&mut self, layout: &Layout, line: &dyn Fn(u32) -> u64) {
+        let values: Vec<f64> = self.samples.iter().map(|sample| sample.1).collect();
+        if let Some(far) = layout.outliers {
+            let mut flags = spikes(&values, far).into_iter();
+            self.samples.retain(|_| !flags.next().unwrap_or_default());
+            self.said.outliers = (values.len() - self.samples.len()) as u64;
+        } else if let Some((value, count)) = odd(&values) {
+            let first = self.samples.iter().find(|sample| sample.1 == value).map_or(0, |sample| line(sample.2));
+            let name = &self.name;
+            let more = if count > 1 { format!(", as do {} others", count - 1) } else { String::new() };
+            self.said.odd = Some(format!(
+                "kept `{name}` = {value} in line {first}, which stands out from the other values{more}: `outliers` and \
+                 `missing` leave out what is no measurement"
+            ));
         }
     }
 
@@ -166,33 +168,19 @@ impl<'a> Column<'a> {
     }
 }
 
-const BELOW_ZERO: (&str, &str) = ("is below absolute zero", "mend the unit; if it marks a missing value, give MARK");
-
-/// Most different marks that are counted by their value.
-const MOST_MARKS: usize = 5;
-
-/// Fewest samples among which a spike can be told.
-const LEAST_FOR_SPIKES: usize = 30;
-
-/// Leave marks and outliers out of a column, sort it, leave out repeated samples, and check for
-/// gaps. `twice` is the remedy for two values at one time.
+/// Sort a column, leave out repeated samples, look for outliers, and check for gaps. `twice` is the
+/// remedy for two values at one time.
 pub(super) fn sorted(
     column: &mut Column<'_>,
     repairs: &mut Repairs,
     file: &str,
+    layout: &Layout,
     twice: &str,
     line: &dyn Fn(u32) -> u64,
     in_seconds: bool,
 ) -> Result<(), DataError> {
     let name = column.name.clone();
     let error = |problem: String, remedy: &str| DataError::file(file, problem, remedy);
-    let values: Vec<f64> = column.samples.iter().map(|sample| sample.1).collect();
-    column.leave_out(&apart(&values), |column, value| column.mark(&format!("{value}")));
-    if let Some((_, value, place)) = column.samples.iter().find(|sample| sample.1 < column.unit.least) {
-        let (problem, remedy) = BELOW_ZERO;
-        let remedy = remedy.replace("MARK", "it as a mark of missing values");
-        return Err(error(problem.into(), &remedy).line(line(*place)).cell(&name, format!("{value}").as_bytes()));
-    }
     let samples = &mut column.samples;
     let mut latest = f64::NEG_INFINITY;
     let mut unsorted = 0;
@@ -214,10 +202,7 @@ pub(super) fn sorted(
     let all = samples.len();
     samples.dedup_by(|later, before| later.0 == before.0);
     repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
-    if samples.len() >= LEAST_FOR_SPIKES {
-        let values: Vec<f64> = samples.iter().map(|sample| sample.1).collect();
-        column.leave_out(&spikes(&values, resolution(&values)), |column, _| column.said.outliers += 1);
-    }
+    column.look_for_outliers(layout, line);
     let samples = &column.samples;
     if samples.len() < 2 {
         let problem =

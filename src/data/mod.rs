@@ -8,7 +8,7 @@
 //! stamp     a date and a time of day, as loggers and spreadsheets write them
 //! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
 //! marks     which cells hold no value
-//! outliers  values that differ strongly from those around them
+//! outliers  values that stand out from the others
 //! column    the samples of one column, checked, sorted and repaired
 //! repairs   what was repaired and assumed, in sentences
 //! table     the rows in order of time: a Table
@@ -48,7 +48,7 @@ pub use arrays::{Array, arrays};
 pub use clock::Start;
 pub use column::{DataColumn, absurd, is_constant};
 pub use error::{DataError, TableCell};
-pub use outliers::{median, resolution, spikes, spread};
+pub use outliers::{median, resolution, spread};
 pub use pair::{BearingData, ColumnSource, Origin};
 pub use query::{DateOrder, Layout, Name, Wanted, Wording};
 pub use repairs::{ColumnRepairs, Repairs};

@@ -1,24 +1,53 @@
-//! Wrong samples: a few in a row that differ strongly from those around them.
+//! Values that stand out from the others. They are kept unless the layout says otherwise.
 
 /// Number of samples on each side that a sample is compared with. A change of level, as in a slip,
 /// is not a spike, because such a sample agrees with the majority of its window.
 const REACH: usize = 3;
 
-/// A spike exceeds this many standard deviations of the usual differences from the median around a
-/// value, and as many usual steps from one value to the next. The steps matter where values hardly
-/// scatter: at the ends of a smooth record, the median lies two steps away.
-const FAR: f64 = 8.0;
+/// Fewest samples among which a spike can be told.
+const LEAST: usize = 30;
 
-/// Which values are far from the median of those around them. `resolution` is the smallest
-/// difference that the sensor shows; 0 if it is not known.
-pub fn spikes(values: &[f64], resolution: f64) -> Vec<bool> {
+/// Fewest values among which one can stand apart from all others.
+const FEWEST: usize = 10;
+
+/// A value stands out if it exceeds this many standard deviations, unless another number is given.
+const USUAL: u64 = 8;
+
+/// Which values differ by more than `far` standard deviations of the usual differences from the
+/// median around a value, and as many usual steps from one value to the next. The steps matter
+/// where values hardly scatter: at the ends of a smooth record, the median lies two steps away.
+pub(super) fn spikes(values: &[f64], far: u64) -> Vec<bool> {
+    if values.len() < LEAST {
+        return vec![false; values.len()];
+    }
     let off: Vec<f64> = (0..values.len()).map(|i| values[i] - median_around(values, i)).collect();
     let mut steps: Vec<f64> = values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).collect();
     // Values with a coarse resolution often equal their own median. These zeros are left out, since
     // they would make the spread zero.
     let moving: Vec<f64> = off.iter().copied().filter(|off| *off != 0.0).collect();
-    let far = FAR * spread(&moving).max(spread(&off)).max(resolution).max(median(&mut steps));
-    off.iter().map(|off| off.abs() > far).collect()
+    let usual = spread(&moving).max(spread(&off)).max(resolution(values)).max(median(&mut steps));
+    off.iter().map(|off| off.abs() > far as f64 * usual).collect()
+}
+
+/// The value that stands out most, and how many do: spikes, or, as marks of missing values do, a
+/// lowest or highest value that is farther from all others than they are from each other.
+pub(super) fn odd(values: &[f64]) -> Option<(f64, usize)> {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    let middle = sorted.get(values.len() / 2)?;
+    let mut levels = sorted.clone();
+    levels.dedup();
+    let n = levels.len();
+    let is_apart = |value: f64| {
+        values.len() >= FEWEST
+            && n > 2
+            && (value == levels[0] && levels[1] - levels[0] > levels[n - 1] - levels[1]
+                || value == levels[n - 1] && levels[n - 1] - levels[n - 2] > levels[n - 2] - levels[0])
+    };
+    let odd = values.iter().zip(spikes(values, USUAL)).filter(|(value, spike)| *spike || is_apart(**value));
+    let odd: Vec<f64> = odd.map(|(value, _)| *value).collect();
+    let farthest = odd.iter().copied().max_by(|a, b| (a - middle).abs().total_cmp(&(b - middle).abs()))?;
+    Some((farthest, odd.len()))
 }
 
 /// The median of the values around one of them.

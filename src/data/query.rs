@@ -102,6 +102,9 @@ pub struct Layout {
     pub skip: Option<u64>,
     /// Numbers and words that mark a missing value, besides the usual ones.
     pub missing: Vec<String>,
+    /// Values that differ from those around them by more than so many standard deviations of such
+    /// differences are left out. Without it, none is.
+    pub outliers: Option<u64>,
     /// In which words remedies name these options.
     pub wording: Wording,
 }
@@ -121,6 +124,7 @@ impl Layout {
             dates: self.dates.or(other.dates),
             skip: self.skip.or(other.skip),
             missing: if self.missing.is_empty() { other.missing.clone() } else { self.missing },
+            outliers: self.outliers.or(other.outliers),
             wording: self.wording,
         }
     }

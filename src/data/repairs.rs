@@ -31,10 +31,11 @@ pub struct ColumnRepairs {
     pub name: String,
     /// Number of cells without a value.
     pub missing: u64,
-    /// Numbers that mark a missing value, with their counts.
-    pub marks: Vec<(String, u64)>,
-    /// Number of values that differ strongly from those around them.
+    /// Number of values that were left out, as the layout says, because they differ strongly from
+    /// those around them.
     pub outliers: u64,
+    /// A value that stands out and was kept, in a sentence.
+    pub odd: Option<String>,
     /// The unit that was assumed, because nothing says one.
     pub assumed_unit: Option<&'static str>,
 }
@@ -78,14 +79,10 @@ impl ColumnRepairs {
     fn sentences(&self) -> Vec<String> {
         let name = &self.name;
         let missing = many(self.missing, "left out # cell without a value", "left out # cells without a value");
-        let marks = self.marks.iter().filter_map(|(mark, count)| {
-            let said = many(*count, "left out # value", "left out # values")?;
-            Some(format!("{said} {mark} in `{name}`, which marks a missing value"))
-        });
         let outliers = "left out # value that differs strongly from those around it";
         let outliers = many(self.outliers, outliers, "left out # values that differ strongly from those around them");
         let counted = [missing, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
         let unit = self.assumed_unit.map(|unit| format!("took `{name}` as {unit}, because nothing says its unit"));
-        counted.chain(marks).chain(unit).collect()
+        counted.chain(self.odd.clone()).chain(unit).collect()
     }
 }

@@ -114,7 +114,7 @@ pub(super) fn table(
                 at(*field, (problem.into(), remedy.replace("MARK", &mark)))
             };
             let value = decimals.number(cell).map_err(wrong)?;
-            column.take(when, value, cell, rows.place(), &marks).map_err(wrong)?;
+            column.take(when, value, rows.place(), &marks).map_err(wrong)?;
         }
     }
     let Some(clock) = clock else {
@@ -142,7 +142,7 @@ pub(super) fn table(
     };
     let mut begin = f64::INFINITY;
     for column in &mut columns {
-        sorted(column, &mut repairs, file, &twice, &|place| rows.line(place), clock.in_seconds())?;
+        sorted(column, &mut repairs, file, layout, &twice, &|place| rows.line(place), clock.in_seconds())?;
         begin = begin.min(column.samples[0].0);
     }
     Ok(Table {

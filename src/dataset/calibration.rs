@@ -7,7 +7,7 @@ use super::walk::{Reading, Walk};
 use super::{Destination, Source, columns_of, read_other_program, texts};
 use crate::bearing::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion, ParameterEstimate, Quantity,
-    SearchStart, SeenSlip, Spikes, Values, response_of,
+    SearchStart, SeenSlip, Values, response_of,
 };
 use crate::data::Start;
 use crate::engine::{PROGRAM_VERSION, commit};
@@ -17,7 +17,7 @@ use crate::stats::{Dimension, Units};
 pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
 
 /// Major and minor version of the format.
-pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (1, 3);
+pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (2, 0);
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -77,7 +77,7 @@ fn walk<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::
 
 fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::Error> {
     let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
-    let Calibration { question, lag, spikes, .. } = calibration;
+    let Calibration { question, lag, .. } = calibration;
     let format = (CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION);
     walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut commit().into()])?;
     walk.attribute("scenario", scenario_text)?;
@@ -107,12 +107,9 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
         walk.attribute("lag_gain", &mut profile.gain)?;
         walk.attribute("clock_shift", &mut profile.clock)?;
     }
-    let mut counts = [spikes.readings as u64, spikes.temperatures as u64, calibration.is_mirrored.into()];
-    for (name, count) in ["spikes_displacement", "spikes_temperature", "mirrored"].into_iter().zip(&mut counts) {
-        walk.attribute(name, count)?;
-    }
-    *spikes = Spikes { readings: counts[0] as usize, temperatures: counts[1] as usize };
-    calibration.is_mirrored = counts[2] != 0;
+    let mut mirrored: u64 = calibration.is_mirrored.into();
+    walk.attribute("mirrored", &mut mirrored)?;
+    calibration.is_mirrored = mirrored != 0;
     let lines: Vec<String> = warnings.iter().map(|(name, sentence)| format!("{name}: {sentence}")).collect();
     let mut lines = Some(lines.join("\n")).filter(|lines| !lines.is_empty());
     walk.attribute("warnings", &mut lines)?;
@@ -286,12 +283,12 @@ table! {
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");
     TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample");
-    TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured, without spikes");
+    TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured");
     STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
     INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,
         "whether the temperature is interpolated between those of the thermometer")
         .flags(&[0, 1], &[("flag_meanings", "measured interpolated")]);
-    READING = variable("displacement", &["time"], LENGTH, "displacement as measured, without spikes");
+    READING = variable("displacement", &["time"], LENGTH, "displacement as measured");
     MODELLED = variable("displacement_modelled", &["time"], LENGTH, "displacement of the model");
 }
 

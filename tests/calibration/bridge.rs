@@ -6,6 +6,7 @@ use stick_slip::bearing::calibration::{
     Air, Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity,
     Twin, Values, calibrate, twin, values,
 };
+use stick_slip::data::{ColumnQuantity, Layout, arrays};
 use stick_slip::noise::{Stream, Transition};
 
 /// Seconds of a day.
@@ -102,6 +103,17 @@ pub fn record(twin: &Twin) -> MeasuredRecord {
     }
 }
 
+/// The same, read with `--outliers 8`.
+pub fn without_outliers(twin: &Twin) -> MeasuredRecord {
+    let Twin { times, temperatures, readings, .. } = twin;
+    let layout = Layout { outliers: Some(8), ..Layout::default() };
+    let both = [(ColumnQuantity::Temperature, temperatures), (ColumnQuantity::Displacement, readings)];
+    let both = both.map(|(quantity, values)| (quantity, &times[..], &values[..]));
+    let (columns, _) = arrays(&both, &layout).expect("sound samples");
+    let [air, sensor] = [0, 1].map(|i| [&columns[i].times[..], &columns[i].values[..]]);
+    MeasuredRecord::of(air, sensor)
+}
+
 /// The question that `mc calibrate` asks without options, for a bearing with a shear stiffness of
 /// 2.0e9 N/m.
 pub fn question(method: CalibrationMethod) -> CalibrationQuestion {
@@ -133,7 +145,8 @@ pub fn ask(record: &MeasuredRecord, question: &CalibrationQuestion) -> Calibrati
 pub fn by_slips(campaign: &Campaign, seeds: std::ops::Range<u64>) -> Vec<(Calibration, Values)> {
     let one = |seed| {
         let (twin, truth) = twin_of(&BRIDGE, campaign, seed);
-        (ask(&record(&twin), &question(CalibrationMethod::Slips)), truth)
+        let record = if campaign.flaws.spikes > 0.0 { without_outliers(&twin) } else { record(&twin) };
+        (ask(&record, &question(CalibrationMethod::Slips)), truth)
     };
     seeds.map(one).collect()
 }

@@ -2,6 +2,8 @@
 //! the results, and what is refused.
 
 use crate::command::mc;
+use serde_json::Value;
+use std::f64::consts::PI;
 use std::path::Path;
 use std::process::Output;
 use stick_slip::config::shipped;
@@ -208,4 +210,56 @@ fn pinned_noise_without_a_series_is_refused_in_memory_as_well() {
     scenario.model.temperature.is_pinned = true;
     let misfit = scenario.check().expect_err("there is nothing to pin to");
     assert!(misfit.sentence().contains("`temperature.noise.pinned` = true, and there is no"), "{misfit:?}");
+}
+
+/// Where an acceleration that is straight between these samples, `step` seconds apart, takes a block
+/// that slides at a yield acceleration: by short steps, independent of the library.
+fn slid(samples: &[f64], step: f64, threshold: f64) -> f64 {
+    const PARTS: usize = 2000;
+    let h = step / PARTS as f64;
+    let (mut v, mut x) = (0.0f64, 0.0);
+    for pair in samples.windows(2) {
+        for k in 0..PARTS {
+            let pull = pair[0] + (pair[1] - pair[0]) * (k as f64 + 0.5) / PARTS as f64;
+            let friction = if v == 0.0 { pull.clamp(-threshold, threshold) } else { threshold.copysign(v) };
+            let next = v + h * (pull - friction);
+            // Friction stops the block, and does not turn it back.
+            let next = if v * next < 0.0 { 0.0 } else { next };
+            x += 0.5 * h * (v + next);
+            v = next;
+        }
+    }
+    x
+}
+
+/// A block that slides at 0.2 g under a quiet record with one pulse of 0.5 g for 0.08 s. Every value
+/// of the record acts, and what stands out is said; only `outliers` takes the pulse away.
+#[test]
+fn a_pulse_in_a_quiet_record_is_kept() {
+    const G: f64 = 9.81;
+    let step = 0.02;
+    let noise = |i: usize| 1e-4 * G * ((i * 7919 % 1000) as f64 / 500.0 - 1.0);
+    let pulse = |i: usize| if (250..=254).contains(&i) { 0.5 * G * ((i - 250) as f64 * PI / 4.0).sin() } else { 0.0 };
+    let samples: Vec<f64> = (0..500).map(|i| ((noise(i) + pulse(i)) * 1e6).round() / 1e6).collect();
+    let rows: String = samples.iter().enumerate().map(|(i, a)| format!("{:.2},{a:.6}\n", step * i as f64)).collect();
+    let here = tempfile::tempdir().expect("a folder");
+    let here = here.path();
+    std::fs::write(here.join("quake.csv"), format!("time_s,acc\n{rows}")).expect("written");
+    let scenario = format!(
+        "[units]\ntime = \"s\"\n[oscillator]\nmass = 1\nstiffness = 0\nforce_per_temperature = 1\n[friction]\nstatic = {0}\n\
+         dynamic = {0}\n[temperature.series]\nfile = \"quake.csv\"\nvalue = \"acc\"\n[initial]\ndisplacement = 0\n[scheme]\n\
+         kind = \"event-driven\"\n",
+        0.2 * G
+    );
+    std::fs::write(here.join("block.toml"), scenario).expect("written");
+    let checked = ok(&mc(here, &["check", "block.toml", "--json"]));
+    assert!(checked.contains("kept `acc` = ") && checked.contains("in line 254, which stands out"), "{checked}");
+    let end = |set: &str| {
+        ok(&mc(here, &["run", "block.toml", "-o", "block.h5", "--force", "--paths", "1", "--set", set]));
+        let shown: Value = serde_json::from_str(&ok(&mc(here, &["show", "block.h5", "--json"]))).expect("JSON");
+        shown["statistics"]["displacement_end_mean"]["estimate"].as_f64().expect("a number")
+    };
+    let (found, expected) = (end("temperature.series.unit=\"degC\""), slid(&samples, step, 0.2 * G));
+    assert!((found - expected).abs() < 1e-7 && expected > 6e-3, "{found} {expected}");
+    assert_eq!(end("temperature.series.outliers=8"), 0.0);
 }

@@ -5,9 +5,7 @@ use super::case::{Case, when};
 /// The file of the series was not sound, and was repaired as it was read.
 pub(super) fn repaired_series(case: &Case) -> Vec<String> {
     let Some(measured) = &case.scenario.measured else { return Vec::new() };
-    when(!measured.repairs.is_empty(), || {
-        format!("{} was mended as it was read: {}", measured.file, measured.repairs.join("; "))
-    })
+    when(!measured.repairs.is_empty(), || format!("{}, as it was read: {}", measured.file, measured.repairs.join("; ")))
 }
 
 /// Noise is added to a measured temperature, which already contains the weather.

@@ -38,11 +38,9 @@ pub fn calibrate_again(
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    let Calibration { question, record, resolution, spikes, is_mirrored, .. } = calibration;
+    let Calibration { question, record, is_mirrored, .. } = calibration;
     check(record)?;
-    let prepared =
-        Prepared { record: record.clone(), resolution: *resolution, spikes: *spikes, is_mirrored: *is_mirrored };
-    fit(prepared, question, threads, stop)
+    fit(Prepared { record: record.clone(), is_mirrored: *is_mirrored }, question, threads, stop)
 }
 
 /// Estimate by the slips and by the least squares, as the question asks.
@@ -52,7 +50,7 @@ fn fit(
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    let steel = Steel::of(&prepared.record, prepared.resolution, question.lag);
+    let steel = Steel::of(&prepared.record, prepared.record.resolution(), question.lag);
     let by_slips = steel.around.as_ref().map(|around| BySlips::of(around, question));
     if let Some(by_slips) = &by_slips {
         by_slips.check(question.shear_stiffness)?;

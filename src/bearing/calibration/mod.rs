@@ -2,7 +2,7 @@
 //! in the paper's section on the experimental campaign.
 //!
 //! ```text
-//! Record         a thermometer and a displacement sensor (prepared, spikes, samples)
+//! Record         a thermometer and a displacement sensor (prepared, samples)
 //!   -> Evidence    slips: jumps of z that temperature does not explain (steel, detect,
 //!                  stick_analysis, slips)
 //!     -> Response    A, G, xi(0), z0 and two slopes, computed from the slips (by_slips, fit) ...
@@ -34,7 +34,6 @@ mod question;
 mod report;
 mod samples;
 mod slips;
-mod spikes;
 mod starts;
 mod steel;
 mod stick_analysis;
@@ -56,7 +55,6 @@ pub use quantity::{Held, Quantity, Values, response_of, values};
 pub use question::{CalibrationError, CalibrationMethod, CalibrationQuestion, Lag, NotHeld};
 pub use report::{Calibration, ParameterEstimate, Residuals, SeenSlip};
 pub use samples::MeasuredRecord;
-pub use spikes::Spikes;
 pub use starts::SearchStart;
 pub use thermometer::Thermometer;
 pub use twin::{Flaws, Twin, twin};

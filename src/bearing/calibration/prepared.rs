@@ -2,16 +2,12 @@
 
 use super::question::{CalibrationError, LEAST};
 use super::samples::MeasuredRecord;
-use super::spikes::{self, Spikes};
 use crate::bearing::moments::mean;
 use crate::data::{absurd, is_constant};
 
-/// A record without spikes, and with the sign with which displacements grow with temperature.
+/// A record with the sign with which displacements grow with temperature.
 pub struct Prepared {
     pub record: MeasuredRecord,
-    /// The resolution of the thermometer before spikes were taken out.
-    pub resolution: f64,
-    pub spikes: Spikes,
     pub is_mirrored: bool,
 }
 
@@ -19,9 +15,8 @@ impl Prepared {
     /// Prepare a record; an error if it cannot be calibrated.
     pub fn of(record: &MeasuredRecord) -> Result<Self, CalibrationError> {
         check(record)?;
-        let (clean, spikes) = spikes::without_spikes(record);
-        let (clean, is_mirrored) = upright(clean);
-        Ok(Prepared { record: clean, resolution: record.resolution(), spikes, is_mirrored })
+        let (record, is_mirrored) = upright(record.clone());
+        Ok(Prepared { record, is_mirrored })
     }
 }
 

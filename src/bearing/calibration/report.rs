@@ -9,7 +9,6 @@ use super::quantity::{Quantity, Values, values};
 use super::question::{CalibrationMethod, CalibrationQuestion, Lag};
 use super::samples::{HOUR, MeasuredRecord};
 use super::slips::Slip;
-use super::spikes::Spikes;
 use super::starts::SearchStart;
 use super::steel::Steel;
 use super::uncertainty::Replicates;
@@ -79,7 +78,7 @@ pub struct Residuals {
 pub struct Calibration {
     /// What was asked.
     pub question: CalibrationQuestion,
-    /// The record without spikes, and with the sign with which displacements grow with temperature.
+    /// The record, with the sign with which displacements grow with temperature.
     pub record: MeasuredRecord,
     /// The temperature of the steel at each sample.
     pub steel: Vec<f64>,
@@ -90,8 +89,6 @@ pub struct Calibration {
     pub zero: Zero,
     /// The resolution of the thermometer, in kelvin.
     pub resolution: f64,
-    /// Number of spikes that were taken out.
-    pub spikes: Spikes,
     /// Whether displacements fell as the temperature rose, so that their sign was changed.
     pub is_mirrored: bool,
     /// The response from which the estimates are computed.
@@ -167,14 +164,13 @@ impl Calibration {
         let reading =
             |i: usize| response.sensor.reading(positions[i], temperatures[i]) + zero.at(steel.record.times[i]);
         let modelled: Vec<f64> = (0..positions.len()).map(reading).collect();
-        let Prepared { record, resolution, spikes, is_mirrored } = prepared;
+        let Prepared { record, is_mirrored } = prepared;
         Calibration {
             question: question.clone(),
             steel: temperatures.clone(),
             roughness: steel.roughness,
             zero,
-            resolution,
-            spikes,
+            resolution: record.resolution(),
             is_mirrored,
             response,
             estimates,

@@ -8,7 +8,6 @@ use super::question::{CalibrationMethod, Lag};
 use super::report::{Calibration, ParameterEstimate};
 use super::samples::HOUR;
 use super::slips::Evidence;
-use super::spikes::Spikes;
 use super::warning::CalibrationWarning;
 
 /// A calibration, and the slips from which it was computed, if any were seen.
@@ -21,7 +20,7 @@ struct Case<'a> {
 type Says = fn(&Case) -> Option<String>;
 
 /// All warnings, in the order in which they are given.
-const ALL: [(&str, Says); 13] = [
+const ALL: [(&str, Says); 12] = [
     ("no_shear_stiffness", no_shear_stiffness),
     ("no_slips", no_slips),
     ("gap_not_identified", gap_not_identified),
@@ -33,7 +32,6 @@ const ALL: [(&str, Says); 13] = [
     ("zero_drift", zero_drift),
     ("methods_apart", methods_apart),
     ("starts_disagree", starts_disagree),
-    ("spikes", spikes),
     ("mirrored", mirrored),
 ];
 
@@ -179,16 +177,6 @@ fn starts_disagree(case: &Case) -> Option<String> {
             "the starts of the least squares differ by {:.2} % of err: some of them did not find the minimum, so give \
              more with --starts",
             100.0 * excess
-        )
-    })
-}
-
-/// Samples were taken out as spikes.
-fn spikes(case: &Case) -> Option<String> {
-    let Spikes { readings, temperatures } = case.calibration.spikes;
-    (case.calibration.spikes != Spikes::default()).then(|| {
-        format!(
-            "{readings} displacements and {temperatures} temperatures stood out of those around them, and were left out"
         )
     })
 }

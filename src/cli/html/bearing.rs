@@ -60,7 +60,9 @@ fn about(calibration: &Calibration) -> String {
 /// Slips and sliding path of the record, and what they are in a year.
 fn seen(calibration: &Calibration) -> String {
     let length = calibration.record.times.last().copied().unwrap_or(0.0);
-    let path: f64 = calibration.slips.iter().map(|slip| slip.jump.abs()).sum();
+    // A jump of z is (1 - kappa) of the slip of x, since the bearing is sheared less behind it.
+    let jumps: f64 = calibration.slips.iter().map(|slip| slip.jump.abs()).sum();
+    let path = jumps / (1.0 - calibration.estimate(Quantity::Shear).estimate);
     let slips = calibration.slips.len();
     let a_year = |number: f64| significant(number * YEAR / length, 3);
     format!(
@@ -83,4 +85,21 @@ fn parameters(calibration: &Calibration) -> Vec<Row> {
         Row::labelled(quantity.words(), cells).noted(quantity.unit().replace('1', ""))
     }));
     rows
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stick_slip::bearing::calibration::SeenSlip;
+
+    /// With kappa = 1/2 the sensor shows half of each slip: two jumps of 10 mm are 40 mm of path.
+    #[test]
+    fn the_sliding_path_is_that_of_the_body() {
+        let mut calibration = Calibration::default();
+        calibration.estimates[Quantity::Shear as usize].estimate = 0.5;
+        calibration.record.times = vec![0.0, YEAR];
+        let slip = |jump| SeenSlip { time: 1.0, temperature: 0.0, jump, is_usual: true };
+        calibration.slips = vec![slip(0.01), slip(-0.01)];
+        assert!(seen(&calibration).contains("Together they are 40 mm of sliding path"), "{}", seen(&calibration));
+    }
 }
