@@ -1,7 +1,7 @@
 //! Why a statistic or its interval is missing.
 
 use super::need::Need;
-use super::{Estimate, PhaseLaw, Summary};
+use super::{Estimate, PhaseLaw, Statistic, Summary};
 
 /// Whether the summary shows that a need is not met. A need that a summary cannot show comes
 /// last in a row, and is what remains as the reason.
@@ -24,6 +24,11 @@ fn is_missing(need: Need, summary: &Summary) -> bool {
     }
 }
 
+/// Whether a statistic is one of how much paths differ.
+fn is_spread(statistic: Statistic) -> bool {
+    ["_sd", "_cv", "_correlation", "_coefficient"].iter().any(|end| statistic.name().ends_with(end))
+}
+
 impl Summary {
     /// Number of completed paths that did not diverge.
     fn valid_paths(&self) -> u64 {
@@ -37,6 +42,10 @@ impl Summary {
             return match (has_interval, self.valid_paths()) {
                 (true, _) => None,
                 (false, 0..=1) => Some("an interval needs two paths"),
+                // Two values are always equally far from their mean.
+                (false, 2) if e.standard_error == 0.0 && e.estimate != 0.0 && is_spread(e.statistic) => {
+                    Some("an interval needs three paths")
+                }
                 (false, _) if e.standard_error == 0.0 => Some("all paths agree"),
                 (false, _) => Some("too little to form an interval"),
             };

@@ -9,7 +9,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::{JointMoments, Moments};
-use crate::sums::rare::{FEWEST, Fourths, are_too_few, cautious};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious, of_few, positive_of_few};
 use crate::sums::spread::SpreadMoments;
 
 // Entries of `CascadeSums::slips`.
@@ -82,9 +82,11 @@ pub(super) struct Contributing {
     pub slips: u64,
     /// Units with any static time.
     sticking: u64,
+    /// Units that move in the counted time.
+    pub moving: u64,
 }
 
-sums_of_fields!(Contributing { first_sticks, slips, sticking });
+sums_of_fields!(Contributing { first_sticks, slips, sticking, moving });
 
 impl CascadeSums {
     /// The sums over the paths of a block.
@@ -129,6 +131,7 @@ impl CascadeSums {
                 first_sticks: count(|p| p.first_duration.is_some()),
                 slips: count(|p| p.slips > 0),
                 sticking: count(|p| p.stick_time > 0.0),
+                moving: count(|p| p.travel > 0.0),
             },
         }
     }
@@ -140,6 +143,8 @@ impl Measure for CascadeSums {
             sticks, tails, first_sticks, slips, stick_time, work, sliding_path, displacement_end, ..
         } = self;
         let (contributing, counted) = (&self.contributing, of.timeline.counted());
+        let moved = |measured, fewest| of_few(measured, contributing.moving, work.count, fewest);
+        let of_slips = |measured, fewest| of_few(measured, contributing.slips, work.count, fewest);
         Some(match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(of.unit),
@@ -152,7 +157,9 @@ impl Measure for CascadeSums {
             Statistic::SubPhasesMean => {
                 rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips, 1.0)
             }
-            Statistic::SubPhasesMultipleShare => Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips),
+            Statistic::SubPhasesMultipleShare => {
+                of_slips(Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips), FEWEST)
+            }
             Statistic::StickingFraction | Statistic::SlidingPathRate if of.timeline.end == 0.0 => Measured::NOTHING,
             Statistic::StickingFraction => {
                 let freedom = tails.stick_time.freedom(stick_time.mean, stick_time.m2, stick_time.count);
@@ -161,12 +168,14 @@ impl Measure for CascadeSums {
                 let are_few = are_too_few(contributing.sticking, stick_time.count, FEWEST);
                 (if are_few { mean.without_interval() } else { mean }).divided_by(counted)
             }
-            Statistic::DisplacementEndMean => Measured::mean(&displacement_end.units),
-            Statistic::DisplacementEndSd => displacement_end.standard_deviation(),
-            Statistic::JumpMean => Measured::ratio(slips, JUMP, SLIPS, contributing.slips),
+            Statistic::DisplacementEndMean => moved(Measured::mean(&displacement_end.units), FEWEST),
+            Statistic::DisplacementEndSd => moved(displacement_end.standard_deviation(), FEWEST_FOR_SPREAD),
+            Statistic::JumpMean => of_slips(Measured::ratio(slips, JUMP, SLIPS, contributing.slips), FEWEST),
             Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips, 0.0),
-            Statistic::FrictionWorkMean => Measured::mean(work),
-            Statistic::SlidingPathRate => Measured::mean(sliding_path).divided_by(counted),
+            Statistic::FrictionWorkMean => positive_of_few(Measured::mean(work), contributing.moving, work.count),
+            Statistic::SlidingPathRate => {
+                positive_of_few(Measured::mean(sliding_path), contributing.moving, work.count).divided_by(counted)
+            }
             _ => return None,
         })
     }

@@ -29,6 +29,10 @@ const WAITING: usize = 1 << 12;
 /// Ticks of the counted time of a path.
 const TICKS: f64 = (1u64 << 38) as f64;
 
+/// A bin that fewer batches of paths have visited than this has no interval: where bodies wander,
+/// a few visits do not show how many there may be.
+const FEWEST: usize = 8;
+
 /// The states of a glide that are counted, each in the middle of an equal part of its time.
 const PARTS: u32 = 8;
 
@@ -63,11 +67,16 @@ impl DensityCounts {
             let edges = grid.axes()[0].edges();
             let widths: Vec<f64> = edges.windows(2).map(|pair| pair[1] - pair[0]).collect();
             let share = |counts: &[u64]| {
-                Share::of(counts.iter().zip(&self.all).map(|(count, all)| (*count as f64, *all as f64)))
+                // In units of the time of a path, so that a share that is never taken has the interval
+                // of so many paths.
+                Share::of(counts.iter().zip(&self.all).map(|(count, all)| (*count as f64 / TICKS, *all as f64 / TICKS)))
             };
             let shares: Vec<Share> = grid.cells().map(share).collect();
             let density = shares.iter().zip(&widths).map(|(share, width)| share.estimate / width).collect();
-            let ends = shares.iter().zip(&widths).map(|(share, width)| share.interval(chance).map(|end| end / width));
+            let ends = grid.cells().zip(&shares).zip(&widths).map(|((counts, share), width)| {
+                let visited = counts.iter().filter(|count| **count > 0).count();
+                if visited < FEWEST { [f64::NAN; 2] } else { share.interval(chance).map(|end| end / width) }
+            });
             DensityCurve { density, ends: ends.collect::<Ends>(), edges }
         };
         let all: f64 = self.all.iter().map(|ticks| *ticks as f64).sum();

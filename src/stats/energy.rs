@@ -7,6 +7,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
+use crate::sums::rare::{FEWEST, of_few, positive_of_few};
 use crate::sums::spread::SpreadMoments;
 
 /// Moments over paths of the works.
@@ -17,9 +18,11 @@ pub(super) struct EnergySums {
     damping: Moments,
     change: Moments,
     residual: SpreadMoments,
+    /// Units that move in the counted time.
+    moving: u64,
 }
 
-sums_of_fields!(EnergySums { temperature, own_force, damping, change, residual });
+sums_of_fields!(EnergySums { temperature, own_force, damping, change, residual, moving });
 
 impl EnergySums {
     /// The sums over the paths of a block.
@@ -33,17 +36,21 @@ impl EnergySums {
             damping: moments(|works| works.damping),
             change: moments(Works::change),
             residual: SpreadMoments::of(&residuals, unit),
+            moving: unit.count(paths, |path| path.travel > 0.0),
         }
     }
 }
 
 impl Measure for EnergySums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
+        let mean = |of: &Moments| of_few(Measured::mean(of), self.moving, of.count, FEWEST);
         Some(match statistic {
-            Statistic::TemperatureWorkMean => Measured::mean(&self.temperature),
-            Statistic::OwnForceWorkMean => Measured::mean(&self.own_force),
-            Statistic::DampingWorkMean => Measured::mean(&self.damping),
-            Statistic::StoredEnergyMean => Measured::mean(&self.change),
+            Statistic::TemperatureWorkMean => mean(&self.temperature),
+            Statistic::OwnForceWorkMean => mean(&self.own_force),
+            Statistic::DampingWorkMean => {
+                positive_of_few(Measured::mean(&self.damping), self.moving, self.damping.count)
+            }
+            Statistic::StoredEnergyMean => mean(&self.change),
             Statistic::EnergyResidualMean => Measured::mean(&self.residual.units),
             Statistic::EnergyResidualSd => self.residual.standard_deviation(),
             _ => return None,

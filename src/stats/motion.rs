@@ -46,7 +46,7 @@ pub(super) struct MotionFold {
     pub largest: [f64; 2],
     pub works: Works,
     /// The sliding path since the end of the burn-in; known at the end.
-    travel: f64,
+    pub travel: f64,
 }
 
 /// The nodes of Gauss's rule on [0, 1], and their weights (Abramowitz and Stegun, table 25.4).

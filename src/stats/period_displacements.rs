@@ -18,6 +18,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, of_few};
 use crate::sums::spread::Tails;
 
 /// Moments of the displacements from period to period.
@@ -29,6 +30,8 @@ pub(super) struct PeriodDisplacements {
     paths: JointMoments<5>,
     /// Powers of the influences on the standard deviation of u_n.
     tails: Tails,
+    /// Units that move from one period to the next.
+    moving: u64,
 }
 
 impl PeriodDisplacements {
@@ -37,12 +40,18 @@ impl PeriodDisplacements {
             displacements: timeline.counted_periods(),
             paths: JointMoments::default(),
             tails: Tails::default(),
+            moving: 0,
         }
+    }
+
+    /// A number that only bodies that move change. Their periods tell nothing of how rare they are.
+    pub fn moved(&self, measured: Measured, fewest: u64) -> Measured {
+        of_few(measured, self.moving, self.paths.count, fewest)
     }
 
     /// Mean of u_n.
     pub fn mean(&self) -> Measured {
-        if self.displacements == 0 { Measured::NOTHING } else { Measured::mean_of(&self.paths, 0) }
+        if self.displacements == 0 { Measured::NOTHING } else { self.moved(Measured::mean_of(&self.paths, 0), FEWEST) }
     }
 
     /// Standard deviation of u_n. A value below 1e-8 of the root mean square is lost in rounding,
@@ -58,7 +67,9 @@ impl PeriodDisplacements {
             variance => {
                 let sd = variance.sqrt();
                 let smooth = Measured::smooth(sd, &self.paths, [-a / sd, 0.5 / sd, 0.0, 0.0, 0.0], self.paths.count);
-                Measured::spread(sd, smooth.measurement().standard_error, self.tails.freedom(self.paths.count))
+                let error = smooth.measurement().standard_error;
+                let spread = Measured::spread(sd, error, self.tails.freedom(self.paths.count));
+                self.moved(spread, FEWEST_FOR_SPREAD)
             }
         }
     }
@@ -73,7 +84,8 @@ impl PeriodDisplacements {
         let r = (c - d * d) / variance;
         let gradient = [0.0, 0.0, 1.0, -2.0 * d * (1.0 - r), -r].map(|g| g / variance);
         // Rounding may carry the estimate out of the range of a correlation.
-        Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count)
+        let smooth = Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count);
+        self.moved(smooth, FEWEST_FOR_SPREAD)
     }
 }
 
@@ -83,7 +95,7 @@ fn variance(mean_square: f64, mean: f64) -> f64 {
     if variance <= 4.0 * f64::EPSILON * mean_square { 0.0 } else { variance }
 }
 
-sums_of_fields!(PeriodDisplacements { paths, tails });
+sums_of_fields!(PeriodDisplacements { paths, tails, moving });
 
 /// Folds one block of paths, period by period.
 pub(super) struct PeriodDisplacementsFold {
@@ -151,7 +163,8 @@ impl PeriodDisplacementsFold {
         ]);
         let [a, b, ..] = paths.mean;
         let influences = column(&|path| path.squares / all - b - 2.0 * a * (path.sum / all - a));
-        PeriodDisplacements { paths, tails: Tails::of(influences.into_iter()), ..self.empty }
+        let moving = unit.count(&self.paths, |path| path.squares > 0.0);
+        PeriodDisplacements { paths, tails: Tails::of(influences.into_iter()), moving, ..self.empty }
     }
 }
 

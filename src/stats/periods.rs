@@ -20,6 +20,7 @@ use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
 use crate::sums::range::Range;
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD};
 use crate::sums::spread::{SpreadMoments, Tails};
 
 /// The times of the whole periods, and the weights of the counted ones in a slope.
@@ -228,13 +229,14 @@ fn unbiased(mut shares: Vec<f64>) -> Vec<f64> {
 
 impl Measure for PeriodSums {
     fn measured(&self, statistic: Statistic, Sampled { timeline, unit }: &Sampled) -> Option<Measured> {
+        let moved = |measured, fewest| self.period_displacements.moved(measured, fewest);
         Some(match statistic {
-            Statistic::DriftVelocity => self.drift_velocity(timeline),
-            Statistic::DiffusionCoefficient => self.diffusion_coefficient(timeline),
+            Statistic::DriftVelocity => moved(self.drift_velocity(timeline), FEWEST),
+            Statistic::DiffusionCoefficient => moved(self.diffusion_coefficient(timeline), FEWEST_FOR_SPREAD),
             Statistic::PeriodDisplacementMean => self.period_displacements.mean(),
             Statistic::PeriodDisplacementSd => self.period_displacements.sd(*unit),
             Statistic::PeriodDisplacementCorrelation => self.period_displacements.correlation(),
-            Statistic::PhaseDisplacementSd => self.spread_at_phase(timeline),
+            Statistic::PhaseDisplacementSd => moved(self.spread_at_phase(timeline), FEWEST_FOR_SPREAD),
             _ => return None,
         })
     }

@@ -13,9 +13,10 @@ use crate::scheme::{Instant, Observer, Snapshot};
 use crate::sums::Measurement;
 use crate::sums::Merge;
 use crate::sums::Unit;
-use crate::sums::codec::codec_of_fields;
+use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
+use crate::sums::range::Range;
 
 /// The state of one path at one time.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -112,13 +113,15 @@ pub struct PathMeans<const N: usize> {
     moments: JointMoments<N>,
     /// For each i, the number of units with a path whose number i is not zero.
     contributing: [u64; N],
+    /// For each i and j, the number of paths whose number i is not from zero to their number j.
+    beyond: [[u64; N]; N],
 }
 
-codec_of_fields!(PathMeans<N> { moments, contributing }, N);
+sums_of_fields!(PathMeans<N> { moments, contributing, beyond }, N);
 
 impl<const N: usize> Default for PathMeans<N> {
     fn default() -> Self {
-        PathMeans { moments: JointMoments::default(), contributing: [0; N] }
+        PathMeans { moments: JointMoments::default(), contributing: [0; N], beyond: [[0; N]; N] }
     }
 }
 
@@ -127,9 +130,11 @@ impl<const N: usize> PathMeans<N> {
     pub fn of(paths: &[[f64; N]], unit: Unit) -> Self {
         let column = |i: usize| unit.means(&paths.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>()).into_owned();
         let columns: [Vec<f64>; N] = std::array::from_fn(column);
+        let count = |is: &dyn Fn(&[f64; N]) -> bool| paths.iter().filter(|numbers| is(numbers)).count() as u64;
         PathMeans {
             moments: JointMoments::of(columns.each_ref().map(Vec::as_slice)),
             contributing: std::array::from_fn(|i| unit.count(paths, |numbers| numbers[i] != 0.0)),
+            beyond: std::array::from_fn(|i| std::array::from_fn(|j| count(&|of| !(0.0..=of[j]).contains(&of[i])))),
         }
     }
 
@@ -146,18 +151,13 @@ impl<const N: usize> PathMeans<N> {
     /// The mean of number `top` divided by the mean of number `bottom`. This is the mean of a pool
     /// if `top` is the sum of what a path contributes to the pool and `bottom` is the number of
     /// these contributions. The interval is that of a ratio estimator (W. G. Cochran, *Sampling
-    /// Techniques* (1977), chapter 6). Paths whose `bottom` is zero contain no information on it.
+    /// Techniques* (1977), chapter 6). Paths whose `bottom` is zero contain no information on it. Where
+    /// `top` is a part of `bottom` in every path, the ratio is a share, and its interval ends at 0 and 1.
     pub fn ratio(&self, top: usize, bottom: usize) -> Measurement {
-        Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement()
-    }
-}
-
-impl<const N: usize> Merge for PathMeans<N> {
-    fn merge(&mut self, other: &Self) {
-        self.moments.merge(&other.moments);
-        for (mine, more) in self.contributing.iter_mut().zip(&other.contributing) {
-            *mine += more;
-        }
+        let found = Measured::ratio(&self.moments, top, bottom, self.contributing[bottom]).measurement();
+        let range = if self.beyond[top][bottom] == 0 { Range::SHARE } else { Range::ANY };
+        let [low, high] = range.clip([found.low, found.high]);
+        Measurement { low, high, ..found }
     }
 }
 

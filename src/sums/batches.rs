@@ -27,6 +27,8 @@ pub(crate) struct Share {
     pub error: f64,
     /// The number of batches that have any phases, less one.
     pub freedom: u64,
+    /// The number of all phases.
+    pub all: f64,
 }
 
 impl Share {
@@ -38,7 +40,7 @@ impl Share {
         let (n, freedom) = (batches.len() as f64, batches.len().saturating_sub(1));
         let spread: f64 = batches.iter().map(|batch| (batch.0 - estimate * batch.1).powi(2)).sum();
         let error = if freedom == 0 { f64::NAN } else { (n / freedom as f64 * spread).sqrt() / all };
-        Share { estimate, error: if error < ROUNDING { 0.0 } else { error }, freedom: freedom as u64 }
+        Share { estimate, error: if error < ROUNDING { 0.0 } else { error }, freedom: freedom as u64, all }
     }
 
     /// Half the width of the 95 % interval by Student's t.
@@ -47,13 +49,14 @@ impl Share {
     }
 
     /// The 95 % interval, within [0, 1]. `chance` is the number of paths that have phases, where
-    /// their agreement is a matter of chance. If all batches agree, the interval is Wilson's for
-    /// that many paths, and without `chance` it is a single point.
+    /// their agreement is a matter of chance. If all batches agree, because none of the phases is in
+    /// question or all are, the interval is Wilson's for as many phases, as it is where one is, and
+    /// without `chance` it is a single point.
     pub fn interval(&self, chance: Option<u64>) -> [f64; 2] {
-        let Share { estimate, error, freedom } = *self;
+        let Share { estimate, error, freedom, all } = *self;
         match chance {
             _ if error.is_nan() => [f64::NAN; 2],
-            Some(paths) if error == 0.0 => wilson(estimate, paths as f64, NORMAL),
+            Some(paths) if error == 0.0 => wilson(estimate, all.max(paths as f64), NORMAL),
             _ if error == 0.0 => [estimate; 2],
             _ => wilson(estimate, estimate * (1.0 - estimate) / (error * error), student(freedom)),
         }
