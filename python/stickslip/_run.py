@@ -329,7 +329,7 @@ def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:
     if until is None or isinstance(until, (int, float)):
         return until, []
     try:
-        all_of_them = [until] if isinstance(until, str) else list(until)
+        all_of_them: list[Any] = [until] if isinstance(until, str) else list(until)
     except TypeError:
         all_of_them = [until]
     if not all(isinstance(text, str) for text in all_of_them):

@@ -23,7 +23,7 @@ def _is_number(given: Any) -> bool:
 
 
 def _is_whole(given: Any) -> bool:
-    return isinstance(given, Integral) and not isinstance(given, bool) and 0 <= given < 2**64
+    return isinstance(given, Integral) and not isinstance(given, bool) and 0 <= int(given) < 2**64
 
 
 def _is_truth(given: Any) -> bool:
@@ -70,7 +70,10 @@ _ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
     "Mapping[str, Any]": (_is_table, "give a dictionary"),
     "Record": (_is_record, 'give "paths", "events", a list of both, or a dictionary'),
     "Progress": (_is_progress, "give True, or a callable f(done, expected)"),
-    "xr.Dataset": (_is_dataset, "give what a function of this package returned, or load() of its file"),
+    "xr.Dataset": (
+        _is_dataset,
+        "give what a function of this package returned, or load() of its file",
+    ),
     "Sequence[xr.Dataset]": (_are_many, "give a list of data sets"),
 }
 
@@ -80,7 +83,7 @@ _OF_THE_ENGINE = ("paths", "seed", "scheme", "step", "tolerance", "until", "thre
 
 
 def checked(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
-    """Compare the arguments of a public function, its `locals()` at the start, with its annotations.
+    """Compare the arguments of a public function, `locals()` at its start, with its annotations.
 
     Raises:
         ArgumentError: one of them has a wrong type.
@@ -94,5 +97,6 @@ def checked(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
         value = given[name]
         is_such, remedy = _ASKED[kind]
         if not (is_optional and value is None or is_such(value)):
-            shown = repr(value) if isinstance(value, (str, Real)) or value is None else type(value).__name__
+            is_short = value is None or isinstance(value, (str, Real))
+            shown = repr(value) if is_short else type(value).__name__
             raise wrong_argument(name, shown, "it is of the wrong type or range", remedy)
