@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// Objects whose keys are names of statistics, quantities or keys of a scenario. All of these names
 /// have the same description.
-const NAMED: [&str; 6] = ["statistics", "parameters", "derived", "attrs", "coords", "data_vars"];
+const NAMED: [&str; 7] = ["statistics", "parameters", "derived", "levels", "attrs", "coords", "data_vars"];
 
 /// Collects the path of every value that is not an object.
 fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
