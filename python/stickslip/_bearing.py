@@ -85,7 +85,7 @@ def calibrate(
             "time", "Timestamp" or "Date/Time".
         zone: the time zone of dates without one, e.g. "UTC" or "Europe/Paris".
         dates: the order of year, month and day: "ymd", "dmy" or "mdy"; by default the year first,
-            or the only order in which all of them are dates.
+            or the order in which all of them are dates and the rows in order.
         skip: number of lines before the names of the columns; by default up to the first line with
             the names that are wanted.
         missing: numbers and words that mark a missing value, besides the usual ones.

@@ -17,15 +17,15 @@ pub fn note_repairs(path: &Path, repairs: &Repairs) {
 /// How a file is laid out, as far as it does not say so itself.
 #[derive(Debug, clap::Args)]
 pub struct LayoutFlags {
-    /// The column of times, or those of dates and of times of day with a comma between them
-    /// [default: the one with a usual name, such as time, Timestamp or Date/Time]
+    /// The column of times, or those of dates and times of day, or years, days of the year and hours,
+    /// with commas between them [default: those with usual names, such as time or Date/Time]
     #[arg(long, value_name = "COLUMN[,COLUMN]")]
     time: Option<String>,
-    /// The time zone of times that name none, e.g. UTC or Europe/Paris
+    /// The time zone of times, where neither they nor their column name one, e.g. UTC or Europe/Paris
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     zone: Option<String>,
-    /// The order of year, month and day in dates [default: the year first, or the only order in
-    /// which all of them are dates]
+    /// The order of year, month and day in dates [default: the year first, or the order in which
+    /// all of them are dates and the rows in order]
     #[arg(long, value_name = "ymd|dmy|mdy", value_parser = dates)]
     dates: Option<DateOrder>,
     /// Number of lines before the names of the columns [default: up to the first line with the

@@ -70,6 +70,8 @@ enum Kind {
     Epoch(f64),
     /// The days of a spreadsheet.
     Serial,
+    /// Years, days of the year, and times of day, in hours or as in 1330.
+    DaysOfYear { in_hours: bool },
 }
 
 /// Reads the cells of the time column one after the other and gives seconds.
@@ -82,6 +84,13 @@ pub(super) struct Clock {
     origin: Option<f64>,
     first: Option<Timestamp>,
     previous: Option<Timestamp>,
+    /// The form of the first stamp.
+    form: Option<(bool, Option<char>, bool)>,
+    /// Number of instants that are later than the one before, and of those that are earlier.
+    up: u64,
+    down: u64,
+    /// The zone that the name of the column says, if another one was given.
+    pub other_zone: Option<String>,
     /// Number of stamps that fell in an hour which occurs twice, when clocks are put back.
     pub folds: u64,
 }
@@ -94,6 +103,11 @@ fn wrong<T>(problem: impl Into<String>, remedy: impl Into<String>) -> Result<T, 
 /// that no zone is needed to suspect it: from 2000 to 2051.
 const SERIAL_DAYS: std::ops::Range<f64> = 20_000.0..80_000.0;
 const LIKELY_SERIAL_DAYS: std::ops::Range<f64> = 36_526.0..55_153.0;
+
+/// The share of rows out of order from which dates are taken to be misread, in files of more rows
+/// than this.
+const MOST_DISORDER: f64 = 0.4;
+const FEWEST_STEPS: u64 = 10;
 
 /// How many seconds, milliseconds, microseconds and nanoseconds since 1970 there are in a number,
 /// from 1999 to 2100, if it is such a number.
@@ -112,7 +126,7 @@ impl Clock {
     ) -> Result<Self, ProblemAndRemedy> {
         let unit = unit::of_time(column).or_else(|| unit_below.and_then(unit::time));
         let kind = kind(column, unit, layout, first)?;
-        let zone = match &layout.zone {
+        let given = match &layout.zone {
             Some(name) => match PARSER.parse_time_zone(name) {
                 Ok(zone) => Some(zone),
                 Err(_) => {
@@ -120,9 +134,33 @@ impl Clock {
                     return wrong(format!("cannot be read, because no time zone is called \"{name}\""), remedy);
                 }
             },
-            None => zone_in(column),
+            None => None,
         };
-        Ok(Clock { kind, zone, order, wording: layout.wording, origin: None, first: None, previous: None, folds: 0 })
+        // As a stamp's own zone does, that of the column's name prevails over one that was given,
+        // perhaps for another file.
+        let named = zone_in(column);
+        let differs = |zone: &&TimeZone| given.as_ref().is_some_and(|given| given != *zone);
+        let other_zone = named.as_ref().filter(differs).and_then(|zone| zone.to_fixed_offset().ok());
+        Ok(Clock {
+            kind,
+            zone: named.or(given),
+            order,
+            wording: layout.wording,
+            origin: None,
+            first: None,
+            previous: None,
+            form: None,
+            up: 0,
+            down: 0,
+            other_zone: other_zone.map(|offset| offset.to_string()),
+            folds: 0,
+        })
+    }
+
+    /// Whether so many rows are out of order that their dates must have been misread.
+    pub fn is_disordered(&self) -> bool {
+        let steps = self.up + self.down;
+        steps >= FEWEST_STEPS && self.up.min(self.down) as f64 >= MOST_DISORDER * steps as f64
     }
 
     /// Whether times are in seconds. Numbers in a column whose name gives no unit stay in their
@@ -140,6 +178,12 @@ impl Clock {
     pub fn read(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         let as_before = |what: &str| (format!("is not {what}, as the times before it are"), "mend the row".to_string());
         let number = || number(cell).filter(|time| time.is_finite());
+        if self.kind == Kind::Stamps && !self.is_in_form(cell) {
+            return wrong(
+                "is a date in another form than those above it",
+                "write all dates of the column in one form: two forms may have two orders of day and month",
+            );
+        }
         let stamp = match self.kind {
             Kind::Numbers { unit } => {
                 let time = number().ok_or_else(|| as_before("a number"))?;
@@ -154,6 +198,9 @@ impl Clock {
                     self.first = Timestamp::UNIX_EPOCH.checked_add(since_1970).ok();
                 }
                 return Ok((time - origin) / per_second);
+            }
+            Kind::DaysOfYear { in_hours } => {
+                stamp::day_of_year(cell, in_hours).ok_or_else(|| as_before("a year, a day of the year and a time"))?
             }
             Kind::Serial => number().and_then(stamp::serial).ok_or_else(|| as_before("a number"))?,
             Kind::Compact(digits) => {
@@ -173,6 +220,12 @@ impl Clock {
         Ok(self.since_first(instant))
     }
 
+    /// Whether a stamp has the form of the first one.
+    fn is_in_form(&mut self, cell: &str) -> bool {
+        let Some(form) = stamp::form(cell) else { return true };
+        form == *self.form.get_or_insert(form)
+    }
+
     /// Why a cell is no stamp.
     fn no_stamp(&self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         match self.order {
@@ -183,9 +236,14 @@ impl Clock {
             None if stamp::needs_order(cell) => wrong(
                 "is a date whose day and month may be exchanged, and so are all others",
                 format!(
-                    "say the order, {} or {}{}",
+                    "say the order, {} or {}{}{}",
                     self.wording.option("dates", "dmy"),
                     self.wording.option("dates", "mdy"),
+                    if stamp::stamp(cell, Some(DateOrder::YearMonthDay)).is_some() {
+                        format!(" or {}", self.wording.option("dates", "ymd"))
+                    } else {
+                        String::new()
+                    },
                     if self.zone.is_none() {
                         format!(", and the zone, e.g. {}", self.wording.option("zone", "UTC"))
                     } else {
@@ -201,7 +259,10 @@ impl Clock {
     }
 
     fn since_first(&mut self, instant: Timestamp) -> f64 {
-        self.previous = Some(instant);
+        if let Some(previous) = self.previous.replace(instant) {
+            self.up += u64::from(instant > previous);
+            self.down += u64::from(instant < previous);
+        }
         let since = instant.duration_since(*self.first.get_or_insert(instant));
         since.as_secs() as f64 + f64::from(since.subsec_nanos()) / 1e9
     }
@@ -230,6 +291,11 @@ impl Clock {
 
 /// What the cells of a column are, from the first of them.
 fn kind(column: &str, unit: Option<Unit>, layout: &Layout, first: &str) -> Result<Kind, ProblemAndRemedy> {
+    let in_hours = column.rsplit(',').next().is_some_and(|name| name.trim().to_lowercase().starts_with('h'));
+    let in_hours = in_hours && !column.to_lowercase().ends_with("hhmm");
+    if column.contains(',') && stamp::day_of_year(first, in_hours).is_some() {
+        return Ok(Kind::DaysOfYear { in_hours });
+    }
     let Some(number) = number(first) else { return Ok(Kind::Stamps) };
     let compact = stamp::compact(first);
     if let Some(unit) = unit {
@@ -270,11 +336,15 @@ fn without_unit(column: &str) -> &str {
     column.split(['_', '[', '(', ' ']).next().filter(|name| !name.is_empty()).unwrap_or("time")
 }
 
-/// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Time (UTC)`, `time_utc`.
+/// The zone that the name of a column gives: `Date Time, GMT-05:00`, `Date Time, GMT -0700`, `Time
+/// (UTC)`, `time_utc`.
 fn zone_in(column: &str) -> Option<TimeZone> {
     let upper = column.to_uppercase();
     let at = ["UTC", "GMT"].iter().filter_map(|name| upper.rfind(name)).max()?;
-    let text: String = upper[at..].chars().take_while(|c| c.is_ascii_alphanumeric() || "+-:".contains(*c)).collect();
+    let (name, behind) = upper[at..].split_at(3);
+    let behind = if behind.trim_start().starts_with(['+', '-', '\u{2212}']) { behind.trim_start() } else { behind };
+    let is_part = |c: &char| c.is_ascii_alphanumeric() || "+-:\u{2212}".contains(*c);
+    let text: String = name.chars().chain(behind.chars().take_while(is_part)).collect();
     stamp::offset(text.trim_end_matches([':', '-', '+'])).map(TimeZone::fixed)
 }
 

@@ -140,6 +140,11 @@ const DATE_AND_TIME: [&str; 6] = ["timestamp", "time stamp", "datetime", "date t
 const TIME: [&str; 4] = ["time", "zeit", "tid", "heure"];
 const DATE: [&str; 3] = ["date", "datum", "dato"];
 
+/// Names of columns that hold a year, a day of the year, and the time of day beside them.
+const YEAR: [&str; 2] = ["year", "yr"];
+const DAY_OF_YEAR: [&str; 6] = ["doy", "day of year", "day_of_year", "dayofyear", "jday", "julian day"];
+const HOUR: [&str; 6] = ["hour", "hr", "hours", "hhmm", "hour_min", "time"];
+
 /// The column of times, or those of dates and of times of day.
 fn times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, DataError> {
     let Some(name) = &layout.time else { return usual_times(file, names, layout) };
@@ -148,9 +153,9 @@ fn times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, Da
     let parts: Vec<Vec<usize>> = name.split(',').map(|part| fields_called(names, part.trim())).collect();
     match (&whole[..], &parts[..]) {
         ([field], _) => Ok(vec![*field]),
-        ([], [date, time]) if date.len() == 1 && time.len() == 1 => Ok(vec![date[0], time[0]]),
+        ([], [_, _] | [_, _, _]) if parts.iter().all(|part| part.len() == 1) => Ok(parts.concat()),
         ([], [_]) => Err(none(file, names, Name::Exactly(name), &listed())),
-        ([], [_, _]) => {
+        ([], [_, _] | [_, _, _]) => {
             let missing = name
                 .split(',')
                 .zip(&parts)
@@ -172,6 +177,10 @@ fn usual_times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usiz
         && names[field] == "time"
     {
         return Ok(vec![field]);
+    }
+    let one_of = |words: &[&str]| of(&|name| words.contains(&name));
+    if let ([year], [day], [hour, ..]) = (&one_of(&YEAR)[..], &one_of(&DAY_OF_YEAR)[..], &one_of(&HOUR)[..]) {
+        return Ok(vec![*year, *day, *hour]);
     }
     let both = of(&|name| DATE_AND_TIME.iter().any(|word| name.starts_with(word)));
     let time = of(&|name| TIME.contains(&name));

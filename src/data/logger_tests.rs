@@ -38,7 +38,9 @@ fn dates_are_read_as_they_are_written() {
         ("time", ["2025-01-19 12:00 UTC+0", "2025-01-19 14:00 +0100"], &layout(""), noon),
         ("time", ["2025-01-19 23:00", "2025-01-19 24:00"], &utc, "2025-01-19T23:00:00Z"),
         ("time", ["19.01.2025 12:00", "19.01.2025 13:00"], &utc, noon),
-        ("time", ["19/01/25 12:00", "19/01/25 13:00"], &utc, noon),
+        ("time", ["19/01/25 23:30", "20/01/25 00:30"], &utc, "2025-01-19T23:30:00Z"),
+        ("time", ["25/01/19 23:30", "25/01/20 00:30"], &utc, "2025-01-19T23:30:00Z"),
+        ("time", ["11/11/2025 12:00", "11/11/2025 13:00"], &utc, "2025-11-11T12:00:00Z"),
         ("time", ["1/19/2025 12:00 PM", "1/19/2025 1:00 pm"], &utc, noon),
         ("time", ["01/19/25 12:00:00 AM", "01/19/25 01:00:00 AM"], &utc, "2025-01-19T00:00:00Z"),
         ("time", ["9.1.2025 12:00", "9.1.2025 13:00"], &ordered("dmy"), "2025-01-09T12:00:00Z"),
@@ -56,6 +58,9 @@ fn dates_are_read_as_they_are_written() {
         ("time", ["45676.5", "45676.5416667"], &utc, noon),
         ("time", ["45676,5", "45676,5416667"], &utc, noon),
         ("Date Time, GMT+01:00", ["01/19/25 01:00:00 PM", "01/19/25 02:00:00 PM"], &layout(""), noon),
+        ("Date Time, GMT -0700", ["01/19/25 05:00:00 AM", "01/19/25 06:00:00 AM"], &layout(""), noon),
+        ("time UTC -07:00", ["2025-01-19 05:00", "2025-01-19 06:00"], &layout("Europe/Paris"), noon),
+        ("time (GMT +01:00)", ["2025-01-19 13:00", "2025-01-19 14:00"], &utc, noon),
         ("time (UTC)", ["2025-01-19 12:00", "2025-01-19 13:00"], &layout(""), noon),
     ] {
         let (first, since) = times(column, &cells, layout).unwrap_or_else(|error| panic!("{cells:?}: {error}"));
@@ -70,6 +75,75 @@ fn dates_are_read_as_they_are_written() {
         (0..59 * 24).map(|h| format!("2025{:02}{:02}{:02}", 1 + h / 744, 1 + h % 744 / 24, h % 24)).collect();
     let hours: Vec<&str> = hours.iter().map(String::as_str).collect();
     assert_eq!(times("time", &hours, &utc).unwrap().1.last(), Some(&(HOUR * (59.0 * 24.0 - 1.0))));
+}
+
+/// Year first with two digits, in rows that need no sorting then; two forms, and rows out of order.
+#[test]
+fn the_order_of_dates_is_the_one_in_which_rows_are_in_order() {
+    let utc = layout("UTC");
+    let read = |cells: &[&str]| times("time", cells, &utc);
+    let said = |cells: &[&str]| {
+        let rows: String = cells.iter().enumerate().map(|(i, cell)| format!("{cell};{i}\n")).collect();
+        read_as(&utc, format!("time;temperature_degC\n{rows}").as_bytes()).unwrap().repairs.sentences()
+    };
+    let spring = ["23/04/15 12:00", "23/04/15 12:10", "23/04/15 12:20", "23/05/02 12:20"];
+    let (start, since) = read(&spring).unwrap();
+    assert_eq!((start.as_deref(), since[3]), (Some("2023-04-15T12:00:00Z"), 17.0 * 24.0 * HOUR + 1200.0));
+    assert_eq!(said(&spring), ["took dates as ymd, the order in which the rows are in order of time"]);
+    let days: Vec<String> = (0..143).map(|i| format!("19-{:02}-{:02}", 3 + i / 28, 1 + i % 28)).collect();
+    let days: Vec<&str> = days.iter().map(String::as_str).collect();
+    let (start, since) = read(&days).unwrap();
+    assert!(start.as_deref() == Some("2019-03-01T00:00:00Z") && since[142] < 160.0 * 24.0 * HOUR, "{since:?}");
+    // Day and month, where only one order needs no sorting.
+    let (start, _) = read(&["05/06/2025", "06/06/2025", "01/07/2025"]).unwrap();
+    assert_eq!(start.as_deref(), Some("2025-06-05T00:00:00Z"));
+    let error = read(&["05/06/2025", "06/06/2025", "07/06/2025"]).unwrap_err();
+    assert!(error.problem.contains("may be exchanged") && !error.remedy.contains("ymd"), "{error}");
+    let error = read(&["19/01/25 12:00", "19/01/25 13:00"]).unwrap_err();
+    assert!(error.problem.contains("may be exchanged") && error.remedy.contains("--dates ymd"), "{error}");
+    for other in ["14/01/2025", "2025/01/14", "14.1.2025", "20250114", "14-01-25"] {
+        let error = read(&["2025-01-13", other]).unwrap_err();
+        assert!(error.problem.contains("another form") && error.line == Some(3), "{error}");
+    }
+    let shuffled: Vec<String> = (0..28).map(|i| format!("2025-01-{:02}", 1 + i * 13 % 28)).collect();
+    let shuffled: Vec<&str> = shuffled.iter().map(String::as_str).collect();
+    let error = read(&shuffled).unwrap_err();
+    assert!(error.problem.contains("two rows of five") && error.remedy.contains("--dates"), "{error}");
+    let backwards: Vec<&str> = days.iter().rev().copied().collect();
+    assert_eq!(read(&backwards).unwrap().0.as_deref(), Some("2019-03-01T00:00:00Z"));
+}
+
+/// The zone in a name prevails over one that was given, and that is said.
+#[test]
+fn a_zone_in_a_name_prevails() {
+    let text = "\"Date Time, GMT -0700\",Temp (C)\n2018-06-21 15:00:00,20.15\n2018-06-21 16:10:00,19.57\n";
+    for (zone, said) in [("", 0), ("-07:00", 0), ("Europe/Paris", 1)] {
+        let table = read_as(&layout(zone), text.as_bytes()).unwrap();
+        assert_eq!(table.start.map(|start| start.to_string()).as_deref(), Some("2018-06-21T22:00:00Z"));
+        assert_eq!(table.repairs.sentences().len(), said, "{:?}", table.repairs);
+    }
+    let said = read_as(&layout("UTC"), text.as_bytes()).unwrap().repairs.sentences();
+    assert_eq!(said, ["took times in -07, as the name of their column says"]);
+}
+
+/// Years, days of the year and times of day in columns of their own, two hours apart.
+#[test]
+fn days_of_the_year_are_dates() {
+    for (names, rows, time) in [
+        ("Year,DOY,Hour", ["2024,366,23", "2025,1,1"], None),
+        ("Year,DOY,HHMM", ["2024,366,2300", "2025,1,100"], None),
+        ("Year,Day of Year,Time", ["2024,366,23:00", "2025,1,01:00"], None),
+        ("yy,dd,hh", ["2024,366,23.0", "2025,1,1.0"], Some("yy,dd,hh")),
+        ("yy,dd,n", ["2024,366.0,1", "2024,366.083333333,2"], Some("yy,dd")),
+    ] {
+        let text = format!("{names},temperature_degC\n{},1\n{},2\n", rows[0], rows[1]);
+        let table = read_as(&Layout { time: time.map(String::from), ..layout("UTC") }, text.as_bytes())
+            .unwrap_or_else(|error| panic!("{names}: {error}"));
+        assert!((table.columns[0].times[1] - 2.0 * HOUR).abs() < 0.1, "{names}: {:?}", table.columns[0].times);
+        assert!(table.start.unwrap().to_string().starts_with("2024-12-31"), "{names}: {:?}", table.start);
+    }
+    let error = read_as(&layout("UTC"), b"Year,DOY,Hour,temperature_degC\n2023,365,23,1\n2023,366,0,2\n").unwrap_err();
+    assert!(error.problem.contains("is not a year, a day of the year and a time") && error.line == Some(3), "{error}");
 }
 
 /// What may be a date in two ways, or a number, is refused with a remedy that leads on.

@@ -6,6 +6,7 @@
 //! header    the line that names the columns, and which of them are wanted
 //! unit      the unit that the name of a column gives
 //! stamp     a date and a time of day, as loggers and spreadsheets write them
+//! orders    the order of day, month and year, as all dates together tell it
 //! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
 //! marks     which cells hold no value
 //! outliers  values that stand out from the others
@@ -32,6 +33,7 @@ mod header;
 #[cfg(test)]
 mod logger_tests;
 mod marks;
+mod orders;
 mod outliers;
 mod pair;
 mod query;

@@ -88,14 +88,15 @@ fn shell(value: &str) -> String {
 /// How a file is laid out, as far as the file does not say so itself.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Layout {
-    /// The name of the column of times, or those of a column of dates and one of times of day with
-    /// a comma between them. Without it, the column is found by usual names such as `time`,
+    /// The name of the column of times, or those of dates and of times of day, or of years, days of
+    /// the year and times of day, with commas between them. Without it, the column is found by usual names such as `time`,
     /// `Timestamp` or `Date/Time`.
     pub time: Option<String>,
-    /// The time zone of stamps that name none: an IANA name, or an offset such as `+01:00`.
+    /// The time zone of stamps, where neither they nor the name of their column say it: an IANA
+    /// name, or an offset such as `+01:00`.
     pub zone: Option<String>,
-    /// The order of day, month and year. Without it, dates are year first, or the whole column
-    /// decides.
+    /// The order of day, month and year. Without it, dates begin with a year of four digits, or
+    /// the whole column decides.
     pub dates: Option<DateOrder>,
     /// The number of lines before the line that names the columns. Without it, that is the first
     /// line with the names that are wanted.

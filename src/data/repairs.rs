@@ -9,8 +9,10 @@ pub struct Repairs {
     pub unit_rows: u64,
     /// The encoding of the file, if it is not UTF-8.
     pub encoding: Option<&'static str>,
-    /// The order of day and month, if all dates together told it.
-    pub order: Option<&'static str>,
+    /// The order of day, month and year, if all dates together told it, and why it is this one.
+    pub order: Option<String>,
+    /// The zone that the name of the column of times says, where another one was given.
+    pub zone: Option<String>,
     /// Number of rows that came after a row with a later time, and were sorted.
     pub unsorted: u64,
     /// Number of rows that repeated the time and the value of another row, and were left out.
@@ -56,8 +58,8 @@ impl Repairs {
         let below = "took # line below the names of the columns as units";
         let below = many(self.unit_rows, below, "took # lines below the names of the columns as units and notes");
         let encoding = self.encoding.map(|name| format!("read the text as {name}"));
-        let order =
-            self.order.map(|word| format!("took dates as {word}, the only order in which all of them are dates"));
+        let order = self.order.as_ref().map(|order| format!("took dates as {order}"));
+        let zone = self.zone.as_ref().map(|zone| format!("took times in {zone}, as the name of their column says"));
         let unsorted = "sorted # row that stood behind a later one";
         let unsorted = many(self.unsorted, unsorted, "sorted # rows that stood behind a later one");
         let repeated = "left out # row that is there twice";
@@ -66,7 +68,7 @@ impl Repairs {
         let folds = many(self.folds, folds, "took # stamps of hours that were twice in the order of their rows");
         let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
         let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
-        [before, below, encoding, order, unsorted, repeated, folds]
+        [before, below, encoding, order, zone, unsorted, repeated, folds]
             .into_iter()
             .flatten()
             .chain(columns)

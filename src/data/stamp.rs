@@ -26,13 +26,6 @@ struct Numbers {
     is_short: bool,
 }
 
-/// Which orders of day, month and year agree with all dates of a column.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Orders {
-    pub day_first: bool,
-    pub month_first: bool,
-}
-
 /// Read a stamp. A date whose year is not first is read in this order; without an order it is none.
 pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
     let text = text.trim();
@@ -192,24 +185,20 @@ pub(super) fn offset(text: &str) -> Option<Offset> {
     Offset::from_seconds(sign * (3600 * number(hours)? + 60 * number(minutes).filter(|minutes| *minutes < 60)?)).ok()
 }
 
-impl Orders {
-    pub const ALL: Orders = Orders { day_first: true, month_first: true };
-
-    /// Those orders in which this text is a date as well; the same if it is none in either.
-    pub fn with(self, text: &str) -> Self {
-        let is = |order| stamp(text, Some(order)).is_some();
-        let (day_first, month_first) = (is(DateOrder::DayMonthYear), is(DateOrder::MonthDayYear));
-        if !day_first && !month_first {
-            return self;
-        }
-        Orders { day_first: self.day_first && day_first, month_first: self.month_first && month_first }
-    }
+/// Whether a text is a date whose order of day, month and year must be known.
+pub(super) fn needs_order(text: &str) -> bool {
+    stamp(text, None).is_none() && DateOrder::WORDS.iter().any(|(_, order)| stamp(text, Some(*order)).is_some())
 }
 
-/// Whether a text is a date whose order of day and month must be known.
-pub(super) fn needs_order(text: &str) -> bool {
-    let is = |order| stamp(text, Some(order)).is_some();
-    stamp(text, None).is_none() && (is(DateOrder::DayMonthYear) || is(DateOrder::MonthDayYear))
+/// The form of a date: whether the year is first, with four digits, the sign behind the first
+/// number, and whether the year is last, with four digits. Two forms in one column may mean two
+/// orders. `None` for a text that begins with no number.
+pub(super) fn form(text: &str) -> Option<(bool, Option<char>, bool)> {
+    let (first, rest) = digits(text.trim())?;
+    let sign = rest.chars().next().filter(|sign| "-/.".contains(*sign));
+    let is_long = |sign| rest.split(sign).nth(2).and_then(digits).is_some_and(|(last, _)| last.len() == 4);
+    let is_first = first.len() > 2;
+    Some((is_first, sign, !is_first && sign.is_some_and(is_long)))
 }
 
 /// Whether a text is a time of day without a date, such as 13:10.
@@ -231,6 +220,29 @@ pub(super) fn compact(text: &str) -> Option<Stamp> {
     let (hour, later) = if (hour, minute, second) == (24, 0, 0) { (0, 24) } else { (hour, 0) };
     let local = day.to_datetime(Time::new(hour, minute, second, 0).ok()?);
     Some(Stamp { local, offset: None, later: SignedDuration::from_hours(later) })
+}
+
+/// A year, the day of the year, and a time of day, if there is one, with blanks between them. A time
+/// without a colon is in hours, or as in 1330.
+pub(super) fn day_of_year(text: &str, is_in_hours: bool) -> Option<Stamp> {
+    let mut parts = text.split_whitespace();
+    let (year, day, time) = (parts.next().filter(|year| year.len() == 4)?, parts.next()?, parts.next());
+    let begin = Date::new(year.parse().ok()?, 1, 1).ok()?;
+    let day: f64 = day.parse().ok().filter(|day| (1.0..f64::from(begin.days_in_year()) + 1.0).contains(day))?;
+    let number = |time: &str| time.parse::<f64>().ok().filter(|time| *time >= 0.0);
+    let hours = match time {
+        None => 0.0,
+        Some(time) if time.contains(':') => {
+            let (time, later, _) = time_of_day(time)?;
+            time.duration_since(Time::midnight()).as_secs_f64() / 3600.0 + later.as_secs_f64() / 3600.0
+        }
+        Some(time) if is_in_hours => number(time)?,
+        Some(time) => number(time).map(|time| (time / 100.0).floor() + time % 100.0 / 60.0)?,
+    };
+    let seconds = 86_400.0 * (day - 1.0) + 3600.0 * Some(hours).filter(|hours| *hours <= 24.0)?;
+    let later = SignedDuration::from_millis((1e3 * seconds).round() as i64);
+    let local = begin.to_datetime(Time::midnight()).checked_add(later).ok()?;
+    Some(Stamp { local, offset: None, later: SignedDuration::ZERO })
 }
 
 /// The date that a spreadsheet keeps as this number of days, to a millisecond.

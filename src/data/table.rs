@@ -5,10 +5,11 @@ use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
 use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
 use super::marks::Marks;
+use super::orders::Orders;
 use super::query::{DateOrder, Layout, Wanted};
 use super::repairs::Repairs;
 use super::rows::CsvRows;
-use super::stamp::{Orders, is_time_of_day, needs_order};
+use super::stamp::{is_time_of_day, needs_order};
 use super::unit;
 use std::borrow::Cow;
 
@@ -51,14 +52,9 @@ pub(super) fn table(
     let mut columns =
         columns.collect::<Result<Vec<_>, _>>().map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
     let marks = Marks::of(layout);
-    let (order, is_told) = match layout.dates {
-        Some(order) => (Some(order), false),
-        None => {
-            let told = told_order(&mut rows, header)?;
-            rows.rewind();
-            (told, told.is_some())
-        }
-    };
+    let told = if layout.dates.is_none() { told_order(&mut rows, header)? } else { None };
+    rows.rewind();
+    let order = layout.dates.or(told.map(|(order, _)| order));
     let mut decimals = Decimals { commas: 0, points: 0, are_decimal: rows.commas_are_decimal() };
     let mut clock: Option<Clock> = None;
     let mut unit_below = None;
@@ -120,12 +116,22 @@ pub(super) fn table(
     let Some(clock) = clock else {
         return Err(DataError::file(file, "it has a header and no rows".into(), "give a file with measurements"));
     };
+    if clock.is_disordered() {
+        let problem =
+            "two rows of five are earlier than the row before, or later in a file that runs backwards".to_string();
+        let remedy = format!(
+            "see whether its dates are in the order of {}, and sort its rows",
+            layout.wording.option("dates", "ymd, dmy or mdy")
+        );
+        return Err(DataError::file(file, problem, &remedy));
+    }
     let mut repairs = Repairs {
         skipped: header.skipped,
         unit_rows,
         folds: clock.folds,
         decimal_commas: decimals.commas,
-        order: order.filter(|_| is_told).map(DateOrder::word),
+        order: told.map(|(order, why)| format!("{}, {why}", order.word())),
+        zone: clock.other_zone.clone(),
         ..Repairs::default()
     };
     let twice = match time_elsewhere {
@@ -179,10 +185,9 @@ fn is_row_of_units(rows: &CsvRows<'_>, header: &Header, time: &str) -> bool {
         && !header.values.iter().any(|field| is_number(rows.cell(*field)))
 }
 
-/// The order of day and month, if the dates need one and only one of the two orders makes all of
-/// them dates.
-fn told_order(rows: &mut CsvRows<'_>, header: &Header) -> Result<Option<DateOrder>, DataError> {
-    let mut orders = Orders::ALL;
+/// The order of day, month and year, if the dates need one and tell it, with the reason.
+fn told_order(rows: &mut CsvRows<'_>, header: &Header) -> Result<Option<(DateOrder, &'static str)>, DataError> {
+    let mut orders = Orders::new();
     let mut looked = 0;
     let mut is_needed = false;
     while rows.next()? {
@@ -193,13 +198,9 @@ fn told_order(rows: &mut CsvRows<'_>, header: &Header) -> Result<Option<DateOrde
         if !is_needed && looked > MOST_UNIT_ROWS {
             return Ok(None);
         }
-        orders = orders.with(&cell);
+        orders.take(&cell);
     }
-    Ok(match (is_needed, orders.day_first, orders.month_first) {
-        (true, true, false) => Some(DateOrder::DayMonthYear),
-        (true, false, true) => Some(DateOrder::MonthDayYear),
-        _ => None,
-    })
+    Ok(orders.told().filter(|_| is_needed))
 }
 
 /// The time of a row, from its cell in the column of times. The first cell decides what the others

@@ -1,0 +1,80 @@
+//! The order of day, month and year, where the dates themselves do not say it.
+
+use super::query::DateOrder;
+use super::stamp::stamp;
+use jiff::civil::DateTime;
+
+/// How the dates of a column look in one order.
+#[derive(Clone, Copy, Debug)]
+struct Reading {
+    order: DateOrder,
+    /// Whether each of them is a date.
+    is_possible: bool,
+    last: Option<DateTime>,
+    /// Number of dates that are later than the one before, and of those that are earlier.
+    up: u64,
+    down: u64,
+    /// The seconds from each date to the next, without their signs.
+    path: f64,
+}
+
+/// The dates of a column in every order.
+#[derive(Clone, Debug)]
+pub(super) struct Orders {
+    readings: [Reading; 3],
+    /// Whether two orders make different dates of the same text.
+    differ: bool,
+}
+
+/// An order that makes the way from date to date so many times as long as another one is wrong.
+const DETOUR: f64 = 10.0;
+
+impl Orders {
+    /// The orders before the first date.
+    pub fn new() -> Self {
+        let of = |(_, order)| Reading { order, is_possible: true, last: None, up: 0, down: 0, path: 0.0 };
+        Orders { readings: DateOrder::WORDS.map(of), differ: false }
+    }
+
+    /// Take the next text of the column. One that is no date in any order tells nothing.
+    pub fn take(&mut self, text: &str) {
+        let dates = self.readings.map(|reading| stamp(text, Some(reading.order)).map(|stamp| stamp.local));
+        if dates.iter().all(Option::is_none) {
+            return;
+        }
+        for (reading, date) in self.readings.iter_mut().zip(dates) {
+            reading.is_possible &= date.is_some();
+            if let (Some(last), Some(date)) = (reading.last, date) {
+                reading.up += u64::from(date > last);
+                reading.down += u64::from(date < last);
+                reading.path += date.duration_since(last).as_secs_f64().abs();
+            }
+            reading.last = date;
+        }
+        let mut possible = self.readings.iter().filter(|reading| reading.is_possible).map(|reading| reading.last);
+        let first = possible.next();
+        self.differ |= possible.any(|date| Some(date) != first);
+    }
+
+    /// The order, and why it is this one; `None` if several are as likely. Of several that are
+    /// possible it is the one in which the fewest rows are out of order. Where dates have years of
+    /// two digits in front or at the end, one of the two ways from row to row is far longer, too.
+    pub fn told(&self) -> Option<(DateOrder, &'static str)> {
+        let possible: Vec<&Reading> = self.readings.iter().filter(|reading| reading.is_possible).collect();
+        if let [only] = possible[..] {
+            return Some((only.order, "the only order in which all of them are dates"));
+        }
+        let disorder = |reading: &Reading| reading.up.min(reading.down);
+        let least = possible.iter().map(|reading| disorder(reading)).min()?;
+        let mut likely: Vec<&Reading> = possible.into_iter().filter(|reading| disorder(reading) == least).collect();
+        if likely.iter().any(|reading| reading.order == DateOrder::YearMonthDay) {
+            let shortest = likely.iter().map(|reading| reading.path).fold(f64::INFINITY, f64::min);
+            likely.retain(|reading| reading.path < DETOUR * shortest || reading.path == shortest);
+        }
+        match likely[..] {
+            [one] => Some((one.order, "the order in which the rows are in order of time")),
+            [one, ..] if !self.differ => Some((one.order, "which makes no difference")),
+            _ => None,
+        }
+    }
+}
