@@ -178,7 +178,7 @@ impl BandCounts {
         let [least, most] = VALUES_PER_SKETCH;
         let values = (VALUES_TOGETHER / (VARIABLES * rows)).clamp(least, most);
         let bins = (values / 2).max(least);
-        let row = |centre| Sketch::empty(Shape { centre, floor: i32::MIN, values, bins });
+        let row = |centre| Sketch::empty(Shape { centre, scale: None, values, bins });
         BandCounts {
             rows: [model.initial_displacement, 0.0, 0.0].map(|centre| vec![row(centre); rows]),
             waiting: Vec::new(),

@@ -9,24 +9,29 @@ use super::{Distribution, Histogram, QUANTILE_LEVELS};
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::bins::Shape;
 use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
-use crate::sums::dyadic::nearest;
+use crate::sums::dyadic::{List, coarsen, coarsened, nearest, width};
 use crate::sums::interval::Measured;
-use crate::sums::log_bins::{LogBins, LogGrid};
+use crate::sums::log_scale::LogScale;
 use crate::sums::ordered::Ordered;
 use crate::sums::quantile;
 use crate::sums::range::Sample;
 use crate::sums::sketch::Sketch;
+use crate::sums::steps::Steps;
 use crate::sums::{Ends, Merge};
 use std::borrow::Cow;
 
-/// Fine bins per bin of the public histogram, which has 8 bins per octave.
-const COARSENING: i32 = 32;
+/// The level of the bins of the public histogram: 8 bins per octave.
+const PUBLIC: i32 = -3;
+
+/// The level of the bins of survival curves: 256 bins per octave. Where a batch has so many
+/// durations that its own bins are wider, it is theirs.
+const FINE: i32 = -8;
 
 /// Below this share of the scale of a law, values are binned evenly instead of logarithmically.
 const RESOLUTION: f64 = 1.0 / (1u64 << 30) as f64;
 
 /// A batch keeps up to this many durations one by one, and counts more than these in up to as many
-/// bins.
+/// bins. Since the scale has 128 octaves, these are never wider than those of the histogram.
 const LIMIT: usize = 4096;
 
 /// Up to this many sticks are listed before they are counted in their batches.
@@ -35,26 +40,27 @@ const LISTED: usize = 8192;
 /// The sticks of the units of one batch.
 #[derive(Clone, Debug, PartialEq)]
 struct Batch {
-    durations: Sketch,
     /// Durations of the sticks that have ended.
-    bins: LogBins,
+    ended: Sketch,
     /// Durations so far of the sticks that run at t_end.
-    censored: LogBins,
+    censored: Sketch,
 }
 
-codec_of_fields!(Batch { durations, bins, censored });
+codec_of_fields!(Batch { ended, censored });
+
+/// The shape of the durations of this many batches together.
+fn shape(scale: LogScale, batches: usize) -> Shape {
+    Shape { centre: 0.0, scale: Some(scale), values: batches * LIMIT, bins: batches * LIMIT }
+}
 
 impl Batch {
-    /// A batch without sticks. Durations are whole numbers of steps if `is_stepping`.
-    fn empty(is_stepping: bool) -> Self {
-        let floor = if is_stepping { 0 } else { i32::MIN };
-        let shape = Shape { centre: 0.0, floor, values: LIMIT, bins: LIMIT };
-        Batch { durations: Sketch::empty(shape), bins: LogBins::default(), censored: LogBins::default() }
+    fn empty(scale: LogScale) -> Self {
+        let nothing = Sketch::empty(shape(scale, 1));
+        Batch { ended: nothing.clone(), censored: nothing }
     }
 
     fn merge(&mut self, other: &Batch) {
-        self.durations.merge(&other.durations);
-        self.bins.merge(&other.bins);
+        self.ended.merge(&other.ended);
         self.censored.merge(&other.censored);
     }
 }
@@ -62,8 +68,8 @@ impl Batch {
 /// Counts of the values of one law.
 #[derive(Clone, Debug)]
 pub(super) struct LawCounts {
-    grid: LogGrid,
-    /// h, if all durations are multiples of h. They are then counted as whole numbers of steps.
+    scale: LogScale,
+    /// h, if all durations are multiples of h.
     step: Option<f64>,
     batches: [Batch; BATCHES],
     /// Sticks of a block that are in no batch yet, each with its batch and its duration, in the
@@ -82,7 +88,7 @@ impl Merge for LawCounts {
         for (mine, more) in self.batches.iter_mut().zip(&other.batches) {
             mine.merge(more);
         }
-        count(&mut self.batches, &other.listed, self.step, self.grid);
+        count(&mut self.batches, &other.listed, self.step);
     }
 }
 
@@ -90,18 +96,13 @@ impl LawCounts {
     /// No values. `scale` is the largest value that is to be expected, roughly; it determines the
     /// bins.
     pub fn empty(scale: f64) -> Self {
-        LawCounts {
-            grid: LogGrid::new(scale * RESOLUTION),
-            step: None,
-            batches: std::array::from_fn(|_| Batch::empty(false)),
-            listed: Vec::new(),
-        }
+        let scale = LogScale::new(scale * RESOLUTION);
+        LawCounts { scale, step: None, batches: std::array::from_fn(|_| Batch::empty(scale)), listed: Vec::new() }
     }
 
     /// Set the step of the scheme, if it has one, before anything is counted.
     pub fn set_step(&mut self, step: Option<f64>) {
         self.step = step;
-        self.batches = std::array::from_fn(|_| Batch::empty(step.is_some()));
     }
 
     /// A stick, j >= 1, of a path of this unit has ended.
@@ -116,7 +117,7 @@ impl LawCounts {
     #[cold]
     fn make_room(&mut self) {
         let mut listed = std::mem::take(&mut self.listed);
-        count(&mut self.batches, &listed, self.step, self.grid);
+        count(&mut self.batches, &listed, self.step);
         listed.clear();
         listed.reserve(LISTED);
         self.listed = listed;
@@ -124,40 +125,52 @@ impl LawCounts {
 
     /// Counts what waits to be counted ([`Sketch::settle`]).
     pub fn settle(&mut self) {
-        count(&mut self.batches, &std::mem::take(&mut self.listed), self.step, self.grid);
-        self.batches.iter_mut().for_each(|batch| batch.durations.settle());
+        count(&mut self.batches, &std::mem::take(&mut self.listed), self.step);
+        for batch in &mut self.batches {
+            batch.ended.settle();
+            batch.censored.settle();
+        }
     }
 
     /// The batches with all sticks in them.
     fn batches(&self) -> Cow<'_, [Batch; BATCHES]> {
         let mut batches = Cow::Borrowed(&self.batches);
         if !self.listed.is_empty() {
-            count(batches.to_mut(), &self.listed, self.step, self.grid);
+            count(batches.to_mut(), &self.listed, self.step);
         }
         batches
     }
 
     /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted for `so_far`.
     pub fn censored(&mut self, unit: u64, so_far: f64) {
-        self.batches[batch_of(unit)].censored.push(self.grid.key(so_far));
+        self.batches[batch_of(unit)].censored.push(so_far);
     }
 
     /// The durations of each batch, and those of all batches, in order.
     pub fn ordered(&self) -> OrderedLaw {
         let batches = self.batches();
-        let mut pooled = Batch::empty(self.step.is_some()).durations;
-        batches.iter().for_each(|batch| pooled.merge(&batch.durations));
-        let of = |batch: &Batch| batch.durations.ordered();
-        OrderedLaw { step: self.step, batches: batches.iter().map(of).collect(), pooled: pooled.ordered() }
+        let mut pooled = Sketch::empty(shape(self.scale, BATCHES));
+        batches.iter().for_each(|batch| pooled.merge(&batch.ended));
+        let batches: Vec<Ordered> = batches.iter().map(|batch| batch.ended.ordered()).collect();
+        let pooled = pooled.ordered();
+        match self.step {
+            Some(step) => OrderedLaw::Steps {
+                step,
+                batches: batches.iter().map(|batch| Steps::of(batch, step)).collect(),
+                pooled: Steps::of(&pooled, step),
+            },
+            None => OrderedLaw::Continuous { batches, pooled },
+        }
     }
 
     /// The median without the sticks of each batch; NaN where durations are whole numbers of steps.
     pub fn medians_without_each_batch(&self) -> [f64; BATCHES] {
-        if self.step.is_some() {
-            return [f64::NAN; BATCHES];
+        match self.step.map_or_else(|| Some(self.ordered()), |_| None) {
+            Some(OrderedLaw::Continuous { batches, pooled }) => {
+                std::array::from_fn(|batch| pooled.median_without(&batches[batch]))
+            }
+            _ => [f64::NAN; BATCHES],
         }
-        let OrderedLaw { batches, pooled, .. } = self.ordered();
-        std::array::from_fn(|batch| pooled.median_without(&batches[batch]))
     }
 
     /// Everything that is reported of the durations, which `ordered` holds in order.
@@ -173,67 +186,67 @@ impl LawCounts {
         with_batches: bool,
     ) -> Distribution {
         let batches = self.batches();
-        let pooled = |of: fn(&Batch) -> &LogBins| {
-            let mut pooled = LogBins::default();
-            batches.iter().for_each(|batch| pooled.merge(of(batch)));
-            pooled.bins()
-        };
-        let (completed, censored) = (pooled(|batch| &batch.bins), pooled(|batch| &batch.censored));
-        let number = |bins: &[(i16, u64)]| bins.iter().map(|(_, count)| count).sum();
-        let coarse = |bins: &[(i16, u64)]| bins.iter().map(|&(k, n)| (coarse_bin(k), n)).collect::<Vec<_>>();
-        let (ended, cut) = (coarse(&completed), coarse(&censored));
-        let first = ended.first().into_iter().chain(cut.first()).map(|b| b.0).min().unwrap_or(0);
-        let end = ended.last().into_iter().chain(cut.last()).map(|b| b.0 + 1).max().unwrap_or(0);
-        let counts = |bins: &[(i32, u64)]| {
+        let finest = |batch: &Batch| batch.ended.finest_level().max(batch.censored.finest_level());
+        let level = batches.iter().map(finest).fold(FINE, i32::max);
+        let fine: Vec<[List; 2]> =
+            batches.iter().map(|batch| [&batch.ended, &batch.censored].map(|of| of.counts(level))).collect();
+        // Durations of exactly zero belong to the first bin.
+        let bins = |list: &List| coarsen(list, (PUBLIC - level) as u32).into_iter().map(|(i, n)| ((i - 1).max(0), n));
+        let public: Vec<[List; 2]> =
+            fine.iter().map(|lists| lists.each_ref().map(|list| bins(list).collect())).collect();
+        let ends = public.iter().flatten().flat_map(|list| list.first().into_iter().chain(list.last()));
+        let (first, end) = ends.fold((i64::MAX, 0), |(first, end), bin| (first.min(bin.0), end.max(bin.0 + 1)));
+        let first = first.min(end);
+        let counts = |of: &[List; 2], which: usize| {
             let mut counts = vec![0; (end - first) as usize];
-            bins.iter().for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
+            of[which].iter().for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
             counts
         };
-        let batch_counts: Vec<Vec<u64>> = batches.iter().map(|batch| counts(&coarse(&batch.bins.bins()))).collect();
-        let of_batches = |of: &dyn Fn(&Batch) -> &LogBins| match with_batches {
-            true => batches.iter().flat_map(|batch| counts(&coarse(&of(batch).bins()))).collect(),
-            false => Vec::new(),
+        let of_batches = |which: usize| public.iter().map(|of| counts(of, which)).collect::<Vec<Vec<u64>>>();
+        let (ended, censored) = (of_batches(0), of_batches(1));
+        let pooled = |of: &[Vec<u64>]| {
+            (0..(end - first) as usize).map(|bin| of.iter().map(|counts| counts[bin]).sum()).collect::<Vec<u64>>()
         };
-        let sizes: Vec<f64> = batch_counts.iter().map(|counts| counts.iter().sum::<u64>() as f64).collect();
+        let (counts, censored_counts) = (pooled(&ended), pooled(&censored));
+        let number = |counts: &[u64]| counts.iter().sum::<u64>();
+        let sizes: Vec<f64> = ended.iter().map(|counts| number(counts) as f64).collect();
         let share = |bin: usize| {
-            Share::of(batch_counts.iter().zip(&sizes).map(|(counts, &size)| (counts[bin] as f64, size)))
-                .interval(chance)
+            Share::of(ended.iter().zip(&sizes).map(|(counts, &size)| (counts[bin] as f64, size))).interval(chance)
         };
         let one_a_path = |count: u64| sample.number(count);
-        let censored_counts = counts(&cut);
-        let each = batches.iter().map(|batch| (batch.bins.bins(), batch.censored.bins()));
-        let survival = Survival::new(each.collect(), |key| (coarse_bin(key) - first) as usize, (end - first) as usize);
+        let kept = |of: Vec<Vec<u64>>| if with_batches { of.concat() } else { Vec::new() };
+        let bin_of = |index: i64| ((coarsened(index, (PUBLIC - level) as u32) - 1).max(0) - first) as usize;
+        let survival = Survival::new(fine, bin_of, counts.len());
         let quantiles = QUANTILE_LEVELS.map(|p| ordered.quantile(p));
         Distribution {
             step: self.step,
-            completed: number(&completed),
+            completed: number(&counts),
             completed_ends,
-            censored: number(&censored),
-            censored_ends: one_a_path(number(&censored)),
+            censored: number(&censored_counts),
+            censored_ends: one_a_path(number(&censored_counts)),
+            count_ends: (0..counts.len()).map(share).collect::<Ends>().times(number(&counts) as f64),
             histogram: Histogram {
-                edges: (first..=end).map(|edge| self.grid.edge(edge * COARSENING)).collect(),
-                counts: counts(&ended),
+                edges: (first..=end).map(|edge| self.scale.number(edge as f64 * width(PUBLIC))).collect(),
+                counts,
             },
-            count_ends: (0..(end - first) as usize).map(share).collect::<Ends>().times(number(&completed) as f64),
             censored_count_ends: censored_counts.iter().map(|&count| one_a_path(count)).collect(),
             censored_counts,
             survival_ends: survival.ends(chance),
             survival: survival.curve,
             quantiles: quantiles.iter().map(|quantile| quantile.estimate()).collect(),
             quantile_ends: quantiles.iter().map(|quantile| quantile.interval()).collect(),
-            batch_counts: of_batches(&|batch| &batch.bins),
-            batch_censored_counts: of_batches(&|batch| &batch.censored),
+            batch_counts: kept(ended),
+            batch_censored_counts: kept(censored),
         }
     }
 }
 
-/// The durations of completed sticks in order, in whole steps if there is a step. Putting them in
-/// order takes long, so this is done once for all statistics that need it.
-pub(super) struct OrderedLaw {
-    step: Option<f64>,
-    batches: Vec<Ordered>,
-    /// Those of all batches together.
-    pooled: Ordered,
+/// The durations of completed sticks in order, of each batch and of all batches together, in whole
+/// steps if there is a step. Putting them in order takes long, so this is done once for all
+/// statistics that need it.
+pub(super) enum OrderedLaw {
+    Continuous { batches: Vec<Ordered>, pooled: Ordered },
+    Steps { step: f64, batches: Vec<Steps>, pooled: Steps },
 }
 
 impl OrderedLaw {
@@ -244,35 +257,25 @@ impl OrderedLaw {
 
     /// The quantile of order p with its interval.
     fn quantile(&self, p: f64) -> Measured {
-        match self.step {
-            Some(step) => quantile::of_steps(&self.batches, &self.pooled, p).times(step),
-            None => quantile::continuous(&self.batches, &self.pooled, p),
+        match self {
+            OrderedLaw::Continuous { batches, pooled } => quantile::continuous(batches, pooled, p),
+            OrderedLaw::Steps { step, batches, pooled } => quantile::of_steps(batches, pooled, p).times(*step),
         }
     }
 }
 
 /// Count sticks in their batches. Each is given by its batch and its duration.
-fn count(batches: &mut [Batch; BATCHES], sticks: &[(u32, f64)], step: Option<f64>, grid: LogGrid) {
+fn count(batches: &mut [Batch; BATCHES], sticks: &[(u32, f64)], step: Option<f64>) {
     for &(batch, duration) in sticks {
-        let batch = &mut batches[batch as usize];
-        batch.durations.push(match step {
-            Some(step) => nearest(duration / step),
-            None => duration,
-        });
-        batch.bins.push(grid.key(duration));
+        let exact = step.map_or(duration, |step| nearest(duration / step) * step);
+        batches[batch as usize].ended.push(exact);
     }
 }
 
 impl PartialEq for LawCounts {
     fn eq(&self, other: &Self) -> bool {
-        (self.grid, self.step) == (other.grid, other.step) && self.batches() == other.batches()
+        (self.scale, self.step) == (other.scale, other.step) && self.batches() == other.batches()
     }
-}
-
-/// The public bin of a fine bin. Fine bin 0, which holds durations of exactly zero, belongs to the
-/// first public bin.
-fn coarse_bin(key: i16) -> i32 {
-    (i32::from(key) - 1).max(0) / COARSENING
 }
 
 impl Codec for LawCounts {
@@ -394,6 +397,42 @@ mod tests {
         assert!(greenwood[1].share() < 0.85, "{}", greenwood[1].share());
         counts.assert_95_percent("sticks in a bin");
         quantiles.assert_95_percent("upper quartile");
+    }
+
+    /// Laws as they occur: over decades, of two humps of which one is a thousandth wide, and on the
+    /// lattice of a step.
+    #[test]
+    fn quantiles_are_exact_up_to_a_small_part_of_their_own_error() {
+        let mut rng = Pcg64Dxsm::seed_from_u64(1938);
+        let uniform = |rng: &mut Pcg64Dxsm| -> f64 { StandardUniform.sample(rng) };
+        let exponential = |rng: &mut Pcg64Dxsm| -> f64 { Exp1.sample(rng) };
+        for (name, step) in [("decades", None), ("humps", None), ("lattice", Some(1e-3)), ("long lattice", Some(1e-5))]
+        {
+            for number in [300, 30_000, 600_000] {
+                let mut counts = LawCounts::empty(64.0);
+                counts.set_step(step);
+                let mut values: Vec<f64> = Vec::new();
+                for i in 0..number {
+                    let value = match name {
+                        "decades" => (-14.0 * exponential(&mut rng)).exp() * exponential(&mut rng),
+                        "humps" if uniform(&mut rng) < 0.3 => 3.0 + 0.003 * uniform(&mut rng),
+                        "humps" => 1e-3 * exponential(&mut rng),
+                        _ => exponential(&mut rng).powi(2),
+                    };
+                    counts.completed(i, value);
+                    values.push(step.map_or(value, |step| nearest(value / step) * step));
+                }
+                values.sort_by(f64::total_cmp);
+                let ordered = counts.ordered();
+                for p in [0.05, 0.25, 0.5, 0.75, 0.95] {
+                    let at = |p: f64| values[((p * number as f64) as usize).min(values.len() - 1)];
+                    let error = (p * (1.0 - p) / number as f64).sqrt();
+                    let [below, above] = [p - error, p + error].map(at);
+                    let off = (ordered.quantile(p).estimate() - at(p)).abs() / (above - below).max(step.unwrap_or(0.0));
+                    assert!(off < 0.1, "{name}, {number} values, {p}: {off}");
+                }
+            }
+        }
     }
 
     /// Blocks of 20 sticks are always listed, and one of 20 000 has most of its sticks in its

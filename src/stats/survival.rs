@@ -9,12 +9,10 @@
 //! ([`crate::sums::jackknife`]).
 
 use crate::sums::Ends;
+use crate::sums::dyadic::List;
 use crate::sums::interval::student;
 use crate::sums::jackknife::standard_error;
 use crate::sums::range::{NORMAL, wilson};
-
-/// Fine bins with their counts, in ascending order.
-type Bins = Vec<(i16, u64)>;
 
 /// A survival curve, and the curves without each batch of paths.
 #[derive(Debug)]
@@ -28,20 +26,21 @@ pub(super) struct Survival {
 }
 
 impl Survival {
-    /// The curve of the sticks that ended and those that were cut off, for each batch. `bin_of`
-    /// gives the bin of the curve in which a fine bin lies, and `bins` is the number of bins of the
-    /// curve.
-    pub fn new(batches: Vec<(Bins, Bins)>, bin_of: impl Fn(i16) -> usize, bins: usize) -> Self {
-        let batches: Vec<(Bins, Bins)> =
-            batches.into_iter().filter(|(ended, cut)| !ended.is_empty() || !cut.is_empty()).collect();
-        let mut keys: Vec<i16> = batches.iter().flat_map(|(ended, cut)| ended.iter().chain(cut)).map(|b| b.0).collect();
+    /// The curve of the sticks that ended and those that were cut off, in fine bins, for each batch.
+    /// `bin_of` gives the bin of the curve in which a fine bin lies, and `bins` is the number of
+    /// bins of the curve.
+    pub fn new(batches: Vec<[List; 2]>, bin_of: impl Fn(i64) -> usize, bins: usize) -> Self {
+        let batches: Vec<[List; 2]> =
+            batches.into_iter().filter(|[ended, cut]| !ended.is_empty() || !cut.is_empty()).collect();
+        let mut keys: Vec<i64> = batches.iter().flatten().flatten().map(|bin| bin.0).collect();
         keys.sort_unstable();
         keys.dedup();
-        let place = |key: i16| keys.partition_point(|k| *k < key);
+        let place = |key: i64| keys.partition_point(|k| *k < key);
         let mut counts = vec![[0_u64; 2]; keys.len()];
-        let count = |(ended, cut): &(Bins, Bins), counts: &mut [[u64; 2]], sign: fn(&mut u64, u64)| {
-            ended.iter().for_each(|&(key, n)| sign(&mut counts[place(key)][0], n));
-            cut.iter().for_each(|&(key, n)| sign(&mut counts[place(key)][1], n));
+        let count = |lists: &[List; 2], counts: &mut [[u64; 2]], sign: fn(&mut u64, u64)| {
+            for (which, list) in lists.iter().enumerate() {
+                list.iter().for_each(|&(key, n)| sign(&mut counts[place(key)][which], n));
+            }
         };
         batches.iter().for_each(|batch| count(batch, &mut counts, |sum, n| *sum += n));
         let curve = |counts: &[[u64; 2]]| kaplan_meier(&keys, counts, &bin_of, bins);
@@ -85,7 +84,7 @@ impl Survival {
 
 /// The product, and how many sticks are left, at the upper edge of each bin. A stick that is cut
 /// off in a fine bin counts as having reached the end of that bin, as is usual for ties.
-fn kaplan_meier(keys: &[i16], counts: &[[u64; 2]], bin_of: impl Fn(i16) -> usize, bins: usize) -> Vec<(f64, u64)> {
+fn kaplan_meier(keys: &[i64], counts: &[[u64; 2]], bin_of: impl Fn(i64) -> usize, bins: usize) -> Vec<(f64, u64)> {
     let mut at_risk: u64 = counts.iter().flatten().sum();
     let mut surviving = 1.0;
     let mut fine = keys.iter().zip(counts).peekable();

@@ -10,15 +10,17 @@
 
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, exponent, finest, union};
+use super::log_scale::{LogScale, OCTAVES};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
 /// The centre of a sketch, and how much the sketch may hold.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shape {
-    /// A value that many paths may share: it has a bin of its own at every level.
+    /// A value that many paths may share: it has a bin of its own at every level. It is 0 where
+    /// there is a scale.
     pub centre: f64,
-    /// The finest level that is used; 0 for whole numbers.
-    pub floor: i32,
+    /// If there is one, its places are counted instead of the values themselves.
+    pub scale: Option<LogScale>,
     /// Up to this many values are kept one by one, besides any number of values at the centre.
     pub values: usize,
     /// Beyond that, values are counted in up to this many bins; not more than `values`.
@@ -261,7 +263,17 @@ impl Bins {
 impl Shape {
     /// The finest level that is used for values between these extremes.
     fn lowest_level(&self, smallest: f64, largest: f64) -> i32 {
-        finest((smallest - self.centre).abs().max((largest - self.centre).abs())).max(self.floor)
+        finest((smallest - self.centre).abs().max((largest - self.centre).abs()))
+    }
+
+    /// The place of a value on the scale, or its distance from the centre.
+    pub fn place(&self, value: f64) -> f64 {
+        self.scale.map_or(value - self.centre, |scale| scale.place(value))
+    }
+
+    /// The value at this place.
+    pub fn value(&self, place: f64) -> f64 {
+        self.scale.map_or(self.centre + place, |scale| scale.number(place))
     }
 }
 
@@ -468,8 +480,11 @@ impl Bins {
         smallest.read(from)?;
         largest.read(from)?;
         let level = i32::try_from(unsigned(level)).map_err(|_| Damaged)?;
-        let is_finite = |value: f64| (value - shape.centre).is_finite();
-        if !(is_finite(smallest) && is_finite(largest) && smallest <= largest) {
+        let is_valid = |value: f64| match shape.scale {
+            Some(_) => (0.0..=OCTAVES as f64).contains(&value),
+            None => (value - shape.centre).is_finite(),
+        };
+        if !(is_valid(smallest) && is_valid(largest) && smallest <= largest) {
             return Err(Damaged);
         }
         let lowest = shape.lowest_level(smallest, largest);

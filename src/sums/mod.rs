@@ -5,7 +5,7 @@
 //! moments, spread, rare      means, standard deviations and fourth powers of numbers per path
 //! tree                       partial sums, merged along a binary tree over blocks
 //! codec                      sums as bytes
-//! dyadic, bins, log_bins     exact counts in bins, which merge in any order
+//! dyadic, bins, log_scale    exact counts in bins, which merge in any order
 //! sketch, ordered, steps     many numbers in order, in bounded memory
 //! grid, fourier              counts of pairs in cells of a plane, and the discrete Fourier transform
 //! batches, jackknife         groups of paths, and the errors that follow from their scatter
@@ -23,7 +23,7 @@ pub(crate) mod fourier;
 pub(crate) mod grid;
 pub(crate) mod interval;
 pub(crate) mod jackknife;
-pub(crate) mod log_bins;
+pub(crate) mod log_scale;
 mod measurement;
 pub(crate) mod moments;
 pub(crate) mod ordered;
@@ -32,7 +32,7 @@ pub(crate) mod range;
 pub(crate) mod rare;
 pub(crate) mod sketch;
 pub(crate) mod spread;
-mod steps;
+pub(crate) mod steps;
 mod tree;
 mod unit;
 

@@ -1,7 +1,7 @@
 //! Values in order: their ranks, quantiles and shares, exact or from bins.
 
-use super::bins::Bins;
-use super::dyadic::width;
+use super::bins::{Bins, Shape};
+use super::dyadic::{Ruler, width};
 use super::spread::Tails;
 
 /// Number of halvings of the range of values. They reach the last digit of any value but the
@@ -33,9 +33,8 @@ pub(crate) struct Kept {
 /// Values that are counted in bins.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Binned {
-    /// The value of bin 0.
-    pub centre: f64,
-    /// The width of a bin is 2^level.
+    pub shape: Shape,
+    /// The width of a bin is 2^level, on the scale if there is one.
     pub level: i32,
     pub smallest: f64,
     pub largest: f64,
@@ -174,14 +173,16 @@ impl Kept {
 }
 
 impl Binned {
-    /// The bins of values about this centre.
-    pub fn of(bins: &Bins, centre: f64) -> Self {
+    /// The bins of values of this shape.
+    pub fn of(bins: &Bins, shape: Shape) -> Self {
         let (mut up_to, mut all) = (bins.list(), 0);
         for (_, count) in &mut up_to {
             all += *count;
             *count = all;
         }
-        Binned { centre, level: bins.level, smallest: bins.smallest, largest: bins.largest, up_to }
+        let ends = [bins.smallest, bins.largest];
+        let [smallest, largest] = shape.scale.map_or(ends, |scale| ends.map(|place| scale.number(place)));
+        Binned { shape, level: bins.level, smallest, largest, up_to }
     }
 
     /// The middles of the bins, and how many values are in each bin.
@@ -229,10 +230,15 @@ impl Binned {
         (place, if place == 0 { 0 } else { self.up_to[place - 1].1 })
     }
 
+    /// The bin of a value.
+    pub fn index(&self, value: f64) -> i64 {
+        Ruler::new(0.0, self.level).index(self.shape.place(value)) as i64
+    }
+
     /// The interval in which the values of a bin may lie.
-    fn edges(&self, index: i64) -> (f64, f64) {
+    pub fn edges(&self, index: i64) -> (f64, f64) {
         let width = width(self.level);
-        let edge = |index: i64| (self.centre + index as f64 * width).clamp(self.smallest, self.largest);
+        let edge = |index: i64| self.shape.value(index as f64 * width).clamp(self.smallest, self.largest);
         (edge(index - i64::from(index > 0)), edge(index + i64::from(index < 0)))
     }
 }

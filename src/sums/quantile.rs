@@ -14,11 +14,6 @@ use super::interval::{Measured, student};
 use super::ordered::Ordered;
 use super::steps::{Cell, Steps};
 
-/// The share of durations that are no longer than `duration`.
-fn share(batches: &[Ordered], duration: f64) -> Share {
-    Share::of(batches.iter().map(|batch| (batch.up_to(duration), batch.count() as f64)))
-}
-
 /// The quantile of order p of durations with a continuous law. The ends of its interval are the
 /// quantiles of orders p -+ t se(F(m)).
 pub(crate) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
@@ -26,7 +21,7 @@ pub(crate) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measu
         return Measured::NOTHING;
     }
     let quantile = pooled.quantile(p);
-    let share = share(batches, quantile);
+    let share = Share::of(batches.iter().map(|batch| (batch.up_to(quantile), batch.count() as f64)));
     let half_width = share.half_width();
     if !half_width.is_finite() {
         return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
@@ -48,13 +43,13 @@ pub(crate) fn continuous(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measu
 /// The standard error is that of the law when each duration is spread evenly over half a step to
 /// either side, because the median of that law moves smoothly. It falls like 1/sqrt(paths), and is
 /// below a step where the steps are too long to resolve the median any further.
-pub(crate) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measured {
-    if pooled.count() == 0 {
+pub(crate) fn of_steps(batches: &[Steps], steps: &Steps, p: f64) -> Measured {
+    if steps.count() == 0 {
         return Measured::NOTHING;
     }
-    let steps = Steps::of(pooled);
+    let share = |number: f64| Share::of(batches.iter().map(|batch| (batch.up_to(number), batch.count() as f64)));
     let (place, quantile) = steps.at_least(p);
-    let at_quantile = share(batches, quantile);
+    let at_quantile = share(quantile);
     let half_width = at_quantile.half_width();
     if !half_width.is_finite() {
         return Measured::within(quantile, f64::NAN, f64::NAN, f64::NAN);
@@ -62,11 +57,11 @@ pub(crate) fn of_steps(batches: &[Ordered], pooled: &Ordered, p: f64) -> Measure
     let (below, above) = (steps.spread(p - half_width), steps.spread(p + half_width));
     let error = (above - below) / (2.0 * student(at_quantile.freedom));
     let is_too_low = |cell: &&Cell| {
-        let share = share(batches, cell.last);
+        let share = share(cell.last);
         share.estimate + share.half_width() < p
     };
     let is_high_enough = |cell: &&Cell| {
-        let share = share(batches, cell.last);
+        let share = share(cell.last);
         share.estimate - share.half_width() >= p
     };
     let (lower, upper) = (&steps.cells()[..=place], &steps.cells()[place..]);

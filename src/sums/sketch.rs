@@ -7,6 +7,7 @@
 
 use super::bins::{Bins, MOST_AT_ONCE, Shape};
 use super::codec::{Codec, Damaged, Reader};
+use super::dyadic::{List, Ruler, coarsen, counted, union};
 use super::ordered::{Binned, Kept, Ordered};
 use std::borrow::Cow;
 
@@ -54,7 +55,7 @@ impl Sketch {
             return pieces.for_each(|piece| self.extend_by_parts(&[piece]));
         }
         match &mut self.bins {
-            Some(bins) if WORTHWHILE * number >= self.shape.bins => return bins.count(parts, &self.shape),
+            Some(bins) if WORTHWHILE * number >= self.shape.bins => return count(bins, parts, &self.shape),
             Some(_) => parts.iter().for_each(|part| self.pending.extend_from_slice(part)),
             None => {
                 let (before, centre) = (self.pending.len(), self.shape.centre);
@@ -93,8 +94,26 @@ impl Sketch {
                 let Sketch { shape, at_centre, pending, .. } = normalised.into_owned();
                 Ordered::Kept(Kept::of(pending, shape.centre, at_centre))
             }
-            Some(bins) => Ordered::Binned(Binned::of(bins, self.shape.centre)),
+            Some(bins) => Ordered::Binned(Binned::of(bins, self.shape)),
         }
+    }
+
+    /// The finest level at which the values can be counted.
+    pub fn finest_level(&self) -> i32 {
+        self.normalised().bins.as_ref().map_or(i32::MIN, |bins| bins.level)
+    }
+
+    /// The counts at a level that is not finer than [`Sketch::finest_level`].
+    pub fn counts(&self, level: i32) -> List {
+        let Sketch { shape, at_centre, pending, bins } = &*self.normalised();
+        if let Some(bins) = bins {
+            return coarsen(&bins.list(), level.saturating_sub(bins.level).max(0) as u32);
+        }
+        let ruler = Ruler::new(shape.centre, level);
+        let values = placed(&[pending], shape);
+        let indices = values.as_ref().unwrap_or(pending).iter().map(|value| ruler.index(*value) as i64);
+        let centre = [(0, *at_centre)];
+        union(&centre[..usize::from(*at_centre > 0)], &counted(indices.collect()))
     }
 
     /// The same values in their only form, except for the order of those that are kept one by one.
@@ -122,7 +141,7 @@ impl Sketch {
     fn count_pending(&mut self) {
         let mut pending = std::mem::take(&mut self.pending);
         if let Some(bins) = &mut self.bins {
-            bins.count(&[&pending], &self.shape);
+            count(bins, &[&pending], &self.shape);
             pending.clear();
             self.pending = pending;
             return;
@@ -132,10 +151,24 @@ impl Sketch {
         self.at_centre += (all - pending.len()) as u64;
         pending.retain(|value| (value - self.shape.centre).is_finite());
         if pending.len() > self.shape.values {
-            self.bins = Some(Box::new(Bins::of(&pending, &self.shape)));
+            let places = placed(&[&pending], &self.shape);
+            self.bins = Some(Box::new(Bins::of(places.as_deref().unwrap_or(&pending), &self.shape)));
         } else {
             self.pending = pending;
         }
+    }
+}
+
+/// The places of values, if they are counted on a scale.
+fn placed(parts: &[&[f64]], shape: &Shape) -> Option<Vec<f64>> {
+    shape.scale.map(|scale| parts.iter().copied().flatten().map(|value| scale.place(*value)).collect())
+}
+
+/// Count values in bins.
+fn count(bins: &mut Bins, parts: &[&[f64]], shape: &Shape) {
+    match placed(parts, shape) {
+        Some(places) => bins.count(&[&places], shape),
+        None => bins.count(parts, shape),
     }
 }
 
@@ -191,12 +224,13 @@ impl Codec for Sketch {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::sums::log_scale::LogScale;
     use proptest::prelude::*;
     use rand_distr::{Distribution, LogNormal, Normal, StandardNormal, StudentT, Uniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::{Rng, SeedableRng};
 
-    const SHAPE: Shape = Shape { centre: 0.0, floor: i32::MIN, values: 2048, bins: 1024 };
+    const SHAPE: Shape = Shape { centre: 0.0, scale: None, values: 2048, bins: 1024 };
 
     fn of(values: &[f64], shape: Shape) -> Sketch {
         let mut sketch = Sketch::empty(shape);
@@ -223,14 +257,17 @@ mod tests {
             let at_centre = (finite.len() - others.len()) as u64;
             return Ordered::Kept(Kept::of(others, shape.centre, at_centre));
         }
-        let (smallest, largest) = (finite[0], finite[finite.len() - 1]);
-        let farthest = (smallest - shape.centre).abs().max((largest - shape.centre).abs());
-        let mut level = crate::sums::dyadic::finest(farthest).max(shape.floor);
+        let places: Vec<f64> = finite.iter().map(|value| shape.place(*value)).collect();
+        let farthest = places.iter().fold(0.0_f64, |farthest, u| farthest.max(u.abs()));
+        let [smallest, largest] = [finite[0], finite[finite.len() - 1]].map(|end| match shape.scale {
+            Some(_) => shape.value(shape.place(end)),
+            None => end,
+        });
+        let mut level = crate::sums::dyadic::finest(farthest);
         loop {
             let width = crate::sums::dyadic::width(level);
             let mut bins = std::collections::BTreeMap::<i64, u64>::new();
-            for value in &finite {
-                let u = value - shape.centre;
+            for &u in &places {
                 let magnitude = ((u.abs() / width).ceil() as i64).max(i64::from(u != 0.0));
                 *bins.entry(if u < 0.0 { -magnitude } else { magnitude }).or_default() += 1;
             }
@@ -240,7 +277,7 @@ mod tests {
                     Some(*all)
                 });
                 let up_to = bins.keys().copied().zip(all).collect();
-                return Ordered::Binned(Binned { centre: shape.centre, level, smallest, largest, up_to });
+                return Ordered::Binned(Binned { shape: *shape, level, smallest, largest, up_to });
             }
             level += 1;
         }
@@ -268,12 +305,15 @@ mod tests {
             values in some_values(),
             cuts in prop::collection::vec(0.0..1.0f64, 0..6),
             (bins, more) in (3usize..120, 0usize..100),
-            centre in prop_oneof![Just(0.0), Just(6.0)],
-            floor in prop_oneof![3 => Just(i32::MIN), 1 => Just(-2)],
+            (centre, scale) in prop_oneof![
+                Just((0.0, None)),
+                Just((6.0, None)),
+                (-6..6i32).prop_map(|power| (0.0, Some(LogScale::new(10f64.powi(power))))),
+            ],
             order in any::<u64>(),
             by_bytes in any::<bool>(),
         ) {
-            let shape = Shape { centre, floor, values: bins + more, bins };
+            let shape = Shape { centre, scale, values: bins + more, bins };
             let mut rng = Pcg64Dxsm::seed_from_u64(order);
             let mut shuffled = values.clone();
             (1..shuffled.len()).for_each(|i| shuffled.swap(i, rng.next_u64() as usize % (i + 1)));
