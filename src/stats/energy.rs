@@ -7,7 +7,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
-use crate::sums::rare::{FEWEST, of_few, positive_of_few};
+use crate::sums::rare::{FEWEST_FOR_SPREAD, of_few, positive_of_few};
 use crate::sums::spread::SpreadMoments;
 
 /// Moments over paths of the works.
@@ -43,7 +43,8 @@ impl EnergySums {
 
 impl Measure for EnergySums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
-        let mean = |of: &Moments| of_few(Measured::mean(of), self.moving, of.count, FEWEST);
+        // What is stored is a square, whose law has long tails where few bodies move.
+        let mean = |of: &Moments| of_few(Measured::mean(of), self.moving, of.count, FEWEST_FOR_SPREAD);
         Some(match statistic {
             Statistic::TemperatureWorkMean => mean(&self.temperature),
             Statistic::OwnForceWorkMean => mean(&self.own_force),
