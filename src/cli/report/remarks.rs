@@ -107,7 +107,10 @@ fn spectrum(summary: &Summary) -> Option<String> {
     let alike = variables.iter().filter(|(_, of)| of.spectrum.iter().all(|power| power.is_nan()));
     let alike: Vec<&str> = alike.map(|(name, _)| *name).collect();
     if !alike.is_empty() {
-        return Some(format!("no spectrum of {}: all paths are alike at every row of the output grid", alike.join(" and ")));
+        return Some(format!(
+            "no spectrum of {}: all paths are alike at every row of the output grid",
+            alike.join(" and ")
+        ));
     }
     let segments = counted(spectrum.segments, "segment");
     let rows = 2 * spectrum.lag.len();
