@@ -75,6 +75,7 @@ pub struct LaidOut {
     skip: Option<u64>,
     missing: Vec<String>,
     outliers: Option<u64>,
+    decimal: Option<String>,
 }
 
 impl LaidOut {
@@ -84,6 +85,11 @@ impl LaidOut {
                 || errors::of_argument(py, "dates", word, "it is no order of a date", "write ymd, dmy or mdy");
             DateOrder::from_word(word).ok_or_else(unknown)
         };
+        let mark = |text: &String| match text.as_str() {
+            "." => Ok('.'),
+            "," => Ok(','),
+            _ => Err(errors::of_argument(py, "decimal", text, "it is no decimal mark", "write \".\" or \",\"")),
+        };
         let layout = Layout {
             time: self.time.clone(),
             zone: self.zone.clone(),
@@ -91,6 +97,7 @@ impl LaidOut {
             skip: self.skip,
             missing: self.missing.clone(),
             outliers: self.outliers,
+            decimal: self.decimal.as_ref().map(mark).transpose()?,
             wording: Wording::Argument,
         };
         Ok(layout.over(other))

@@ -43,6 +43,7 @@ def calibrate(
     skip: int | None = None,
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
+    decimal: str | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -91,6 +92,7 @@ def calibrate(
         missing: numbers and words that mark a missing value, besides the usual ones.
         outliers: leave out values that differ from those around them by more than so many standard
             deviations of such differences, e.g. 8; none is left out by default.
+        decimal: the decimal mark of numbers, "." or ","; by default what all of them together tell.
         temperature_layout: `time`, `zone`, `dates`, `skip` and `missing` of the file of
             temperatures, where they differ.
         set: further keys of the scenario with their values, as for `run`.
@@ -125,7 +127,7 @@ def calibrate(
             temperature_file,
             temperature_unit,
             displacement_unit,
-            _layout(time, zone, dates, skip, missing, outliers),
+            _layout(time, zone, dates, skip, missing, outliers, decimal),
             _layout(**(temperature_layout or {})),
         ),
         method=method,
@@ -161,6 +163,7 @@ def forecast(
     skip: int | None = None,
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
+    decimal: str | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -175,7 +178,8 @@ def forecast(
     Args:
         scenario, data, displacement, set, threads: as for `calibrate`, and so are `temperature`,
             `temperature_file`, `temperature_unit`, `displacement_unit`, `time`, `zone`, `dates`,
-            `skip`, `missing`, `outliers` and `temperature_layout`.
+            `skip`, `missing`, `outliers`, `decimal` and
+            `temperature_layout`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -225,7 +229,7 @@ def forecast(
             temperature_file,
             temperature_unit,
             displacement_unit,
-            _layout(time, zone, dates, skip, missing, outliers),
+            _layout(time, zone, dates, skip, missing, outliers, decimal),
             _layout(**(temperature_layout or {})),
         ),
         draws=draws,
@@ -287,6 +291,7 @@ def fit_temperature(
     skip: int | None = None,
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
+    decimal: str | None = None,
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -301,8 +306,8 @@ def fit_temperature(
         periods: the periods of the harmonics, in seconds, as a text such as "10m", or as a
             timedelta; by default a year of 365.25 days and a day, as far as the samples tell them.
             An empty sequence fits no harmonics.
-        temperature, temperature_unit, time, zone, dates, skip, missing, outliers: as for
-            `calibrate`.
+        temperature, temperature_unit, time, zone, dates, skip, missing, outliers,
+            decimal: as for `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -324,7 +329,7 @@ def fit_temperature(
         measured = _table(data)
         measured["temperature"] = temperature
         measured["temperature_unit"] = temperature_unit
-        measured["layout"] = _layout(time, zone, dates, skip, missing, outliers)
+        measured["layout"] = _layout(time, zone, dates, skip, missing, outliers, decimal)
     else:
         times, values, _ = _repaired(data, "data", "temperature", outliers)
         measured = _arrays([times, values])
@@ -598,6 +603,7 @@ def _layout(
     skip: int | None = None,
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
+    decimal: str | None = None,
 ) -> _native.LaidOut:
     """How a file is laid out."""
     return {
@@ -607,6 +613,7 @@ def _layout(
         "skip": skip,
         "missing": [str(mark) for mark in missing],
         "outliers": outliers,
+        "decimal": decimal,
     }
 
 

@@ -114,6 +114,7 @@ class LaidOut(TypedDict):
     skip: int | None
     missing: list[str]
     outliers: int | None
+    decimal: str | None
 
 def repaired(
     argument: str,

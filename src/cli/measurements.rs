@@ -39,6 +39,9 @@ pub struct LayoutFlags {
     /// deviations of such differences, e.g. 8 [default: none is left out]
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     outliers: Option<u64>,
+    /// The decimal mark of numbers [default: what all of them together tell]
+    #[arg(long, value_name = "MARK", value_parser = [".", ","])]
+    decimal: Option<String>,
 }
 
 /// The same for a file of temperatures that is laid out otherwise than that of the displacements.
@@ -70,10 +73,11 @@ struct TemperatureLayoutFlags {
 impl LayoutFlags {
     /// The layout with these flags, and elsewhere as a scenario says.
     pub fn over(&self, scenario: &Layout) -> Layout {
-        let LayoutFlags { time, zone, dates, skip, missing, outliers } = self;
+        let LayoutFlags { time, zone, dates, skip, missing, outliers, decimal } = self;
         let (time, zone, missing) = (time.clone(), zone.clone(), missing.clone());
+        let decimal = decimal.as_ref().and_then(|mark| mark.chars().next());
         let wording = Wording::Flag;
-        Layout { time, zone, dates: *dates, skip: *skip, missing, outliers: *outliers, wording }.over(scenario)
+        Layout { time, zone, dates: *dates, skip: *skip, missing, outliers: *outliers, decimal, wording }.over(scenario)
     }
 }
 

@@ -137,6 +137,7 @@ keys! {
         DATES = other("dates", "the order of year, month and day");
         SKIP = other("skip", "lines before the names of the columns");
         MISSING = other("missing", "marks of missing values");
+        DECIMAL = other("decimal", "the decimal mark");
         OUTLIERS = other("outliers", "standard deviations beyond which a value is left out");
         MAX_GAP = number("max_gap", "", "longest time between two samples", Range::Positive);
         START = other("start", "stamp of t = 0, as the samples say");
@@ -155,6 +156,7 @@ keys! {
         SENSOR_SKIP = SKIP;
         SENSOR_MISSING = MISSING;
         SENSOR_OUTLIERS = OUTLIERS;
+        SENSOR_DECIMAL = DECIMAL;
     }
     "temperature.noise" {
         INTENSITY = number("intensity", "rho", "weight of v in T", Range::NonNegative);

@@ -63,6 +63,7 @@ pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> Column
         zone: table.line_if_present(keys::ZONE),
         dates: table.word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word)).and_then(DateOrder::from_word),
         skip: table.place_of(keys::SKIP.name).map(|_| table.whole_or(keys::SKIP, 0, (0, 1_000_000))),
+        decimal: table.word(keys::DECIMAL, &[".", ","]).and_then(|mark| mark.chars().next()),
         missing: table.marks(keys::MISSING),
         outliers: table.place_of(keys::OUTLIERS.name).map(|_| table.whole_or(keys::OUTLIERS, 8, (1, 1_000_000))),
         ..Layout::default()

@@ -232,6 +232,7 @@ fn series(text: &mut String, measured: &Measured, samples: &Series) {
     table(text, "temperature.series");
     other(text, keys::FILE, &string(file));
     let skip = layout.skip.map(|lines| lines.to_string());
+    let decimal = layout.decimal.map(|mark| string(&mark.to_string()));
     let outliers = layout.outliers.map(|far| far.to_string());
     let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
     for (key, given) in [
@@ -243,6 +244,7 @@ fn series(text: &mut String, measured: &Measured, samples: &Series) {
         (keys::SKIP, skip),
         (keys::MISSING, Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty())),
         (keys::OUTLIERS, outliers),
+        (keys::DECIMAL, decimal),
     ] {
         if let Some(given) = given {
             other(text, key, &given);

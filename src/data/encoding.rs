@@ -24,9 +24,18 @@ impl Encoding {
     }
 }
 
-/// The text in UTF-8, without a byte-order mark, and how it was encoded. `None` for bytes that are
-/// no text.
+/// The text in UTF-8, without a byte-order mark and with lines that end in `\n`, and how it was
+/// encoded. `None` for bytes that are no text.
 pub(super) fn decoded(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
+    let (mut text, encoding) = in_utf8(bytes)?;
+    // Some programs end lines in `\r` alone.
+    if text.contains(&b'\r') && !text.contains(&b'\n') {
+        text.to_mut().iter_mut().filter(|byte| **byte == b'\r').for_each(|byte| *byte = b'\n');
+    }
+    Some((text, encoding))
+}
+
+fn in_utf8(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
         let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();

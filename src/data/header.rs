@@ -3,6 +3,8 @@
 use super::error::DataError;
 use super::query::{Layout, Name, Wanted};
 use super::rows::{CsvRows, line_at, listed, separator};
+use super::stamp::{is_time_of_day, needs_order, stamp};
+use super::unit::{self, ColumnQuantity};
 use std::cmp::Reverse;
 
 /// The columns that are wanted, by their places in the row of names.
@@ -62,27 +64,57 @@ pub(super) fn open<'a>(
         rows.texts();
         return Ok((rows.below(), header));
     }
-    let is_number = |name: &String| name.is_empty() || name.replace(',', ".").parse::<f64>().is_ok();
-    if first.names.iter().all(is_number) {
-        let problem = "its first line holds numbers, where the names of the columns should be".to_string();
-        let remedy = "put a line such as `time_s,temperature_degC` before it";
-        return Err(DataError::file(file, problem, remedy).line(first.number));
+    // Columns without names are called by their numbers.
+    let width = lines.last().map_or(0, |line| line.names.len());
+    let numbered: Vec<String> = (1..=width).map(|number| number.to_string()).collect();
+    if let Some(line) = lines.iter().find(|line| !line.is_comment && line.names.len() == width)
+        && let Ok((times, values)) = in_names(file, &numbered, layout, wanted)
+    {
+        let header = Header { names: numbered, times, values, skipped: line.number.saturating_sub(first.number) };
+        return Ok((CsvRows::at(file, bytes, line.offset, line.separator, true).numbered(width), header));
     }
-    let best = likeliest(file, &lines, layout, wanted).unwrap_or(first);
+    let best =
+        likeliest(file, &lines, layout, wanted).filter(|best| best.number == first.number || !is_data(&first.names));
+    let Some(best) = best else {
+        let problem = "its first line holds numbers or dates, and no line names the columns".to_string();
+        let [time, value] = [
+            layout.wording.option("time", "1"),
+            layout.wording.column(wanted.first().map_or(ColumnQuantity::Temperature, |one| one.quantity), "2"),
+        ];
+        let remedy = format!(
+            "put a line such as `time_s,temperature_degC` before it, or give the numbers of the columns, e.g. {time} and {value}"
+        );
+        return Err(DataError::file(file, problem, &remedy).line(first.number));
+    };
     let error = in_names(file, &best.names, layout, wanted).err();
     let error = error.unwrap_or_else(|| DataError::file(file, "it has no line of names".into(), "add one"));
     Err(if best.number == first.number { error } else { error.line(best.number) })
 }
 
+/// Whether a line holds measurements: each of its cells is a number, a date or empty.
+fn is_data(cells: &[String]) -> bool {
+    cells.iter().all(|cell| cell.is_empty() || is_datum(cell))
+}
+
+fn is_datum(cell: &str) -> bool {
+    cell.replace(',', ".").parse::<f64>().is_ok()
+        || stamp(cell, None).is_some()
+        || needs_order(cell)
+        || is_time_of_day(cell)
+}
+
 /// The line that most likely names the columns, though not all that are wanted: the one with most
-/// of them, then the one with as many cells as the last line, without numbers.
+/// of them, then the one with as many cells as the last line, without numbers and dates. A line with
+/// a single cell above rows with several is a note.
 fn likeliest<'l>(file: &str, lines: &'l [Line], layout: &Layout, wanted: &[Wanted<'_>]) -> Option<&'l Line> {
     let width = lines.last()?.names.len();
     let found = |line: &Line| {
         let values = wanted.iter().filter(|one| find(file, &line.names, one, layout).is_ok()).count();
         values + usize::from(times(file, &line.names, layout).is_ok())
     };
-    let is_named = |line: &&Line| !line.is_comment && line.names.iter().all(|name| name.parse::<f64>().is_err());
+    let is_named = |line: &&Line| {
+        !line.is_comment && (line.names.len() > 1 || width == 1) && !line.names.iter().any(|name| is_datum(name))
+    };
     let rank = |line: &&Line| (found(line), line.names.len() == width, Reverse(line.number));
     lines.iter().filter(is_named).max_by_key(rank)
 }
@@ -247,7 +279,7 @@ fn find(file: &str, names: &[String], wanted: &Wanted<'_>, layout: &Layout) -> R
         ([field], _) => Ok(*field),
         ([], Name::Exactly(_)) => Err(none(file, names, name, &listed_remedy(names))),
         ([], Name::Beginning(_)) => {
-            let example = names.iter().rev().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
+            let example = proposal(names, wanted.quantity);
             let remedy =
                 format!("say which it is, e.g. {}: {}", layout.wording.column(wanted.quantity, example), listed(names));
             Err(none(file, names, name, &(remedy + one_column(names))))
@@ -267,6 +299,20 @@ fn find(file: &str, names: &[String], wanted: &Wanted<'_>, layout: &Layout) -> R
             Err(several(file, name, all.len(), &remedy))
         }
     }
+}
+
+/// The column that most likely holds a quantity: with its name or unit in its own, or with its first
+/// letter, and no times; else the last one.
+fn proposal(names: &[String], quantity: ColumnQuantity) -> &str {
+    let word = quantity.word();
+    let likeness = |name: &&String| {
+        let lower = name.to_lowercase();
+        let is_time = TIME.iter().chain(&DATE).chain(&DATE_AND_TIME).any(|time| lower.starts_with(time));
+        let has_unit = matches!(unit::of_name(quantity, name), Ok(Some(_)));
+        let rank = (lower.contains(&word[..4]), has_unit, lower.starts_with(&word[..1]));
+        if is_time || name.is_empty() { (false, false, false, false) } else { (true, rank.0, rank.1, rank.2) }
+    };
+    names.iter().max_by_key(likeness).filter(|name| !name.is_empty()).map_or("NAME", String::as_str)
 }
 
 fn listed_remedy(names: &[String]) -> String {

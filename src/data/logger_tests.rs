@@ -126,6 +126,21 @@ fn a_zone_in_a_name_prevails() {
     assert_eq!(said, ["took times in -07, as the name of their column says"]);
 }
 
+/// A file without a line of names has columns that are called by their numbers.
+#[test]
+fn columns_without_names_have_numbers() {
+    let text = "Logger: TL-20\n2025-01-01 00:00,7,1.5\n2025-01-01 01:00,7,-2\n";
+    let of = |time: &str| Layout { time: Some(time.into()), ..layout("UTC") };
+    let wanted = |unit| [Wanted::of(ColumnQuantity::Displacement, Some("3"), unit)];
+    let table = parse("t.csv", text.as_bytes(), &of("1"), &wanted(Some("mm"))).unwrap();
+    assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, HOUR][..], &[1.5e-3, -2e-3][..]));
+    assert_eq!((table.rows, table.repairs.skipped), (2, 1));
+    let error = parse("t.csv", text.as_bytes(), &of("1"), &wanted(None)).unwrap_err();
+    assert!(error.problem.contains("says no unit"), "{error}");
+    let error = parse("t.csv", text.as_bytes(), &of("4"), &wanted(None)).unwrap_err();
+    assert!(error.problem.contains("no line names the columns"), "{error}");
+}
+
 /// Years, days of the year and times of day in columns of their own, two hours apart.
 #[test]
 fn days_of_the_year_are_dates() {
@@ -211,6 +226,8 @@ fn a_unit_is_found_wherever_it_stands_in_a_name() {
         "Temperature (F) mean",
         "temperature_R",
         "temp_\u{ba}F",
+        "Temp *F",
+        "temp \u{2109}",
     ] {
         assert!(
             (rise(name, None, ["50", "59"]).unwrap_or_else(|error| panic!("{error}")) - 5.0).abs() < 1e-12,
@@ -230,6 +247,10 @@ fn a_unit_is_found_wherever_it_stands_in_a_name() {
         "air temperature",
         "temperature_north",
         "temperature (mean)",
+        "temperature *C",
+        "Temp (*C)",
+        "Temp \u{2103}",
+        "Temp\u{2103}",
     ] {
         assert_eq!(rise(name, None, ["50", "59"]).unwrap_or_else(|error| panic!("{error}")), 9.0, "{name}");
     }
@@ -392,6 +413,18 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
             "no column has a name that begins with `temperature`",
             "--temperature steel",
         ),
+        ("time_s,Tair,RH\n0,1,2\n", layout(""), None, "no column has a name", "--temperature Tair`"),
+        (
+            "TIMESTAMP,Air Temperature (C),RH\n0,1,2\n",
+            layout(""),
+            None,
+            "no column",
+            "--temperature 'Air Temperature (C)'`",
+        ),
+        ("Time (-),AirTC_Avg,Batt\n0,1,2\n", layout(""), None, "no column", "--temperature AirTC_Avg`"),
+        ("Logger: TL-20\n2025-01-01 00:00;1.5\n", layout("UTC"), Some(1), "no line names the columns", "--time 1"),
+        ("Logger: TL-20\nWann;Luft\n2025-01-01;1.5\n", layout("UTC"), Some(2), "no column", "`Wann`, `Luft`"),
+        ("2025-01-01 00:00,1.5\n", layout("UTC"), Some(1), "holds numbers or dates", "--time 1` and `--temperature 2"),
         (
             "Datum,Tid,temperature_C\n2025-01-01,00:00,1\n2025-01-01,01:00,2\n",
             Layout { time: Some("Datum".into()), ..layout("UTC") },
@@ -400,19 +433,35 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
             "--time Datum,Tid",
         ),
         (
-            "time_s,temperature_C\n0,\"15,25\"\n1,\"1,250\"\n",
+            "time_s,temperature_C\n0,\"15,250\"\n1,\"1,250\"\n",
             layout(""),
-            Some(3),
+            Some(2),
             "decimals or thousands",
-            "decimal points",
+            "--decimal ,",
         ),
     ] {
         let error = read_as(&layout, text.as_bytes()).expect_err(text);
         assert_eq!(error.line, line, "{error}");
         assert!(error.problem.contains(says) && error.remedy.contains(remedy), "{error}");
     }
-    let quoted = read_as(&layout(""), b"time_s,temperature_C\n0,\"15,5\"\n1,\"16,25\"\n").unwrap();
-    assert_eq!(quoted.columns[0].values, [15.5, 16.25]);
+    let read = |cells: [&str; 2], decimal: Option<char>| {
+        let text = format!("time_s,temperature_C\n0,\"{}\"\n1,\"{}\"\n", cells[0], cells[1]);
+        read_as(&Layout { decimal, ..layout("") }, text.as_bytes()).map(|table| table.columns[0].values.clone())
+    };
+    for (cells, decimal, values) in [
+        (["15,5", "16,25"], None, [15.5, 16.25]),
+        (["6,207", "1,95"], None, [6.207, 1.95]),
+        (["6,207", "0,195"], None, [6.207, 0.195]),
+        (["6,207", "1,950"], Some(','), [6.207, 1.95]),
+        (["6,207", "1,950.5"], Some('.'), [6207.0, 1950.5]),
+        (["6.207,5", "-1,950"], Some(','), [6207.5, -1.95]),
+    ] {
+        assert_eq!(read(cells, decimal), Ok(values.to_vec()), "{cells:?}");
+    }
+    assert!(read(["6,207", "1,95"], Some('.')).unwrap_err().problem.contains("is not a number"));
+    let key = Layout { wording: Wording::Key, ..layout("") };
+    let error = read_as(&key, b"time_s,temperature_C\n0,\"1,250\"\n").unwrap_err();
+    assert!(error.remedy.contains("`decimal = \",\"`"), "{error}");
 }
 
 /// Two loggers with their own columns, clocks, orders of dates, units and encodings. What is wrong

@@ -8,6 +8,7 @@
 //! stamp     a date and a time of day, as loggers and spreadsheets write them
 //! orders    the order of day, month and year, as all dates together tell it
 //! clock     a cell of the time column -> seconds: stamps, zones, dates as numbers, numbers
+//! decimals  whether a comma is decimal
 //! marks     which cells hold no value
 //! outliers  values that stand out from the others
 //! column    the samples of one column, checked, sorted and repaired
@@ -27,6 +28,7 @@
 mod arrays;
 mod clock;
 mod column;
+mod decimals;
 mod encoding;
 mod error;
 mod header;

@@ -48,6 +48,7 @@ impl Wording {
     /// An option of the layout with a value.
     pub(super) fn option(self, name: &str, value: &str) -> String {
         match self {
+            Wording::Key if name == "time" => format!("`{name} = \"{value}\"`"),
             Wording::Key => format!("`{name} = {}`", literal(value)),
             Wording::Flag => format!("`--{name} {}`", shell(value)),
             Wording::TemperatureFlag => format!("`--temperature-{name} {}`", shell(value)),
@@ -106,6 +107,9 @@ pub struct Layout {
     /// Values that differ from those around them by more than so many standard deviations of such
     /// differences are left out. Without it, none is.
     pub outliers: Option<u64>,
+    /// The decimal mark, a point or a comma; the other one then stands between thousands. Without
+    /// it, all numbers of the file together tell it.
+    pub decimal: Option<char>,
     /// In which words remedies name these options.
     pub wording: Wording,
 }
@@ -126,6 +130,7 @@ impl Layout {
             skip: self.skip.or(other.skip),
             missing: if self.missing.is_empty() { other.missing.clone() } else { self.missing },
             outliers: self.outliers.or(other.outliers),
+            decimal: self.decimal.or(other.decimal),
             wording: self.wording,
         }
     }

@@ -9,8 +9,9 @@ pub(super) struct CsvRows<'a> {
     bytes: &'a [u8],
     reader: Reader,
     separator: u8,
-    /// Number of columns.
+    /// Number of columns, and of those up to the last that has a name.
     width: usize,
+    named: usize,
     /// Byte offsets: `first` is where the rows begin, `at` is how far the file has been read,
     /// `row_offset` is where the search for the current row began.
     first: usize,
@@ -33,6 +34,7 @@ impl<'a> CsvRows<'a> {
             reader,
             separator,
             width: 0,
+            named: 0,
             first: offset,
             at: offset,
             row_offset: offset,
@@ -51,12 +53,19 @@ impl<'a> CsvRows<'a> {
     /// From here on every row has as many cells as the row that was just read, which names them.
     pub fn below(mut self) -> Self {
         (self.width, self.first) = (self.fields, self.at);
+        self.named = (0..self.fields).rfind(|field| !self.cell(*field).is_empty()).map_or(0, |last| last + 1);
+        self
+    }
+
+    /// From here on every row has so many cells, and there is no row of names.
+    pub fn numbered(mut self, width: usize) -> Self {
+        (self.width, self.named) = (width, width);
         self
     }
 
     /// The error of a row that has not as many cells as the header.
     fn uneven(&self) -> DataError {
-        let (found, named) = (self.fields, self.width);
+        let (found, named) = (self.fields, self.named);
         let problem = format!(
             "{found} cell{} where the header names {named} column{}, separated by {}",
             if found == 1 { "" } else { "s" },
@@ -108,7 +117,7 @@ impl CsvRows<'_> {
         if !self.read() {
             return Ok(false);
         }
-        let is_even = self.fields >= self.width && (self.width..self.fields).all(|field| self.cell(field).is_empty());
+        let is_even = self.fields >= self.named && (self.width..self.fields).all(|field| self.cell(field).is_empty());
         if is_even { Ok(true) } else { Err(self.uneven()) }
     }
 
@@ -118,8 +127,11 @@ impl CsvRows<'_> {
         self.at = self.first;
     }
 
-    /// A cell of the current row, without the blanks around it.
+    /// A cell of the current row, without the blanks around it; empty beyond the last one.
     pub fn cell(&self, field: usize) -> &[u8] {
+        if field >= self.fields {
+            return b"";
+        }
         let start = if field == 0 { 0 } else { self.ends[field - 1] };
         self.cells[start..self.ends[field]].trim_ascii()
     }

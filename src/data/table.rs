@@ -2,6 +2,7 @@
 
 use super::clock::{Clock, Start};
 use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
+use super::decimals::{Decimals, THOUSANDS};
 use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
 use super::marks::Marks;
@@ -55,7 +56,8 @@ pub(super) fn table(
     let told = if layout.dates.is_none() { told_order(&mut rows, header)? } else { None };
     rows.rewind();
     let order = layout.dates.or(told.map(|(order, _)| order));
-    let mut decimals = Decimals { commas: 0, points: 0, are_decimal: rows.commas_are_decimal() };
+    let mut decimals = Decimals::of(layout, rows.commas_are_decimal());
+    let mut undecided = None;
     let mut clock: Option<Clock> = None;
     let mut unit_below = None;
     let mut time_elsewhere = None;
@@ -107,15 +109,22 @@ pub(super) fn table(
             }
             let wrong = |(problem, remedy): (&str, &str)| {
                 let mark = layout.wording.option("missing", &quoted(cell));
-                at(*field, (problem.into(), remedy.replace("MARK", &mark)))
+                let decimal = layout.wording.option("decimal", ",");
+                at(*field, (problem.into(), remedy.replace("MARK", &mark).replace("DECIMAL", &decimal)))
             };
             let value = decimals.number(cell).map_err(wrong)?;
+            if undecided.is_none() && !decimals.are_known() {
+                undecided = Some(wrong(THOUSANDS));
+            }
             column.take(when, value, rows.place(), &marks).map_err(wrong)?;
         }
     }
     let Some(clock) = clock else {
         return Err(DataError::file(file, "it has a header and no rows".into(), "give a file with measurements"));
     };
+    if let Some(error) = undecided.filter(|_| !decimals.are_known()) {
+        return Err(error);
+    }
     if clock.is_disordered() {
         let problem =
             "two rows of five are earlier than the row before, or later in a file that runs backwards".to_string();
@@ -129,7 +138,7 @@ pub(super) fn table(
         skipped: header.skipped,
         unit_rows,
         folds: clock.folds,
-        decimal_commas: decimals.commas,
+        decimal_commas: decimals.commas(),
         order: told.map(|(order, why)| format!("{}, {why}", order.word())),
         zone: clock.other_zone.clone(),
         ..Repairs::default()
@@ -223,45 +232,3 @@ fn instant(
     }
     Ok(when)
 }
-
-/// How the file writes decimals: the number of cells with a comma and with a point.
-struct Decimals {
-    /// Whether a comma can only be a decimal comma, because columns are separated otherwise.
-    are_decimal: bool,
-    commas: u64,
-    points: u64,
-}
-
-impl Decimals {
-    /// The number in a cell; what is wrong and the remedy if there is none.
-    fn number(&mut self, cell: &[u8]) -> Result<f64, (&'static str, &'static str)> {
-        const NO_NUMBER: (&str, &str) = ("is not a number", "mend the cell; if it marks a missing value, give MARK");
-        let text = std::str::from_utf8(cell).map_err(|_| NO_NUMBER)?;
-        let Some((whole, decimals)) = text.split_once(',') else {
-            self.points += u64::from(text.contains('.'));
-            return if self.commas > 0 && text.contains('.') {
-                Err(MIXED)
-            } else {
-                text.parse().map_err(|_| NO_NUMBER)
-            };
-        };
-        if decimals.contains([',', '.']) || whole.contains('.') {
-            return Err(("has a comma or a point between thousands", "write the numbers of the file without them"));
-        }
-        let value = format!("{whole}.{decimals}").parse().map_err(|_| NO_NUMBER)?;
-        if !self.are_decimal && decimals.len() == 3 {
-            return Err((
-                "has a comma before three digits, which may mean decimals or thousands",
-                "write the numbers of the file with decimal points",
-            ));
-        }
-        self.commas += 1;
-        if self.points > 0 { Err(MIXED) } else { Ok(value) }
-    }
-}
-
-/// What is wrong where one number has a decimal comma and another a point.
-const MIXED: (&str, &str) = (
-    "mixes decimal commas with decimal points, and its comma may mean thousands",
-    "write all numbers with decimal points",
-);

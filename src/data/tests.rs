@@ -120,6 +120,9 @@ fn files_of_any_system_are_read() {
         "time,T,\n0,1.5,\n,,\n1,-2,\n",
         "time,T\n0,1.5,\n1,-2,,\n",
         "Time,t\n0,1.5\n1,-2\n",
+        "time,T,,\n0,1.5\n1,-2\n",
+        "logger\rtime,T\r0,1.5\r1,-2\r",
+        "Logger: TL-20\ntime,T,\n0,1.5\n1,-2,\n",
     ] {
         assert_eq!(read_t(text).map(|table| samples(&table)), Ok(plain.clone()), "{text:?}");
     }
@@ -176,6 +179,8 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         ("time,T,T\n0,1,2\n", None, "2 columns are meant", "a name of its own"),
         ("time|T\n0|1\n", None, "no column is called `time`", "commas, semicolons or tabs"),
         ("time,T\n0,15,5\n1,14,5\n", Some(2), "3 cells where the header names 2 columns", "semicolons"),
+        ("time,T,\n0,1,5,2\n", Some(2), "4 cells where the header names 2 columns", "semicolons"),
+        ("time,T\n0,\"+0120,1\"\n1,\"+0137,1\"\n", Some(2), "a zero before the digits", "split the column"),
         ("time,T\n0,1\n1\n", Some(3), "1 cell where", "mend the row"),
         ("time;T\n0;1.5\n1;1,500\n", Some(3), "mixes decimal commas", "decimal points"),
         ("time;T\n0;1.234,5\n", Some(2), "between thousands", "without them"),

@@ -69,7 +69,8 @@ impl Unit {
 
 /// A unit of temperature, which may have a scale: `degC`, `°F`, `mK`, `0.1degC`, `degrees Celsius`.
 fn temperature(name: &str) -> Option<Unit> {
-    let name: String = name.chars().filter(|c| !c.is_whitespace() && !"_\u{ba}\u{b0}".contains(*c)).collect();
+    let name = name.replace('\u{2103}', "C").replace('\u{2109}', "F");
+    let name: String = name.chars().filter(|c| !c.is_whitespace() && !"_*\u{ba}\u{b0}".contains(*c)).collect();
     let name = name.trim_end_matches('.');
     let number = name.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
     let (scale, name) = match name[..number].parse::<f64>() {
@@ -143,7 +144,7 @@ fn words(quantity: ColumnQuantity, name: &str) -> Vec<Unit> {
 
 /// The end of a part that says the unit without a separator.
 fn joined_to_noun(part: &str) -> Option<&str> {
-    if let Some(at) = part.find('\u{b0}') {
+    if let Some(at) = part.find(['\u{b0}', '\u{2103}', '\u{2109}', '*']) {
         return Some(&part[at..]);
     }
     let before = part.trim_end_matches(['C', 'F', 'K', 'R', 'T']);

@@ -1,0 +1,106 @@
+//! Whether a comma is a decimal mark or stands between thousands.
+
+use super::query::Layout;
+
+/// How the numbers of a file are written, as far as those that were read tell it.
+pub(super) struct Decimals {
+    /// The decimal mark, if the layout says it.
+    given: Option<char>,
+    /// Whether a comma separates columns, so that it stands in quoted cells only.
+    separates: bool,
+    /// Whether a comma is known to be decimal, because columns are separated otherwise or because a
+    /// number has a comma that can stand between no thousands.
+    are_decimal: bool,
+    /// Number of numbers with a comma and with a point.
+    commas: u64,
+    points: u64,
+}
+
+/// What is wrong with a cell, and the remedy.
+type Wrong = (&'static str, &'static str);
+
+const NO_NUMBER: Wrong = ("is not a number", "mend the cell; if it marks a missing value, give MARK");
+
+/// Several numbers in one cell, as in the files of NOAA.
+const FIELDS: Wrong = (
+    "has a zero before the digits in front of its comma, which numbers have not: it may be a value and its quality",
+    "split the column at the comma, and say the unit of the first part; +0120,1 of NOAA is 12.0 degC, in `0.1degC`, and +9999 is \
+     a mark",
+);
+
+/// What is wrong where one number has a decimal comma and another a point.
+const MIXED: Wrong = (
+    "mixes decimal commas with decimal points, and its comma may mean thousands",
+    "write all numbers with decimal points, or say which mark is the decimal one, e.g. DECIMAL",
+);
+
+/// What is wrong if all numbers with a comma have three digits behind it.
+pub(super) const THOUSANDS: Wrong = (
+    "has a comma before three digits, which may mean decimals or thousands, and so have all others",
+    "write the numbers of the file with decimal points, or say which mark is the decimal one, e.g. DECIMAL",
+);
+
+impl Decimals {
+    /// A reader for a file in which a comma may separate columns, or can only be decimal.
+    pub fn of(layout: &Layout, are_decimal: bool) -> Self {
+        Decimals { given: layout.decimal, separates: !are_decimal, are_decimal, commas: 0, points: 0 }
+    }
+
+    /// Whether the commas that were read are known to be decimal.
+    pub fn are_known(&self) -> bool {
+        self.are_decimal || self.commas == 0
+    }
+
+    /// How many decimal commas were read.
+    pub fn commas(&self) -> u64 {
+        self.commas
+    }
+
+    /// The number in a cell; what is wrong and the remedy if there is none.
+    pub fn number(&mut self, cell: &[u8]) -> Result<f64, Wrong> {
+        let text = std::str::from_utf8(cell).map_err(|_| NO_NUMBER)?;
+        let digits = text.trim_start_matches(['+', '-']);
+        if let Some(mark) = self.given {
+            self.commas += u64::from(mark == ',' && text.contains(','));
+            self.are_decimal = true;
+            return grouped(text, mark).ok_or(NO_NUMBER);
+        }
+        if let Some((whole, _)) = digits.split_once(',').filter(|_| self.separates)
+            && whole.len() > 1
+            && whole.starts_with('0')
+            && whole.bytes().all(|byte| byte.is_ascii_digit())
+        {
+            return Err(FIELDS);
+        }
+        let Some((whole, decimals)) = text.split_once(',') else {
+            self.points += u64::from(text.contains('.'));
+            return if self.commas > 0 && text.contains('.') {
+                Err(MIXED)
+            } else {
+                text.parse().map_err(|_| NO_NUMBER)
+            };
+        };
+        if decimals.contains([',', '.']) || whole.contains('.') {
+            return Err((
+                "has a comma or a point between thousands",
+                "write the numbers of the file without them, or say which mark is the decimal one, e.g. DECIMAL",
+            ));
+        }
+        let value = format!("{whole}.{decimals}").parse().map_err(|_| NO_NUMBER)?;
+        let thousands = digits.find(',').unwrap_or(0);
+        self.are_decimal |= decimals.len() != 3 || !(1..=3).contains(&thousands) || digits.starts_with('0');
+        self.commas += 1;
+        if self.points > 0 { Err(MIXED) } else { Ok(value) }
+    }
+}
+
+/// A number with this decimal mark, and the other one between thousands.
+fn grouped(text: &str, mark: char) -> Option<f64> {
+    let other = if mark == ',' { '.' } else { ',' };
+    let (whole, decimals) = text.split_once(mark).unwrap_or((text, ""));
+    let is_group = |group: &str| group.len() == 3 && group.bytes().all(|byte| byte.is_ascii_digit());
+    let is_whole = whole.split(other).skip(1).all(is_group) && !decimals.contains(other);
+    let plain = whole.replace(other, "");
+    let plain = if decimals.is_empty() { plain } else { format!("{plain}.{decimals}") };
+    plain.parse().ok().filter(|_| is_whole)
+}
