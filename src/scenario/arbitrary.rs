@@ -69,6 +69,7 @@ prop_compose! {
         let scheme = kind.with(if kind.has_step() { step } else { tolerance });
         let mut model = model;
         if kind == Kind::QuasiStatic {
+            model.initial_velocity = 0.0;
             model.oscillator.damping = model.oscillator.damping.abs();
             model.oscillator.stiffness += f64::from(u8::from(model.oscillator.stiffness == 0.0));
         }

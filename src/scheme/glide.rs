@@ -19,12 +19,12 @@ pub struct Glide {
     /// x' at both ends, a length per time.
     pub velocity: [f64; 2],
     /// What the body does in between.
-    pub course: Course,
+    pub along: Along,
 }
 
 /// What a body does in a [`Glide`].
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Course {
+pub enum Along {
     /// x is the quintic that has x, x' and x'' of both ends. Under noise it is the mean of x given
     /// these ([`super::event_driven`]).
     Smooth {
@@ -51,7 +51,7 @@ impl Glide {
     /// a step these are the ones of the start.
     pub fn at(&self, part: f64) -> [f64; 3] {
         let Glide { length: h, way, velocity: [v0, v1], .. } = *self;
-        let Course::Smooth { acceleration: [a0, a1] } = self.course else { return [part * way, v0, 0.0] };
+        let Along::Smooth { acceleration: [a0, a1] } = self.along else { return [part * way, v0, 0.0] };
         // In units of the length: x'' at the start, and what the other end demands beyond it.
         let (s, bend) = (part, h * h * a0);
         let [d, e, f] = [way - h * v0 - 0.5 * bend, h * (v1 - v0) - bend, h * h * (a1 - a0)];
@@ -66,7 +66,7 @@ impl Glide {
     pub fn largest_speed(&self, until: f64) -> f64 {
         let [_, v, last] = self.at(until);
         let ends = self.velocity[0].abs().max(v.abs());
-        let Course::Smooth { acceleration: [first, _] } = self.course else { return ends };
+        let Along::Smooth { acceleration: [first, _] } = self.along else { return ends };
         let direction = if self.way < 0.0 { -1.0 } else { 1.0 };
         if !(direction * first > 0.0 && direction * last < 0.0) {
             return ends;
@@ -91,8 +91,8 @@ mod tests {
     fn a_quintic_is_followed_exactly() {
         let x = |t: f64| [t.powi(5) - 2.0 * t * t + 3.0 * t, 5.0 * t.powi(4) - 4.0 * t + 3.0, 20.0 * t.powi(3) - 4.0];
         let [[x0, v0, a0], [x1, v1, a1]] = [x(0.5), x(2.5)];
-        let course = Course::Smooth { acceleration: [a0, a1] };
-        let glide = Glide { start: 0.5, length: 2.0, displacement: x0, way: x1 - x0, velocity: [v0, v1], course };
+        let along = Along::Smooth { acceleration: [a0, a1] };
+        let glide = Glide { start: 0.5, length: 2.0, displacement: x0, way: x1 - x0, velocity: [v0, v1], along };
         for part in [0.0, 0.25, 0.7, 1.0] {
             let ([way, v, a], [wanted, wanted_v, wanted_a]) = (glide.at(part), x(0.5 + 2.0 * part));
             assert!((x0 + way - wanted).abs() < 1e-12 && (v - wanted_v).abs() < 1e-12 && (a - wanted_a).abs() < 1e-11);
@@ -104,9 +104,9 @@ mod tests {
     #[test]
     fn the_largest_speed_lies_where_the_acceleration_vanishes() {
         for sign in [1.0, -1.0] {
-            let course = Course::Smooth { acceleration: [3.0 * sign, -3.0 * sign] };
+            let along = Along::Smooth { acceleration: [3.0 * sign, -3.0 * sign] };
             let glide =
-                Glide { start: 0.0, length: 2.0, displacement: 9.0, way: 2.0 * sign, velocity: [0.0; 2], course };
+                Glide { start: 0.0, length: 2.0, displacement: 9.0, way: 2.0 * sign, velocity: [0.0; 2], along };
             assert!((glide.largest_speed(1.0) - 1.5).abs() < 1e-15);
             assert!((glide.largest_speed(0.25) - 1.125).abs() < 1e-15);
         }

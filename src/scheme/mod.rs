@@ -34,7 +34,7 @@ pub use event_driven::Unresolved;
 pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, TOLERANCES};
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use glide::{Course, Glide};
+pub use glide::{Along, Glide};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
 pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};

@@ -47,7 +47,7 @@ use super::event_driven::{
     check_friction, noise_between, work_limit,
 };
 use super::{
-    Course, DEFAULT_TOLERANCE, Discretisation, Glide, Instant, Look, Method, Misfit, Observer, Parameter, Simulate,
+    Along, DEFAULT_TOLERANCE, Discretisation, Glide, Instant, Look, Method, Misfit, Observer, Parameter, Simulate,
     Timeline,
 };
 use crate::lanes::InstructionSet;
@@ -203,7 +203,7 @@ impl Swing {
                 displacement: x0 + here[0],
                 way: there[0] - here[0],
                 velocity: [here[1], there[1]],
-                course: Course::Smooth { acceleration: [here[2], there[2]] },
+                along: Along::Smooth { acceleration: [here[2], there[2]] },
             });
             (here, i) = (there, i + 1.0);
         }

@@ -11,7 +11,7 @@
 use super::motion::counted_part;
 use super::{Densities, DensityCurve};
 use crate::model::{Event, EventKind, Phase};
-use crate::scheme::{Course, Glide, Timeline};
+use crate::scheme::{Along, Glide, Timeline};
 use crate::sums::Ends;
 use crate::sums::Unit;
 use crate::sums::batches::{BATCHES, Share, batch_of};
@@ -159,13 +159,13 @@ impl DensityFold {
     /// Add a piece of the motion.
     pub fn glide(&mut self, lane: usize, glide: &Glide) {
         let ([from, to], batch) = (counted_part(&self.timeline, glide), self.batches[lane]);
-        let parts = if let Course::Step { .. } = glide.course { 1 } else { PARTS };
+        let parts = if let Along::Step { .. } = glide.along { 1 } else { PARTS };
         let ticks = self.ticks((to - from) * glide.length / f64::from(parts));
         for i in 0..if ticks > 0 { parts } else { 0 } {
             let middle = (f64::from(i) + 0.5) / f64::from(parts);
-            let [way, v, _] = match glide.course {
-                Course::Step { .. } => glide.at(0.0),
-                Course::Smooth { .. } => glide.at(from + (to - from) * middle),
+            let [way, v, _] = match glide.along {
+                Along::Step { .. } => glide.at(0.0),
+                Along::Smooth { .. } => glide.at(from + (to - from) * middle),
             };
             let state = [glide.displacement + way, v];
             // A path that diverges is left out later, and must not stretch the bins until then.

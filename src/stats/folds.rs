@@ -77,7 +77,7 @@ impl PathFolds {
             lanes.map_or(Cow::Borrowed(all), |lanes| lanes.iter().map(|&lane| all[lane]).collect())
         }
         let laws = self.laws.as_deref().map(|laws| of(laws, lanes));
-        let motion = of(self.motion.as_deref().unwrap_or_default(), lanes);
+        let motion = self.motion.as_deref().map_or(Cow::Borrowed(&[][..]), |motion| of(motion, lanes));
         let dynamic_force = self.model.friction.dynamic_force;
         PhaseSums::of(&of(&self.paths, lanes), dynamic_force, periods, (laws.as_deref(), &motion, &self.record), unit)
     }

@@ -18,7 +18,7 @@
 //! friction, less that of g. The balance then closes up to rounding, and tells nothing more.
 
 use crate::model::Model;
-use crate::scheme::{Course, Glide, Instant, Timeline};
+use crate::scheme::{Along, Glide, Instant, Timeline};
 
 /// The energy that each force gave to the body, or took from it, since the end of the burn-in.
 /// That of friction is known from the events.
@@ -81,9 +81,9 @@ impl MotionFold {
         }
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
-        let acceleration = match glide.course {
-            Course::Smooth { acceleration } => acceleration,
-            Course::Step { temperature } => {
+        let acceleration = match glide.along {
+            Along::Smooth { acceleration } => acceleration,
+            Along::Step { temperature } => {
                 let Glide { start, displacement, way, velocity: [v, _], .. } = *glide;
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
@@ -110,7 +110,7 @@ impl MotionFold {
         works.temperature += match is_random {
             false => of_mean,
             true => {
-                let whole = Glide { course: Course::Smooth { acceleration }, ..*glide };
+                let whole = Glide { along: Along::Smooth { acceleration }, ..*glide };
                 let [[way0, v0, _], [way1, v1, _]] = [from, to].map(|part| whole.at(part));
                 let way = way1 - way0;
                 let spring = body.stiffness * way * (glide.displacement + 0.5 * (way0 + way1));
@@ -148,10 +148,10 @@ fn stored(model: &Model, x: f64, v: f64) -> f64 {
 /// The part of a glide that is counted, as parts of its length; a step is counted or not.
 pub(super) fn counted_part(timeline: &Timeline, glide: &Glide) -> [f64; 2] {
     let part = |time: f64| ((time - glide.start) / glide.length).clamp(0.0, 1.0);
-    match glide.course {
+    match glide.along {
         _ if glide.start >= timeline.after && glide.end() <= timeline.end => [0.0, 1.0],
-        Course::Smooth { .. } => [part(timeline.after), part(timeline.end)],
-        Course::Step { .. } => {
+        Along::Smooth { .. } => [part(timeline.after), part(timeline.end)],
+        Along::Step { .. } => {
             let middle = glide.start + 0.5 * glide.length;
             if middle > timeline.after && middle < timeline.end { [0.0, 1.0] } else { [0.0; 2] }
         }

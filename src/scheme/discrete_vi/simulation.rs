@@ -5,7 +5,7 @@ use super::reading::Reader;
 use crate::lanes::InstructionSet;
 use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
-use crate::scheme::{Course, Glide, Observer, Simulate, Snapshot, Timeline};
+use crate::scheme::{Along, Glide, Observer, Simulate, Snapshot, Timeline};
 
 /// A path counts as diverged beyond this multiple of the largest displacement to be expected of the
 /// exact model.
@@ -202,10 +202,10 @@ impl Followed {
         let Some(before) = &self.state else { return };
         for (lane, _) in self.is_static.iter().enumerate().filter(|(_, is_static)| !**is_static) {
             let (x, v) = (before.displacement[lane], before.velocity[lane]);
-            let course = Course::Step { temperature: temperature(before.noise[lane]) };
+            let along = Along::Step { temperature: temperature(before.noise[lane]) };
             let (way, velocity) = (after.displacement[lane] - x, [v, after.velocity[lane]]);
             let start = n as f64 * h;
-            observer.glide(lane, &Glide { start, length: h, displacement: x, way, velocity, course });
+            observer.glide(lane, &Glide { start, length: h, displacement: x, way, velocity, along });
         }
     }
 }

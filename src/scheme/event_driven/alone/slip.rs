@@ -19,7 +19,7 @@ use crate::scheme::event_driven::law::scene::{Scene, forcing};
 use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipPoint, SlipStep, force, motion};
 use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::event_driven::work::Unresolved;
-use crate::scheme::{Course, Glide, Timeline};
+use crate::scheme::{Along, Glide, Timeline};
 use std::cell::RefCell;
 
 /// Buffers for the computation of one path at a time.
@@ -263,7 +263,7 @@ impl Slip<'_> {
             displacement: x0 + eps * travel,
             way: eps * interval.travel,
             velocity: [eps * start.velocity, eps * velocity],
-            course: Course::Smooth { acceleration: [eps * start.acceleration, eps * acceleration] },
+            along: Along::Smooth { acceleration: [eps * start.acceleration, eps * acceleration] },
         }
     }
 
@@ -287,7 +287,7 @@ impl Slip<'_> {
             displacement: piece.displacement,
             way: path.displacement - piece.displacement,
             velocity: [piece.velocity, path.motion],
-            course: Course::Smooth { acceleration: [piece.acceleration; 2] },
+            along: Along::Smooth { acceleration: [piece.acceleration; 2] },
         });
         path.noise = end_noise;
         path.force =

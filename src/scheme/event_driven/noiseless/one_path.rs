@@ -21,7 +21,7 @@ use crate::model::{
     can_be_computed_with,
 };
 use crate::scheme::columns::Columns;
-use crate::scheme::{Course, Glide, Instant, Observer, Timeline};
+use crate::scheme::{Along, Glide, Instant, Observer, Timeline};
 use std::cell::RefCell;
 
 /// The noiseless scheme for one scene.
@@ -203,7 +203,7 @@ impl Noiseless {
                 displacement: leg.displacement + here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
-                course: Course::Smooth { acceleration: [here.acceleration, there.acceleration] },
+                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
             });
             (here, i) = (there, i + 1.0);
         }

@@ -21,7 +21,7 @@ use super::slip_search::first_stop;
 use super::stick_search::{SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign};
 use crate::scheme::columns::{Columns, LOST, Seen};
-use crate::scheme::{Course, Glide, Instant, Observer, Timeline};
+use crate::scheme::{Along, Glide, Instant, Observer, Timeline};
 use std::cell::RefCell;
 
 /// The relative error of a step of a slip.
@@ -302,7 +302,7 @@ impl GeneralNoiseless {
                 displacement: here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
-                course: Course::Smooth { acceleration: [here.acceleration, there.acceleration] },
+                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
             });
             here = there;
         }
