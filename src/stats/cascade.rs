@@ -9,7 +9,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::{JointMoments, Moments};
-use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious, of_few, positive_of_few};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
 use crate::sums::spread::SpreadMoments;
 
 // Entries of `CascadeSums::slips`.
@@ -143,8 +143,9 @@ impl Measure for CascadeSums {
             sticks, tails, first_sticks, slips, stick_time, work, sliding_path, displacement_end, ..
         } = self;
         let (contributing, counted) = (&self.contributing, of.timeline.counted());
-        let moved = |measured, fewest| of_few(measured, contributing.moving, work.count, fewest);
-        let of_slips = |measured, fewest| of_few(measured, contributing.slips, work.count, fewest);
+        let moved = |measured: Measured, fewest| measured.of_few(contributing.moving, work.count, fewest);
+        let of_slips = |measured: Measured, fewest| measured.of_few(contributing.slips, work.count, fewest);
+        let positive = |of: &Moments| Measured::mean(of).positive_of_few(contributing.moving, work.count);
         Some(match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(of.unit),
@@ -172,10 +173,8 @@ impl Measure for CascadeSums {
             Statistic::DisplacementEndSd => moved(displacement_end.standard_deviation(), FEWEST_FOR_SPREAD),
             Statistic::JumpMean => of_slips(Measured::ratio(slips, JUMP, SLIPS, contributing.slips), FEWEST),
             Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips, 0.0),
-            Statistic::FrictionWorkMean => positive_of_few(Measured::mean(work), contributing.moving, work.count),
-            Statistic::SlidingPathRate => {
-                positive_of_few(Measured::mean(sliding_path), contributing.moving, work.count).divided_by(counted)
-            }
+            Statistic::FrictionWorkMean => positive(work),
+            Statistic::SlidingPathRate => positive(sliding_path).divided_by(counted),
             _ => return None,
         })
     }

@@ -7,7 +7,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
-use crate::sums::rare::{FEWEST_FOR_SPREAD, of_few, positive_of_few};
+use crate::sums::rare::FEWEST_FOR_SPREAD;
 use crate::sums::spread::SpreadMoments;
 
 /// Moments over paths of the works.
@@ -44,12 +44,12 @@ impl EnergySums {
 impl Measure for EnergySums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
         // What is stored is a square, whose law has long tails where few bodies move.
-        let mean = |of: &Moments| of_few(Measured::mean(of), self.moving, of.count, FEWEST_FOR_SPREAD);
+        let mean = |of: &Moments| Measured::mean(of).of_few(self.moving, of.count, FEWEST_FOR_SPREAD);
         Some(match statistic {
             Statistic::TemperatureWorkMean => mean(&self.temperature),
             Statistic::OwnForceWorkMean => mean(&self.own_force),
             Statistic::DampingWorkMean => {
-                positive_of_few(Measured::mean(&self.damping), self.moving, self.damping.count)
+                Measured::mean(&self.damping).positive_of_few(self.moving, self.damping.count)
             }
             Statistic::StoredEnergyMean => mean(&self.change),
             Statistic::EnergyResidualMean => Measured::mean(&self.residual.units),

@@ -18,7 +18,7 @@ use crate::sums::Unit;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
-use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, of_few};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD};
 use crate::sums::spread::Tails;
 
 /// Moments of the displacements from period to period.
@@ -46,7 +46,7 @@ impl PeriodDisplacements {
 
     /// A number that only bodies that move change. Their periods tell nothing of how rare they are.
     pub fn moved(&self, measured: Measured, fewest: u64) -> Measured {
-        of_few(measured, self.moving, self.paths.count, fewest)
+        measured.of_few(self.moving, self.paths.count, fewest)
     }
 
     /// Mean of u_n.

@@ -29,6 +29,7 @@
 use super::Measurement;
 use super::moments::{JointMoments, Moments};
 use super::range::{NORMAL, Range, wilson};
+use super::rare::FEWEST;
 use statrs::distribution::{ContinuousCDF, Normal, StudentsT};
 
 /// Upper end of the central 95 % of a distribution.
@@ -141,6 +142,26 @@ impl Measured {
     /// The same number without an interval.
     pub fn without_interval(self) -> Self {
         Measured { interval: Interval::Missing, ..self }
+    }
+
+    /// A number that only events move, where these of all units have any. Where they are rare, the
+    /// units that show how much it scatters are those that contribute; so it has no interval from
+    /// fewer than `fewest` of them, and the error has as many degrees of freedom as they allow
+    /// ([`super::rare`]).
+    pub fn of_few(self, contributing: u64, units: u64, fewest: u64) -> Self {
+        match contributing {
+            0 => self,
+            _ if 2 * contributing >= units => self,
+            few if few < fewest => self.without_interval(),
+            some => self.with_freedom((some - 1) as f64),
+        }
+    }
+
+    /// The same for a number that cannot be negative, whose interval is then that of its logarithm.
+    pub fn positive_of_few(self, contributing: u64, units: u64) -> Self {
+        let few = self.of_few(contributing, units, FEWEST);
+        let is_rare = few != self && contributing >= FEWEST;
+        if is_rare { few.on_log_scale(0.0, (contributing - 1) as f64) } else { few }
     }
 
     /// The same number, which cannot leave this range. `chance` is the number of paths that

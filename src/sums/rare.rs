@@ -19,7 +19,6 @@
 //! docs/statistics.md says how often these intervals hold the truth.
 
 use super::codec::sums_of_fields;
-use super::interval::Measured;
 
 /// The numbers with these least contributing units have an interval, if more than half of all units
 /// do not contribute. Where most units contribute, nothing is rare.
@@ -32,25 +31,6 @@ pub(crate) const FEWEST_FOR_SPREAD: u64 = 32;
 /// Where no unit has any, the number is zero or does not exist.
 pub(crate) fn are_too_few(contributing: u64, units: u64, fewest: u64) -> bool {
     (1..fewest).contains(&contributing) && 2 * contributing < units
-}
-
-/// A number that only events move, where these of all units have any. Where they are rare, the
-/// units that show how much it scatters are those that contribute; so it has no interval from fewer
-/// than `fewest` of them, and the error has as many degrees of freedom as they allow.
-pub(crate) fn of_few(measured: Measured, contributing: u64, units: u64, fewest: u64) -> Measured {
-    match contributing {
-        0 => measured,
-        _ if 2 * contributing >= units => measured,
-        few if few < fewest => measured.without_interval(),
-        some => measured.with_freedom((some - 1) as f64),
-    }
-}
-
-/// The same for a number that cannot be negative, whose interval is then that of its logarithm.
-pub(crate) fn positive_of_few(measured: Measured, contributing: u64, units: u64) -> Measured {
-    let few = of_few(measured, contributing, units, FEWEST);
-    let is_rare = few != measured && contributing >= FEWEST;
-    if is_rare { few.on_log_scale(0.0, (contributing - 1) as f64) } else { few }
 }
 
 /// The degrees of freedom of an error, as far as they can be known where this many of all units

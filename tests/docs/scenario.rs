@@ -59,7 +59,8 @@ fn every_key_is_listed_and_every_listed_key_exists() {
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
     // A body on a belt, and a force of the user's own with parameters.
     for name in ["belt", "stribeck-belt"] {
-        let resolved = Scenario::shipped(name).expect("sound").to_toml();
+        let thrown = [Override::set("initial.velocity=1").expect("well formed")];
+        let resolved = shipped(name).expect("shipped").parse(&thrown).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
     // A run has no use for displacements, so its resolved scenario has none of their keys.

@@ -375,6 +375,8 @@ fn saved() -> (tempfile::TempDir, Vec<u8>, Vec<u8>) {
 
 /// The error of the library for the saved run, with its files as they are now.
 fn refusal(folder: &Path) -> StoreError {
+    // The program that saved, so that what it saved is not refused as another's.
+    stick_slip::engine::built_from(stick_slip_commit::commit!(""));
     match store::FileSink::go_on(&folder.join("a.h5"), false) {
         Err(error) => error,
         Ok(_) => panic!("it would go on"),

@@ -236,7 +236,7 @@ fn nothing_of_others_is_replaced() {
     let writer = create(false).unwrap();
     fs::write(&target, "by hand").unwrap();
     let error = writer.finish(&summary(1000, &header(1000)), Status::Complete).unwrap_err();
-    assert!(matches!(error, StoreError::Appeared { .. }), "{error}");
+    assert!(matches!(error, StoreError::Overtaken { .. }), "{error}");
     assert_eq!(fs::read(&target).unwrap(), b"by hand");
     create(true).unwrap().finish(&summary(1000, &header(1000)), Status::Complete).unwrap();
     assert_eq!(read(&target).unwrap().completed_paths, 1000);

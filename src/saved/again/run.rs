@@ -6,7 +6,7 @@ use crate::dataset::StoredRun;
 use crate::engine::{Asked, Provenance};
 use crate::ensemble::{BLOCK_SIZE, in_order};
 use crate::scenario::Scenario;
-use crate::stats::{BlockResult, Record, RunTotals, Summary};
+use crate::stats::{BlockResult, LimitCycle, Record, RunTotals, Summary};
 use std::collections::BTreeSet;
 use std::hash::{BuildHasher as _, RandomState};
 use std::ops::{ControlFlow, Range};
@@ -94,7 +94,11 @@ impl<'a, H: Held> Claim<'a, H> {
         };
         let is_whole = again.blocks.len() as u64 == count;
         if again.compared.difference().is_none() {
-            let summary = if is_whole { self.again(&again.totals) } else { self.stored_summary() };
+            let mut summary = if is_whole { self.again(&again.totals) } else { self.stored_summary() };
+            // A run that was interrupted has none.
+            if self.stored.summary.cycle.is_some() {
+                summary.cycle = LimitCycle::of(self.scenario);
+            }
             again.compared.rest(&self.expected, &summary)?;
         }
         let end = self.origin() + self.stored.completed_paths;
