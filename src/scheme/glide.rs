@@ -26,7 +26,7 @@ pub struct Glide {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Along {
     /// x is the quintic that has x, x' and x'' of both ends. Under noise it is the mean of x given
-    /// these ([`super::event_driven`]).
+    /// these.
     Smooth {
         /// x'' at both ends, a length per time squared.
         acceleration: [f64; 2],

@@ -76,7 +76,7 @@ fn a_thrown_body_under_noise_swings_about_the_free_oscillation() {
          ensemble = { paths = 2000, seed = 4 }
          scheme = { kind = \"event-driven\" }";
     let scene = thrown([1.0, 0.0], [0.0, 0.0], 2.0, 3.0, more);
-    let end = run(&scene).estimate(Statistic::DisplacementEndMean).clone();
+    let end = *run(&scene).estimate(Statistic::DisplacementEndMean);
     let expected = 0.25 * 2.0f64.cos() + 3.0 * 2.0f64.sin();
     assert!((end.estimate - expected).abs() < 4.0 * end.standard_error, "{end:?} {expected}");
 
