@@ -152,7 +152,7 @@ table! {
         "what the path of a scene without noise does in the end, missing where no state comes back");
     SECTION_STATE = variable("section_state", &["section_state"], Unit::ONE, "number of a state of the section");
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
-        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips");
+        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
 
     DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");

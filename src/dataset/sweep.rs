@@ -220,6 +220,8 @@ fn points<W: Walk>(
 
     let mut cycles: Vec<Option<LimitCycle>> =
         points.iter().map(|point| point.as_ref().and_then(|point| point.cycle.clone())).collect();
+    // A walk that reads begins without points.
+    cycles.resize(count, None);
     walk_cycles(walk, &shape, &mut cycles)?;
 
     points.clear();
@@ -249,24 +251,25 @@ fn points<W: Walk>(
 /// Walk over the cycles of the points of a design of this shape, if a point has one.
 fn walk_cycles<W: Walk>(walk: &mut W, shape: &[&str], cycles: &mut [Option<LimitCycle>]) -> Result<(), W::Error> {
     const NUMBERS: usize = LimitCycle::NUMBERS.len();
+    let [number, state, cycle, section] = &own::OF_CYCLE;
     let dimensions = |axes: &[&'static str]| [shape, axes].concat();
     let mut there = cycles.iter().any(Option::is_some).then_some(());
-    if walk.present(&own::CYCLE, &mut there).is_none() {
+    if walk.present(cycle, &mut there).is_none() {
         return Ok(());
     }
     let numbers = |cycle: &Option<LimitCycle>| cycle.as_ref().map_or([f64::NAN; NUMBERS], LimitCycle::numbers);
     let mut all: Vec<f64> = cycles.iter().flat_map(numbers).collect();
-    let section = |cycle: &Option<LimitCycle>| {
+    let states = |cycle: &Option<LimitCycle>| {
         let mut states = cycle.as_ref().map_or_else(Vec::new, |cycle| cycle.section.clone());
         states.resize(LimitCycle::STATES, f64::NAN);
         states
     };
-    let mut sections: Vec<f64> = cycles.iter().flat_map(section).collect();
-    walk.derived(&own::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS))?;
-    walk.derived(&own::SECTION_STATE, &(0..LimitCycle::STATES as u32).collect::<Vec<u32>>())?;
-    walk.sized(&along(&own::CYCLE, &dimensions(own::CYCLE.axes), &[]), &mut all, cycles.len() * NUMBERS)?;
-    let states = cycles.len() * LimitCycle::STATES;
-    walk.sized(&along(&own::SECTION, &dimensions(own::SECTION.axes), &[]), &mut sections, states)?;
+    let mut sections: Vec<f64> = cycles.iter().flat_map(states).collect();
+    walk.derived(number, &texts(LimitCycle::NUMBERS))?;
+    walk.derived(state, &(0..LimitCycle::STATES as u32).collect::<Vec<u32>>())?;
+    walk.sized(&along(cycle, &dimensions(cycle.axes), &[]), &mut all, cycles.len() * NUMBERS)?;
+    let length = cycles.len() * LimitCycle::STATES;
+    walk.sized(&along(section, &dimensions(section.axes), &[]), &mut sections, length)?;
     let found = all.chunks(NUMBERS).zip(sections.chunks(LimitCycle::STATES));
     for (cycle, (numbers, section)) in cycles.iter_mut().zip(found) {
         let there = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), section);

@@ -1,7 +1,7 @@
 //! Every variable of a sweep. The dimensions of the design, which are those of its axes or `point`,
 //! come before the axes given here.
 
-use super::layout::{Described, Unit, Variable, table, variable};
+use super::layout::{self, Described, Unit, Variable, table, variable};
 
 /// The axis of variables with one value per statistic. The writer puts the dimensions of the design
 /// before it.
@@ -18,13 +18,6 @@ table! {
 
     ESTIMATE_WITHOUT = variable("estimate_without", &["group", "statistic"], Unit::None,
         "estimate from all paths but those of the group");
-
-    CYCLE_NUMBER = variable("cycle_number", &["cycle_number"], Unit::None, "name of a number of the cycle");
-    SECTION_STATE = variable("section_state", &["section_state"], Unit::ONE, "number of a state of the section");
-    CYCLE = variable("cycle", &["cycle_number"], Unit::None,
-        "what the path of a scene without noise does in the end, missing where no state comes back");
-    SECTION = variable("section", &["section_state"], Unit::LENGTH,
-        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
 
     POINT_STATUS = variable("point_status", &[], Unit::None, "whether the point is done")
         .flags(&[0, 1, 2], &[("flag_meanings", "missing complete lost")]);
@@ -101,6 +94,10 @@ pub(crate) const PER_ELASTICITY: [Variable; 5] = [
     variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own"),
 ];
 
+/// The variables of the cycle of each point, which are those of a run.
+pub(crate) const OF_CYCLE: [Variable; 4] =
+    [layout::CYCLE_NUMBER, layout::SECTION_STATE, layout::CYCLE, layout::SECTION];
+
 /// The same variable along these axes, with these attributes if there are any.
 pub(crate) fn along<'a>(
     variable: &Variable,
@@ -118,7 +115,7 @@ mod tests {
     use std::collections::BTreeSet;
 
     fn all() -> impl Iterator<Item = &'static Variable> {
-        ALL.iter().chain(&PER_STATISTIC).chain(&PER_DIFFERENCE).chain(&PER_ELASTICITY)
+        ALL.iter().chain(&OF_CYCLE).chain(&PER_STATISTIC).chain(&PER_DIFFERENCE).chain(&PER_ELASTICITY)
     }
 
     /// An axis with one of these names could not be written.

@@ -12,7 +12,7 @@
 //! Jackknife, the Bootstrap and Other Resampling Plans*, SIAM (1982), chapter 3; J. Shao and D. Tu,
 //! *The Jackknife and Bootstrap*, Springer (1995), section 2.3.)
 
-use super::tree::Merge;
+use super::merge::Merge;
 
 /// The standard error of a number, from its values g_i without group i; zero if there is one group
 /// only.

@@ -3,7 +3,7 @@
 //!
 //! ```text
 //! moments, spread, rare      means, standard deviations and fourth powers of numbers per path
-//! tree                       partial sums, merged along a binary tree over blocks
+//! merge, tree                partial sums, merged along a binary tree over blocks
 //! codec                      sums as bytes
 //! dyadic, bins, log_scale    exact counts in bins, which merge in any order
 //! sketch, ordered, steps     many numbers in order, in bounded memory
@@ -25,6 +25,7 @@ pub(crate) mod interval;
 pub(crate) mod jackknife;
 pub(crate) mod log_scale;
 mod measurement;
+mod merge;
 pub(crate) mod moments;
 pub(crate) mod ordered;
 pub(crate) mod quantile;
@@ -38,6 +39,7 @@ mod unit;
 
 pub use codec::{Codec, Damaged, Reader};
 pub use measurement::{Ends, Measurement};
+pub use merge::Merge;
 pub use moments::Moments;
-pub use tree::{Merge, Overlap, Tree};
+pub use tree::{Overlap, Tree};
 pub use unit::Unit;

@@ -15,7 +15,7 @@
 //! The spread of equal numbers is exactly zero.
 
 use super::codec::codec_of_fields;
-use super::tree::Merge;
+use super::merge::Merge;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
 /// Terms are added in this many interleaved partial sums, in a fixed order that compilers can

@@ -117,7 +117,7 @@ impl Sketch {
     }
 
     /// The same values in their only form, except for the order of those that are kept one by one.
-    fn normalised(&self) -> Cow<'_, Sketch> {
+    pub fn normalised(&self) -> Cow<'_, Sketch> {
         let is_waiting = !self.pending.is_empty() || self.at_centre > 0;
         if !is_waiting && self.bins.as_ref().is_some_and(|bins| bins.is_normalised()) {
             return Cow::Borrowed(self);

@@ -12,51 +12,8 @@
 //! floating point summation*, SIAM J. Sci. Comput. 14 (1993)).
 
 use super::codec::{Codec, Damaged, Reader};
+use super::merge::Merge;
 use std::collections::BTreeMap;
-
-/// Sums that can be merged.
-pub trait Merge {
-    /// Add the sums of `other`, whose blocks come after those of `self`.
-    fn merge(&mut self, other: &Self);
-}
-
-/// A number of things.
-impl Merge for u64 {
-    fn merge(&mut self, other: &u64) {
-        *self += other;
-    }
-}
-
-/// Numbers that are added, such as powers.
-impl Merge for f64 {
-    fn merge(&mut self, other: &f64) {
-        *self += other;
-    }
-}
-
-impl<T: Merge, const N: usize> Merge for [T; N] {
-    fn merge(&mut self, other: &Self) {
-        self.iter_mut().zip(other).for_each(|(mine, more)| mine.merge(more));
-    }
-}
-
-/// A list whose length is fixed by the scenario.
-impl<T: Merge> Merge for Vec<T> {
-    fn merge(&mut self, other: &Self) {
-        self.iter_mut().zip(other).for_each(|(mine, more)| mine.merge(more));
-    }
-}
-
-/// What was asked for. A part without paths has nothing of it.
-impl<T: Merge + Clone> Merge for Option<Box<T>> {
-    fn merge(&mut self, other: &Self) {
-        match (self, other) {
-            (Some(mine), Some(other)) => mine.merge(other),
-            (mine @ None, Some(other)) => *mine = Some(other.clone()),
-            (_, None) => {}
-        }
-    }
-}
 
 /// The error when a block is in both of two parts that are to be joined.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]

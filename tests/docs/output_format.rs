@@ -241,6 +241,10 @@ fn every_variable_and_attribute_of_a_sweep_is_listed() {
         (of("grid.h5", &crossed), "rho, f_s"),
         (of("zip.h5", &[&crossed[..], &["--zip"]].concat()), "point"),
         (of("elasticity.h5", &keys), "point"),
+        (
+            of("cycles.h5", &["--vary", "rho=temperature.noise.intensity=0,0.1", "--vary", "friction.static=1.2,1.3"]),
+            "rho, f_s",
+        ),
     ];
     let axes = BTreeSet::from(["rho".to_string(), "f_s".to_string()]);
     let (mut found, mut attributes) = (BTreeSet::new(), BTreeSet::new());

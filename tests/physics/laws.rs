@@ -12,7 +12,7 @@ use stick_slip::stats::{Distribution, PassageLevels, PhaseLaw, QUANTILE_LEVELS, 
 fn values(dataset: &Dataset) -> [Vec<f64>; 6] {
     let of = |name: &str| &dataset.entry(name).expect("recorded").column;
     let (Column::F64(time), Column::F64(x)) = (of("event_time"), of("event_displacement")) else { panic!() };
-    let (Column::I8(kind), Column::U64(count)) = (of("event_kind"), of("event_count")) else { panic!() };
+    let (Column::I8(kind), Column::U32(count)) = (of("event_kind"), of("event_count")) else { panic!() };
     let mut laws: [Vec<f64>; 6] = Default::default();
     let mut first = 0;
     for events in count {

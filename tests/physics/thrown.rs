@@ -7,7 +7,8 @@ use stick_slip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme};
 use stick_slip::stats::{Record, Statistic};
 
 fn thrown(spring: [f64; 2], friction: [f64; 2], end: f64, velocity: f64, more: &str) -> Scenario {
-    let text = body(spring, friction, [end, 0.0, end], more);
+    let scheme = if more.contains("scheme") { "" } else { "scheme = { kind = \"event-driven\" }" };
+    let text = body(spring, friction, [end, 0.0, end], &format!("{more}\n{scheme}"));
     scenario(&text.replace(
         "initial = { displacement = 0 }",
         &format!("initial = {{ displacement = 0.25, velocity = {velocity:?} }}"),
