@@ -4,6 +4,7 @@ use crate::command::{self, Running};
 use crate::reference;
 use serde_json::Value;
 use std::process::Output;
+use std::time::Duration;
 use stick_slip::engine::Status;
 use stick_slip::store;
 use tempfile::TempDir;
@@ -526,7 +527,7 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
 #[test]
 fn an_interrupted_pilot_runs_nothing() {
     let here = folder();
-    let (code, _, said) = interrupted(&here, &["run", RHO025, "--accuracy", "1%"]);
+    let (code, _, said) = interrupted(&here, &["run", RHO025, "--accuracy", "1%"], 0);
     assert_eq!(code, Some(130));
     assert!(said.contains("nothing was run, nothing is written"), "{said}");
     assert_eq!(std::fs::read_dir(here.path()).expect("there").count(), 0);
@@ -537,7 +538,7 @@ fn an_interrupted_pilot_runs_nothing() {
 #[test]
 fn an_interrupted_trade_prints_what_it_has() {
     let here = folder();
-    let (code, table, said) = interrupted(&here, &["trade", RHO025, "--budget", "10m", "-o", "trade.h5"]);
+    let (code, table, said) = interrupted(&here, &["trade", RHO025, "--budget", "10m", "-o", "trade.h5"], 1);
     assert_eq!(code, Some(130), "{said}");
     for part in ["RMSE 1 %", "not run: discrete-vi: the measuring ended", "event-driven, tolerance"] {
         assert!(table.contains(part), "{part} in\n{table}");
@@ -547,13 +548,14 @@ fn an_interrupted_trade_prints_what_it_has() {
     }
 }
 
-/// Exit code, standard output and standard error of a command that is sent Ctrl-C as soon as it
-/// handles it. How long it then takes to end depends on the machine. A command that does not end is
-/// killed by the limit that every command has here, which is half of the ten minutes that the trade
+/// Exit code, standard output and standard error of a command that is sent Ctrl-C so many
+/// seconds after it handles it: a trade needs one to have something to draw. How long it then takes
+/// to end depends on the machine. A command that does not end is killed by the limit that every command has here, which is half of the ten minutes that the trade
 /// would measure.
-fn interrupted(folder: &TempDir, arguments: &[&str]) -> (Option<i32>, String, String) {
+fn interrupted(folder: &TempDir, arguments: &[&str], seconds: u64) -> (Option<i32>, String, String) {
     let mut running = Running::mc(folder.path(), arguments);
     running.until_it_answers();
+    std::thread::sleep(Duration::from_secs(seconds));
     running.interrupt();
     let output = running.end();
     (output.status.code(), text(&output.stdout), text(&output.stderr))
