@@ -548,10 +548,10 @@ fn an_interrupted_trade_prints_what_it_has() {
     }
 }
 
-/// Exit code, standard output and standard error of a command that is sent Ctrl-C so many
-/// seconds after it handles it: a trade needs one to have something to draw. How long it then takes
-/// to end depends on the machine. A command that does not end is killed by the limit that every command has here, which is half of the ten minutes that the trade
-/// would measure.
+/// Exit code, standard output and standard error of a command that is sent Ctrl-C so many seconds
+/// after it handles it: a trade needs one to have something to draw. How long it then takes to end
+/// depends on the machine. A command that does not end is killed by the limit that every command has
+/// here, which is half of the ten minutes that the trade would measure.
 fn interrupted(folder: &TempDir, arguments: &[&str], seconds: u64) -> (Option<i32>, String, String) {
     let mut running = Running::mc(folder.path(), arguments);
     running.until_it_answers();

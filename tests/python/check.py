@@ -26,7 +26,7 @@ ROOT_ATTRIBUTES = """Conventions title format_name format_version references sou
 # Names, flags and mixed arrays have no unit.
 WITHOUT_UNITS = """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
     bias_uncertainty bias_order estimate_corrected estimate_corrected_low estimate_corrected_high
-    path_diverged event_sign event_kind trajectory_static""".split()
+    cycle cycle_number path_diverged event_sign event_kind trajectory_static""".split()
 
 FLAGS = {
     "event_kind": {0: "stick_entered", 1: "slip_started", 2: "sub_phase_boundary"},

@@ -44,7 +44,7 @@ def same(file, folder):
             assert shown(again) == shown(file), f"{file}, {engine}, level {level}"
             verified = call("verify", again)
             assert verified.returncode == 0 and "bit for bit" in verified.stdout, verified.stdout + verified.stderr
-    variable = next(name for name in ("estimate", "predicted_paths") if name in ds.data_vars)
+    variable = next(name for name in ("estimate", "rung_estimate") if name in ds.data_vars)
     ds.drop_vars(variable).to_netcdf(folder / "dropped.nc")
     dropped = call("show", folder / "dropped.nc")
     assert dropped.returncode == 1 and f"{variable} is missing" in dropped.stderr, (variable, dropped.stderr)
