@@ -28,8 +28,9 @@ const PUBLIC: i32 = -3;
 const FINE: i32 = -8;
 
 /// Below this share of the scale of a law, values are binned evenly instead of logarithmically. They
-/// are differences of numbers of that scale, whose rounding is no smaller.
-const RESOLUTION: f64 = f64::EPSILON;
+/// are differences of numbers of that scale, and little more than rounding. The share is large
+/// enough for places to tell a whole number of steps from the edge of a bin just below it.
+const RESOLUTION: f64 = 1.0 / (1u64 << 40) as f64;
 
 /// A batch keeps up to this many durations one by one, and counts more than these in up to as many
 /// bins. Since the scale has 128 octaves, these are never wider than those of the histogram.
@@ -554,10 +555,10 @@ mod tests {
             let expected = (0..1000).filter(|&i| inside(0.75 + 0.001 * i as f64)).count();
             assert_eq!(count, expected as u64 + u64::from(edges[0] == 0.0), "{edges:?}");
         }
-        // The scale is 64 / 2^52. The edges of the octave from 1 on are 1, 9/8, 10/8, ... less
+        // The scale is 64 / 2^40. The edges of the octave from 1 on are 1, 9/8, 10/8, ... less
         // that.
         for eighth in 8..14 {
-            let edge = f64::from(eighth) / 8.0 - 64.0 / 2f64.powi(52);
+            let edge = f64::from(eighth) / 8.0 - 64.0 / 2f64.powi(40);
             assert!(histogram.edges.contains(&edge), "{edge}");
         }
     }

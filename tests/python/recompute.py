@@ -25,15 +25,16 @@ import numpy as np
 # The unit of every variable, in UDUNITS notation; None where it has none.
 UNITS = {
     None: """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias bias_uncertainty
-        bias_order estimate_corrected estimate_corrected_low estimate_corrected_high path_diverged event event_sign event_kind trajectory_static""",
+        bias_order estimate_corrected estimate_corrected_low estimate_corrected_high path_diverged event event_sign event_kind trajectory_static
+        cycle cycle_number""",
     "1": """quantile static_probability stick_duration_count stick_duration_censored_count stick_duration_survival
         stick_duration_completed stick_duration_censored first_stick_duration_completed first_stick_duration_censored
-        sub_phase sub_phase_count sub_phase_share sub_phase_censored transient_sticks transient_slips period path path_sticks path_slips path_sub_phases event_count trajectory""",
+        sub_phase sub_phase_count sub_phase_share sub_phase_censored transient_sticks transient_slips period path path_sticks path_slips path_sub_phases event_count trajectory section_state""",
     "s": """time series_time duration_bin duration_bin_lower stick_duration_quantile period_time path_first_stick_duration path_stick_time
         event_time transient_end""",
     "mm": """transient_displacement transient_displacement_error
         displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
-        path_max_displacement event_displacement trajectory_displacement trajectory_bearing_displacement""",
+        path_max_displacement event_displacement trajectory_displacement trajectory_bearing_displacement section""",
     "mm2": "displacement_period_variance",
     "mm s-1": "drift_velocity_limit velocity_mean velocity_sd velocity_quantile trajectory_velocity",
     "N": "event_force trajectory_force trajectory_friction",
