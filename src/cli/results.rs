@@ -86,7 +86,7 @@ impl From<StoreError> for Failure {
             StoreError::NotOpened { .. }
             | StoreError::NotHdf5 { .. }
             | StoreError::Foreign { .. }
-            | StoreError::Newer { .. }
+            | StoreError::OtherFormat { .. }
             | StoreError::NoFolder { .. }
             | StoreError::LeftOver { .. }
             | StoreError::Resumable { .. }

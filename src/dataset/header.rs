@@ -13,7 +13,7 @@ pub(crate) const FORMAT_NAME: &str = "stick-slip ensemble";
 
 /// Major and minor version of the format. A new minor version only adds to it; a new major version
 /// may change or remove.
-pub const FORMAT_VERSION: (u32, u32) = (1, 5);
+pub const FORMAT_VERSION: (u32, u32) = (2, 0);
 
 /// Version of the CF conventions that every data set follows.
 pub(crate) const CONVENTIONS: &str = "CF-1.11";
@@ -130,7 +130,11 @@ pub(crate) fn format_version<S: Source>(from: &S) -> Option<(u32, u32)> {
     if read_attribute::<S, String>(from, "format_name").ok()? != FORMAT_NAME {
         return None;
     }
-    let version: String = read_attribute(from, "format_version").ok()?;
+    parse_version(&read_attribute::<S, String>(from, "format_version").ok()?)
+}
+
+/// Major and minor version, from `major.minor`.
+pub(crate) fn parse_version(version: &str) -> Option<(u32, u32)> {
     let (major, minor) = version.split_once('.')?;
     Some((major.parse().ok()?, minor.parse().ok()?))
 }

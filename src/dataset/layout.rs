@@ -132,9 +132,6 @@ table! {
     VELOCITY_LINE = variable("velocity_line", &["line_frequency"], Unit::VELOCITY,
         "amplitude of the mean velocity at the harmonic");
 
-    BATCH = variable("batch", &["batch"], Unit::ONE,
-        "batch of paths: those whose numbers leave this remainder when divided by the number of batches");
-
     SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::ONE,
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
 
@@ -154,6 +151,18 @@ table! {
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
         "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
 
+    FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE,
+        "first sticks that ended");
+    FIRST_STICK_CENSORED = variable("first_stick_duration_censored", &[], Unit::ONE,
+        "first sticks still running at the end");
+    SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::ONE,
+        "completed dynamic phases with so many sub-phases");
+    SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::ONE,
+        "dynamic phases still running at the end");
+    TRANSIENT_STICKS = variable("transient_sticks", &[], Unit::ONE,
+        "completed sticks that began before that, the first of each path left out");
+    TRANSIENT_SLIPS = variable("transient_slips", &[], Unit::ONE,
+        "completed dynamic phases that began before that");
     DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");
 
@@ -172,12 +181,6 @@ table! {
     STATIC_PROBABILITY = measured!("static_probability", &["time"], Unit::ONE,
         "probability of being in a static phase");
 
-    FIRST_STICK_COMPLETED = measured!("first_stick_duration_completed", &[], Unit::ONE,
-        "first sticks that ended",
-        ends of the "expected number of first sticks that ended in as many paths");
-    FIRST_STICK_CENSORED = measured!("first_stick_duration_censored", &[], Unit::ONE,
-        "first sticks still running at the end",
-        ends of the "expected number of first sticks still running at the end in as many paths");
 
     DISPLACEMENT_DENSITY = measured!("displacement_density", &["displacement_bin"],
         Unit::Of(Dimension { length: -1, ..Dimension::ONE }),
@@ -199,22 +202,10 @@ table! {
     VELOCITY_SPECTRUM = measured!("velocity_spectrum", &["frequency"], SPECTRUM_OF_VELOCITY,
         "two-sided power spectrum of the velocity about its mean over paths");
 
-    SUB_PHASE_COUNT = measured!("sub_phase_count", &["sub_phase"], Unit::ONE,
-        "completed dynamic phases with so many sub-phases",
-        ends of the "expected number of dynamic phases with so many sub-phases, among as many completed ones");
     SUB_PHASE_SHARE = measured!("sub_phase_share", &["sub_phase"], Unit::ONE,
         "share of the completed dynamic phases that have so many sub-phases",
         ends of the "probability that a completed dynamic phase has so many sub-phases");
-    SUB_PHASE_CENSORED = measured!("sub_phase_censored", &[], Unit::ONE,
-        "dynamic phases still running at the end",
-        ends of the "expected number of dynamic phases still running at the end in as many paths");
 
-    TRANSIENT_STICKS = measured!("transient_sticks", &[], Unit::ONE,
-        "completed sticks that began before that, the first of each path left out",
-        ends of the "expected number of sticks that began in the burn-in");
-    TRANSIENT_SLIPS = measured!("transient_slips", &[], Unit::ONE,
-        "completed dynamic phases that began before that",
-        ends of the "expected number of dynamic phases that began in the burn-in");
     TRANSIENT_DISPLACEMENT = measured!("transient_displacement", &[], Unit::LENGTH,
         "mean displacement from the start to that time",
         ends of the "mean displacement in the burn-in");
@@ -229,14 +220,12 @@ table! {
 pub(crate) struct LawLayout {
     pub bin: Variable,
     pub bin_lower: Variable,
-    pub count: Measured,
-    pub censored_count: Measured,
+    pub count: Variable,
+    pub censored_count: Variable,
     pub survival: Measured,
     pub quantile: Measured,
-    pub completed: Measured,
-    pub censored: Measured,
-    pub batch_count: Variable,
-    pub batch_censored_count: Variable,
+    pub completed: Variable,
+    pub censored: Variable,
 }
 
 /// The variables of a law, from the names of its quantity and of its bins, the unit of the
@@ -247,14 +236,11 @@ macro_rules! law {
             bin: variable($bin, &[$bin], $unit, concat!("upper edge of the bin of the ", $quantity)),
             bin_lower: variable(concat!($bin, "_lower"), &[$bin], $unit,
                 concat!("lower edge of the bin of the ", $quantity, ", itself inside the bin")),
-            count: measured!(concat!($name, "_count"), &[$bin], Unit::ONE,
-                concat!("completed ", $several),
-                ends of the concat!("expected number of ", $several, " in the bin, among as many completed ones"))
+            count: variable(concat!($name, "_count"), &[$bin], Unit::ONE,
+                concat!("completed ", $several))
                 .with(&[("coordinates", concat!($bin, "_lower"))]),
-            censored_count: measured!(concat!($name, "_censored_count"), &[$bin], Unit::ONE,
-                concat!($several, " still running at the end, by their ", $quantity, " so far"),
-                ends of the concat!("expected number of ", $several,
-                    " still running at the end in the bin, in as many paths"))
+            censored_count: variable(concat!($name, "_censored_count"), &[$bin], Unit::ONE,
+                concat!($several, " still running at the end, by their ", $quantity, " so far"))
                 .with(&[("coordinates", concat!($bin, "_lower"))]),
             survival: measured!(concat!($name, "_survival"), &[$bin], Unit::ONE,
                 concat!("probability that the ", $quantity, " of ", $one,
@@ -263,16 +249,10 @@ macro_rules! law {
                 .with(&[("coordinates", concat!($bin, "_lower"))]),
             quantile: measured!(concat!($name, "_quantile"), &["quantile"], $unit,
                 concat!("quantiles of the ", $quantity, " of completed ", $several)),
-            completed: measured!(concat!($name, "_completed"), &[], Unit::ONE,
-                concat!("completed ", $several),
-                ends of the concat!("expected number of completed ", $several, " in as many paths")),
-            censored: measured!(concat!($name, "_censored"), &[], Unit::ONE,
-                concat!($several, " still running at the end"),
-                ends of the concat!("expected number of ", $several, " still running at the end in as many paths")),
-            batch_count: variable(concat!($name, "_batch_count"), &["batch", $bin], Unit::ONE,
-                concat!("completed ", $several, " of each batch of paths")),
-            batch_censored_count: variable(concat!($name, "_batch_censored_count"), &["batch", $bin], Unit::ONE,
-                concat!($several, " still running at the end of each batch of paths")),
+            completed: variable(concat!($name, "_completed"), &[], Unit::ONE,
+                concat!("completed ", $several)),
+            censored: variable(concat!($name, "_censored"), &[], Unit::ONE,
+                concat!($several, " still running at the end")),
         }
     };
 }
@@ -335,9 +315,8 @@ impl LawLayout {
     #[cfg(test)]
     fn all(&self) -> Vec<Variable> {
         let LawLayout { count, censored_count, survival, quantile, completed, censored, .. } = *self;
-        let measured = [count, censored_count, survival, quantile, completed, censored];
-        let measured = measured.into_iter().flat_map(|of| [of.value, of.low, of.high]);
-        [self.bin, self.bin_lower, self.batch_count, self.batch_censored_count].into_iter().chain(measured).collect()
+        let measured = [survival, quantile].into_iter().flat_map(|of| [of.value, of.low, of.high]);
+        [self.bin, self.bin_lower, count, censored_count, completed, censored].into_iter().chain(measured).collect()
     }
 }
 
@@ -402,7 +381,7 @@ mod tests {
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
         // The page lists the variables of laws once, with LAW in place of the name of a law.
-        let laws = PhaseLaw::ASKED.map(of_law).into_iter().chain(EXTREMES).map(|law| law.count.value.name);
+        let laws = PhaseLaw::ASKED.map(of_law).into_iter().chain(EXTREMES).map(|law| law.count.name);
         let laws: Vec<&str> = laws.filter_map(|count| count.strip_suffix("_count")).collect();
         for variable in all() {
             let of_law = laws.iter().find_map(|law| variable.name.strip_prefix(law)).map(|rest| format!("`LAW{rest}`"));

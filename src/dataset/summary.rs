@@ -8,7 +8,6 @@ use crate::stats::{
     Histogram, LimitCycle, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic,
     SubPhaseCounts, Summary, Transient,
 };
-use crate::sums::batches::BATCHES;
 use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
 
@@ -87,11 +86,7 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
     } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
-    // If other laws were asked for, that of sticks has batches too.
-    let has_laws = walk.present(&layout::of_law(PhaseLaw::Slip).completed.value, laws).is_some();
-    if has_laws || walk.present(&layout::LEVEL, extremes).is_some() {
-        walk.derived(&layout::BATCH, &(0..BATCHES as u32).collect::<Vec<_>>())?;
-    }
+    walk.present(&layout::of_law(PhaseLaw::Slip).completed, laws);
     walk_law(walk, &layout::of_law(PhaseLaw::Stick), stick_durations)?;
     walk_first_sticks(walk, first_sticks)?;
     for (law, distribution) in PhaseLaw::ASKED.into_iter().zip(laws.iter_mut().flatten()) {
@@ -194,41 +189,27 @@ fn walk_law<W: Walk>(walk: &mut W, layout: &layout::LawLayout, law: &mut Distrib
     let Distribution {
         step: _,
         completed,
-        completed_ends,
         censored,
-        censored_ends,
         histogram: Histogram { edges, counts },
-        count_ends,
         censored_counts,
-        censored_count_ends,
         survival,
         survival_ends,
         quantiles,
         quantile_ends,
-        batch_counts,
-        batch_censored_counts,
     } = law;
     walk_edges(walk, [&layout.bin, &layout.bin_lower], edges)?;
-    walk.curve(&layout.count, counts, count_ends)?;
-    walk.curve(&layout.censored_count, censored_counts, censored_count_ends)?;
+    walk.variable(&layout.count, counts)?;
+    walk.variable(&layout.censored_count, censored_counts)?;
     walk.curve(&layout.survival, survival, survival_ends)?;
     walk.curve(&layout.quantile, quantiles, quantile_ends)?;
-    walk.number(&layout.completed, completed, completed_ends)?;
-    walk.number(&layout.censored, censored, censored_ends)?;
-    let mut batches = Some([std::mem::take(batch_counts), std::mem::take(batch_censored_counts)]);
-    batches = batches.filter(|[counts, _]| !counts.is_empty());
-    if let Some([counts, censored]) = walk.present(&layout.batch_count, &mut batches) {
-        walk.variable(&layout.batch_count, counts)?;
-        walk.variable(&layout.batch_censored_count, censored)?;
-    }
-    [*batch_counts, *batch_censored_counts] = batches.unwrap_or_default();
-    Ok(())
+    walk.scalar(&layout.completed, completed)?;
+    walk.scalar(&layout.censored, censored)
 }
 
 fn walk_first_sticks<W: Walk>(walk: &mut W, sticks: &mut FirstSticks) -> Result<(), W::Error> {
-    let FirstSticks { completed, completed_ends, censored, censored_ends } = sticks;
-    walk.number(&layout::FIRST_STICK_COMPLETED, completed, completed_ends)?;
-    walk.number(&layout::FIRST_STICK_CENSORED, censored, censored_ends)
+    let FirstSticks { completed, censored } = sticks;
+    walk.scalar(&layout::FIRST_STICK_COMPLETED, completed)?;
+    walk.scalar(&layout::FIRST_STICK_CENSORED, censored)
 }
 
 /// The edges of bins: the upper and the lower one of each.
@@ -321,11 +302,11 @@ fn walk_cycle<W: Walk>(walk: &mut W, cycle: &mut LimitCycle) -> Result<(), W::Er
 }
 
 fn walk_sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Result<(), W::Error> {
-    let SubPhaseCounts { counts, count_ends, shares, share_ends, censored, censored_ends } = sub_phases;
+    let SubPhaseCounts { counts, shares, share_ends, censored } = sub_phases;
     walk.derived(&layout::SUB_PHASE, &(1..).take(counts.len()).collect::<Vec<u32>>())?;
-    walk.curve(&layout::SUB_PHASE_COUNT, counts, count_ends)?;
+    walk.variable(&layout::SUB_PHASE_COUNT, counts)?;
     walk.curve(&layout::SUB_PHASE_SHARE, shares, share_ends)?;
-    walk.number(&layout::SUB_PHASE_CENSORED, censored, censored_ends)
+    walk.scalar(&layout::SUB_PHASE_CENSORED, censored)
 }
 
 fn walk_periods<W: Walk>(walk: &mut W, periods: &mut PeriodMoments) -> Result<(), W::Error> {
@@ -340,11 +321,11 @@ fn walk_periods<W: Walk>(walk: &mut W, periods: &mut PeriodMoments) -> Result<()
 }
 
 fn walk_transient<W: Walk>(walk: &mut W, transient: &mut Transient) -> Result<(), W::Error> {
-    let Transient { end, sticks, stick_ends, slips, slip_ends, displacement } = transient;
+    let Transient { end, sticks, slips, displacement } = transient;
     let Measurement { estimate, standard_error, low, high } = displacement;
     walk.scalar(&layout::TRANSIENT_END, end)?;
-    walk.number(&layout::TRANSIENT_STICKS, sticks, stick_ends)?;
-    walk.number(&layout::TRANSIENT_SLIPS, slips, slip_ends)?;
+    walk.scalar(&layout::TRANSIENT_STICKS, sticks)?;
+    walk.scalar(&layout::TRANSIENT_SLIPS, slips)?;
     walk.scalar(&layout::TRANSIENT_DISPLACEMENT.value, estimate)?;
     walk.scalar(&layout::TRANSIENT_DISPLACEMENT_ERROR, standard_error)?;
     walk.scalar(&layout::TRANSIENT_DISPLACEMENT.low, low)?;

@@ -18,7 +18,7 @@ use std::sync::Arc;
 pub(crate) const SWEEP_FORMAT_NAME: &str = "stick-slip sweep";
 
 /// Major and minor version of the format.
-pub(crate) const SWEEP_FORMAT_VERSION: (u32, u32) = (2, 1);
+pub(crate) const SWEEP_FORMAT_VERSION: (u32, u32) = (3, 0);
 
 /// A sweep as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]

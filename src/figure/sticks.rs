@@ -12,8 +12,6 @@ pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last
 
 /// The share of sticks that may be shorter than the shortest duration that is drawn.
 const NEXT_TO_NONE: f64 = 5e-3;
-/// The interval of a bin with at most this many sticks may extend beyond the axis.
-const FEW: u64 = 5;
 
 /// The share of the completed sticks in one bin, divided by the width of the bin in decades, with
 /// its interval.
@@ -23,7 +21,6 @@ struct Bin {
     edges: [f64; 2],
     count: u64,
     density: f64,
-    ends: [f64; 2],
 }
 
 fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
@@ -46,12 +43,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             false => (Axis::from_zero(most, Label::new(title), ""), 0.0),
         }
     };
-    // The intervals of bins with few sticks are wide, so an axis that showed them whole would
-    // flatten the rest.
-    let tops = bins.iter().map(|bin| if bin.count > FEW { bin.ends[1] } else { bin.density });
-    let (axis, floor) = vertical(tops.collect(), "density per decade");
+    let (axis, floor) = vertical(bins.iter().map(|bin| bin.density).collect(), "density per decade");
     let mut density = Panel::new(durations(), axis, 84.0);
-    let steps: Vec<DensityBin> = bins.iter().map(|bin| (bin.edges, bin.density, bin.ends)).collect();
+    let steps: Vec<DensityBin> = bins.iter().map(|bin| (bin.edges, bin.density, [bin.density; 2])).collect();
     steps::draw(&steps, floor, palette, &mut density);
 
     let mut curve = survival(sticks);
@@ -66,12 +60,12 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     if shorter > 0 {
         counts += &format!("; {} shorter than shown", grouped(shorter));
     }
-    let interval = || LegendEntry::area(palette.narrow, "95 % interval");
+    let interval = LegendEntry::area(palette.narrow, "95 % interval");
     let curve = if sticks.step.is_some() { "Kaplan–Meier, in steps of the scheme" } else { "Kaplan–Meier" };
     let legend = [LegendEntry::words(Label::verbatim(&counts))];
     let panels = [
-        density.above_another().keyed([LegendEntry::line(solid(palette.first), "density"), interval()]),
-        outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval()]),
+        density.above_another().keyed([LegendEntry::line(solid(palette.first), "density")]),
+        outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval]),
     ];
     Ok(sheet(&format!("Stick durations: {}", scenario.title), legend, panels))
 }
@@ -98,8 +92,7 @@ fn bins(sticks: &Distribution) -> Vec<Bin> {
             continue;
         }
         let per_decade = |n: f64| n / sticks.completed.max(1) as f64 / (edges[1] / edges[0]).log10();
-        let ends = sticks.count_ends.at(i).map(per_decade);
-        out.push(Bin { edges, count, density: per_decade(count as f64), ends });
+        out.push(Bin { edges, count, density: per_decade(count as f64) });
     }
     out
 }

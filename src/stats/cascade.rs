@@ -34,7 +34,8 @@ pub(super) struct CascadeSums {
     work: Moments,
     sliding_path: Moments,
     displacement_end: SpreadMoments,
-    pub early: EarlySums,
+    /// Displacement during the burn-in.
+    pub early_displacement: Moments,
     pub contributing: Contributing,
 }
 
@@ -47,7 +48,7 @@ sums_of_fields!(CascadeSums {
     work,
     sliding_path,
     displacement_end,
-    early,
+    early_displacement,
     contributing
 });
 
@@ -62,18 +63,6 @@ struct CascadeTails {
 }
 
 sums_of_fields!(CascadeTails { first_stick_duration, sub_phases, jump_size, slips, stick_time });
-
-/// Moments over paths of what was before the end of the burn-in.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct EarlySums {
-    /// Completed sticks, j >= 1, and slips that began before the end of the burn-in.
-    pub sticks: Moments,
-    pub slips: Moments,
-    /// x(after) - x0.
-    pub displacement: Moments,
-}
-
-sums_of_fields!(EarlySums { sticks, slips, displacement });
 
 /// Number of units that completed at least one phase of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -122,11 +111,7 @@ impl CascadeSums {
             work: Moments::of(&unit.means(&work)),
             sliding_path: Moments::of(&column(|p| p.travel)),
             displacement_end: SpreadMoments::of(&of_paths(|p| p.displacement_end), unit),
-            early: EarlySums {
-                sticks: Moments::of(&column(|p| p.early_sticks.into())),
-                slips: Moments::of(&column(|p| p.early_slips.into())),
-                displacement: Moments::of(&column(|p| p.early_displacement)),
-            },
+            early_displacement: Moments::of(&column(|p| p.early_displacement)),
             contributing: Contributing {
                 first_sticks: count(|p| p.first_duration.is_some()),
                 slips: count(|p| p.slips > 0),

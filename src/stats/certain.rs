@@ -51,11 +51,6 @@ impl Certain {
             drift: model.long_run_drift(),
         }
     }
-
-    /// Whether all paths must agree on how many sticks and slips they complete.
-    pub fn is_without_phases(self) -> bool {
-        self.everything || self.never_sticks
-    }
 }
 
 #[cfg(test)]

@@ -94,9 +94,7 @@ impl ExtremeCounts {
         chance: Option<u64>,
         sample: Sample,
     ) -> Extremes {
-        let certain = [sample.paths as f64; 2];
-        let [displacement, velocity] =
-            self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), certain, chance, sample, true));
+        let [displacement, velocity] = self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), chance));
         let rows = timeline.rows();
         let below = |i: usize| self.below.get(i * rows..(i + 1) * rows).unwrap_or_default();
         let passages = levels.iter().enumerate().map(|(i, level)| Passages {

@@ -6,7 +6,8 @@
 
 use super::survival::Survival;
 use super::{Distribution, Histogram, QUANTILE_LEVELS};
-use crate::sums::batches::{BATCHES, Share, batch_of};
+use crate::sums::Merge;
+use crate::sums::batches::{BATCHES, batch_of};
 use crate::sums::bins::Shape;
 use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
 use crate::sums::dyadic::{List, coarsen, coarsened, nearest, width};
@@ -14,10 +15,8 @@ use crate::sums::interval::Measured;
 use crate::sums::log_scale::LogScale;
 use crate::sums::ordered::Ordered;
 use crate::sums::quantile;
-use crate::sums::range::Sample;
 use crate::sums::sketch::Sketch;
 use crate::sums::steps::Steps;
-use crate::sums::{Ends, Merge};
 use std::borrow::Cow;
 
 /// The level of the bins of the public histogram: 8 bins per octave.
@@ -177,17 +176,8 @@ impl LawCounts {
     }
 
     /// Everything that is reported of the durations, which `ordered` holds in order.
-    /// `completed_ends` is the interval of the number of completed sticks. `chance` is the number
-    /// of units with a completed stick, if these are random. `with_batches` adds the counts of each
-    /// batch.
-    pub fn summary(
-        &self,
-        ordered: &OrderedLaw,
-        completed_ends: [f64; 2],
-        chance: Option<u64>,
-        sample: Sample,
-        with_batches: bool,
-    ) -> Distribution {
+    /// `chance` is the number of units with a completed stick, if these are random.
+    pub fn summary(&self, ordered: &OrderedLaw, chance: Option<u64>) -> Distribution {
         let batches = self.batches();
         let finest = |batch: &Batch| batch.ended.finest_level().max(batch.censored.finest_level());
         let level = batches.iter().map(finest).fold(FINE, i32::max);
@@ -200,46 +190,28 @@ impl LawCounts {
         let ends = public.iter().flatten().flat_map(|list| list.first().into_iter().chain(list.last()));
         let (first, end) = ends.fold((i64::MAX, 0), |(first, end), bin| (first.min(bin.0), end.max(bin.0 + 1)));
         let first = first.min(end);
-        let counts = |of: &[List; 2], which: usize| {
+        let pooled = |which: usize| {
             let mut counts = vec![0; (end - first) as usize];
-            of[which].iter().for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
+            public.iter().flat_map(|of| &of[which]).for_each(|&(bin, n)| counts[(bin - first) as usize] += n);
             counts
         };
-        let of_batches = |which: usize| public.iter().map(|of| counts(of, which)).collect::<Vec<Vec<u64>>>();
-        let (ended, censored) = (of_batches(0), of_batches(1));
-        let pooled = |of: &[Vec<u64>]| {
-            (0..(end - first) as usize).map(|bin| of.iter().map(|counts| counts[bin]).sum()).collect::<Vec<u64>>()
-        };
-        let (counts, censored_counts) = (pooled(&ended), pooled(&censored));
-        let number = |counts: &[u64]| counts.iter().sum::<u64>();
-        let sizes: Vec<f64> = ended.iter().map(|counts| number(counts) as f64).collect();
-        let share = |bin: usize| {
-            Share::of(ended.iter().zip(&sizes).map(|(counts, &size)| (counts[bin] as f64, size))).interval(chance)
-        };
-        let one_a_path = |count: u64| sample.number(count);
-        let kept = |of: Vec<Vec<u64>>| if with_batches { of.concat() } else { Vec::new() };
+        let (counts, censored_counts) = (pooled(0), pooled(1));
         let bin_of = |index: i64| ((coarsened(index, (PUBLIC - level) as u32) - 1).max(0) - first) as usize;
         let survival = Survival::new(fine, bin_of, counts.len());
         let quantiles = QUANTILE_LEVELS.map(|p| ordered.quantile(p));
         Distribution {
             step: self.step,
-            completed: number(&counts),
-            completed_ends,
-            censored: number(&censored_counts),
-            censored_ends: one_a_path(number(&censored_counts)),
-            count_ends: (0..counts.len()).map(share).collect::<Ends>().times(number(&counts) as f64),
+            completed: counts.iter().sum(),
+            censored: censored_counts.iter().sum(),
             histogram: Histogram {
                 edges: (first..=end).map(|edge| self.scale.number(edge as f64 * width(PUBLIC))).collect(),
                 counts,
             },
-            censored_count_ends: censored_counts.iter().map(|&count| one_a_path(count)).collect(),
             censored_counts,
             survival_ends: survival.ends(chance),
             survival: survival.curve,
             quantiles: quantiles.iter().map(|quantile| quantile.estimate()).collect(),
             quantile_ends: quantiles.iter().map(|quantile| quantile.interval()).collect(),
-            batch_counts: kept(ended),
-            batch_censored_counts: kept(censored),
         }
     }
 }
@@ -303,7 +275,6 @@ impl Codec for LawCounts {
 mod tests {
     use super::*;
     use crate::sums::coverage::Coverage;
-    use crate::sums::range::independent;
     use rand_distr::{Distribution, Exp1, StandardUniform, Uniform};
     use rand_pcg::Pcg64Dxsm;
     use rand_pcg::rand_core::SeedableRng;
@@ -320,7 +291,7 @@ mod tests {
         let mut totals = LawCounts::empty(64.0);
         relapsed.iter().for_each(|&d| totals.completed(0, d));
         censored.iter().for_each(|&d| totals.censored(0, d));
-        let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(21), independent(21, true), false);
+        let summary = totals.summary(&totals.ordered(), Some(21));
         assert_eq!((summary.completed, summary.censored), (9, 12));
         // All these times lie in different public bins, except 22 and 23 (bins are 2 wide there).
         for (time, survival) in printed.into_iter().filter(|p| p.0 != 22.0) {
@@ -335,12 +306,12 @@ mod tests {
     /// sticks that end early leave room for others. Here the truth is known in closed form.)
     ///
     /// Null: the interval of the survival function covers the truth in 95 % of all ensembles, at
-    /// each of three bins at which 88 %, 45 % and 7 % of the sticks last longer. So do the interval
-    /// of the number of completed sticks in a bin and that of the upper quartile.
+    /// each of three bins at which 88 %, 45 % and 7 % of the sticks last longer. So does the interval
+    /// of the upper quartile.
     /// [`Coverage::assert_95_percent`] states the false-alarm rate. If sticks were taken for
     /// independent, as in Greenwood's formula, the coverage would be about 80 %.
     #[test]
-    fn intervals_of_survival_counts_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
+    fn intervals_of_survival_and_quantiles_cover_where_sticks_of_a_path_are_alike() {
         let (ensembles, paths) = (2000, 300_u64);
         let mut rng = Pcg64Dxsm::seed_from_u64(1958);
         let exponential = |mean: f64, rng: &mut Pcg64Dxsm| mean * Distribution::<f64>::sample(&Exp1, rng);
@@ -355,7 +326,7 @@ mod tests {
         let times = [0.1, 0.75, 4.0];
         let mut held: [Coverage; 3] = Default::default();
         let mut greenwood: [Coverage; 3] = Default::default();
-        let (mut counts, mut quantiles) = (Coverage::default(), Coverage::default());
+        let mut quantiles = Coverage::default();
         for _ in 0..ensembles {
             let mut totals = LawCounts::empty(64.0);
             let mut sticks = Vec::new();
@@ -371,7 +342,7 @@ mod tests {
                     sticks.push((duration.min(clock), duration <= clock));
                 }
             }
-            let summary = totals.summary(&totals.ordered(), [0.0; 2], Some(paths), independent(paths, true), false);
+            let summary = totals.summary(&totals.ordered(), Some(paths));
             let edges = &summary.histogram.edges;
             let bin = |time: f64| edges.windows(2).position(|e| e[0] <= time && time < e[1]).expect("a bin");
             sticks.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -386,10 +357,6 @@ mod tests {
                 let error = summary.survival[bin] * sum.sqrt();
                 greenwood.count((summary.survival[bin] - truth).abs() <= 1.96 * error);
             }
-            let bin = bin(0.5);
-            let n = summary.completed as f64;
-            let expected = n * (ended_by(edges[bin + 1]) - ended_by(edges[bin])) / ended;
-            counts.count(summary.count_ends.low[bin] <= expected && expected <= summary.count_ends.high[bin]);
             let (low, high) = (summary.quantile_ends.low[3], summary.quantile_ends.high[3]);
             quantiles.count(ended_by(low) / ended <= 0.75 && 0.75 <= ended_by(high) / ended);
         }
@@ -398,7 +365,6 @@ mod tests {
             println!("of Greenwood's: {:.4}", greenwood.share());
         }
         assert!(greenwood[1].share() < 0.85, "{}", greenwood[1].share());
-        counts.assert_95_percent("sticks in a bin");
         quantiles.assert_95_percent("upper quartile");
     }
 
@@ -508,9 +474,7 @@ mod tests {
                 bytes
             };
             assert_eq!(bytes(&whole), bytes(&merged));
-            let summary = |counts: &LawCounts| {
-                counts.summary(&counts.ordered(), [0.0; 2], Some(1000), independent(1000, true), false)
-            };
+            let summary = |counts: &LawCounts| counts.summary(&counts.ordered(), Some(1000));
             assert_eq!(format!("{:?}", summary(&whole)), format!("{:?}", summary(&merged)));
             // Counting what waits changes nothing, now and for sticks that come later.
             let mut settled = whole.clone();
@@ -528,13 +492,12 @@ mod tests {
     fn a_curve_that_few_tell_is_not_certain() {
         let mut totals = LawCounts::empty(64.0);
         (0..4).for_each(|path| totals.completed(path, 1.0 + 0.4 * path as f64));
-        let sticks = totals.summary(&totals.ordered(), [0.0; 2], Some(4), independent(4, true), false);
+        let sticks = totals.summary(&totals.ordered(), Some(4));
         let (last, low, high) = (sticks.survival.len() - 1, &sticks.survival_ends.low, &sticks.survival_ends.high);
         assert_eq!((sticks.survival[last], low[last]), (0.0, 0.0));
         assert!(high[last] > 0.2 && low[0] < 0.6, "{low:?} {high:?}");
-        assert!(sticks.count_ends.high.iter().all(|high| *high > 1.0), "{:?}", sticks.count_ends);
         // Where nothing is random, every number is certain.
-        let sticks = totals.summary(&totals.ordered(), [0.0; 2], None, independent(4, false), false);
+        let sticks = totals.summary(&totals.ordered(), None);
         assert_eq!(sticks.survival_ends.low, sticks.survival);
         assert_eq!(sticks.survival_ends.high, sticks.survival);
     }
@@ -546,8 +509,7 @@ mod tests {
             totals.completed(i, 0.75 + 0.001 * i as f64);
         }
         totals.completed(5, 0.0);
-        let histogram =
-            totals.summary(&totals.ordered(), [0.0; 2], Some(1000), independent(1000, true), false).histogram;
+        let histogram = totals.summary(&totals.ordered(), Some(1000)).histogram;
         assert_eq!(histogram.edges.len(), histogram.counts.len() + 1);
         assert_eq!(histogram.edges[0], 0.0);
         for (edges, &count) in histogram.edges.windows(2).zip(&histogram.counts) {

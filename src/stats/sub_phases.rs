@@ -1,10 +1,9 @@
 //! How many sub-phases the dynamic phases have.
 
 use super::SubPhaseCounts;
+use crate::sums::Merge;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::codec::{Codec, Damaged, Reader};
-use crate::sums::range::Sample;
-use crate::sums::{Ends, Merge};
 
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
@@ -52,7 +51,7 @@ impl SubPhaseTotals {
 
     /// The distribution of k(j). `chance` is the number of units that completed a dynamic phase, if
     /// these are random.
-    pub fn summary(&self, chance: Option<u64>, sample: Sample) -> SubPhaseCounts {
+    pub fn summary(&self, chance: Option<u64>) -> SubPhaseCounts {
         let counts: Vec<u64> = self.counts.iter().map(|batches| batches.iter().sum()).collect();
         let all: u64 = counts.iter().sum();
         let batches = self.batches();
@@ -60,14 +59,11 @@ impl SubPhaseTotals {
         let share = |k: usize| {
             Share::of(batches.iter().zip(&sizes).map(|(batch, &size)| (batch[k] as f64, size))).interval(chance)
         };
-        let share_ends: Ends = (0..SUB_PHASE_CAP).map(share).collect();
         SubPhaseCounts {
             shares: counts.iter().map(|&count| count as f64 / all as f64).collect(),
-            count_ends: share_ends.times(all as f64),
-            share_ends,
+            share_ends: (0..SUB_PHASE_CAP).map(share).collect(),
             counts,
             censored: self.censored,
-            censored_ends: sample.number(self.censored),
         }
     }
 }

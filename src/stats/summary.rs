@@ -105,20 +105,12 @@ pub struct Distribution {
     pub step: Option<f64>,
     /// Phases that ended.
     pub completed: u64,
-    /// Interval of the expected number of these phases in as many paths.
-    pub completed_ends: [f64; 2],
     /// Phases that still run at t_end (right-censored).
     pub censored: u64,
-    /// Interval of the expected number of these phases in as many paths.
-    pub censored_ends: [f64; 2],
     /// Values of the completed phases, in logarithmic bins.
     pub histogram: Histogram,
-    /// Interval of the expected number in each bin among as many completed phases.
-    pub count_ends: Ends,
     /// Values so far of the censored phases, in the same bins.
     pub censored_counts: Vec<u64>,
-    /// Interval of the expected number of censored phases in each bin in as many paths.
-    pub censored_count_ends: Ends,
     /// Kaplan-Meier estimate of P(D > t) at the upper edge of each bin.
     pub survival: Vec<f64>,
     /// Interval of the survival probability at each edge.
@@ -127,11 +119,6 @@ pub struct Distribution {
     pub quantiles: Vec<f64>,
     /// Interval of each quantile.
     pub quantile_ends: Ends,
-    /// `histogram.counts` of each batch of paths, batch after batch; empty unless the laws were
-    /// asked for. A path is in the batch of its number modulo 32, and a pair in that of its number.
-    pub batch_counts: Vec<u64>,
-    /// `censored_counts` of each batch of paths, likewise.
-    pub batch_censored_counts: Vec<u64>,
 }
 
 /// First sticks (j = 0).
@@ -139,12 +126,8 @@ pub struct Distribution {
 pub struct FirstSticks {
     /// First sticks that ended.
     pub completed: u64,
-    /// Interval of the expected number of these sticks in as many paths.
-    pub completed_ends: [f64; 2],
     /// First sticks that still run at t_end.
     pub censored: u64,
-    /// Interval of the expected number of these sticks in as many paths.
-    pub censored_ends: [f64; 2],
 }
 
 /// A density, cell by cell.
@@ -251,16 +234,12 @@ pub struct SubPhaseCounts {
     /// counts[k - 1] is the number of completed dynamic phases with k sub-phases. The last entry
     /// also counts all larger k.
     pub counts: Vec<u64>,
-    /// Interval of each expected number among as many completed dynamic phases.
-    pub count_ends: Ends,
     /// shares[k - 1] is the share of these phases among all completed dynamic phases.
     pub shares: Vec<f64>,
     /// Interval of each share.
     pub share_ends: Ends,
     /// Dynamic phases that still run at t_end.
     pub censored: u64,
-    /// Interval of the expected number of these phases in as many paths.
-    pub censored_ends: [f64; 2],
 }
 
 /// What the statistics leave out because it was before [`crate::scenario::Statistics::after`]. The
@@ -271,12 +250,8 @@ pub struct Transient {
     pub end: f64,
     /// Completed sticks, j >= 1, that began before this end.
     pub sticks: u64,
-    /// Interval of the expected number of these sticks in as many paths.
-    pub stick_ends: [f64; 2],
     /// Completed dynamic phases that began before this end.
     pub slips: u64,
-    /// Interval of the expected number of these phases in as many paths.
-    pub slip_ends: [f64; 2],
     /// Mean displacement during the burn-in, x(end) - x0.
     pub displacement: Measurement,
 }

@@ -322,9 +322,7 @@ impl Totals {
                     self.distribution(law, of.law(law), &ordered)
                 })
             }),
-            sub_phases: counts
-                .sub_phases
-                .summary(counts.chance(sums.phases.cascade.contributing.slips), counts.sample()),
+            sub_phases: counts.sub_phases.summary(counts.chance(sums.phases.cascade.contributing.slips)),
             transient: (timeline.after > 0.0).then(|| self.transient()),
             periods: sums.phases.periods.summary(timeline, !counts.certain.everything, counts.certain.drift),
             bands,
@@ -340,34 +338,23 @@ impl Totals {
         let Totals { sums, counts, .. } = self;
         let Some(moments) = sums.phases.law(law) else { return Distribution::default() };
         let chance = counts.chance(moments.contributing());
-        let of_phases = counts.chance(counts.units).filter(|_| !counts.certain.is_without_phases());
-        let number = moments.number().in_range(Range::NOT_NEGATIVE, of_phases).interval();
-        let completed = number.map(|end| end * counts.paths as f64);
-        of.summary(ordered, completed, chance, counts.sample(), counts.laws.is_some())
+        of.summary(ordered, chance)
     }
 
     fn first_sticks(&self) -> FirstSticks {
-        let Counts { first_completed: completed, first_censored: censored, certain, .. } = self.counts;
-        let sample =
-            Sample { is_random: self.counts.sample().is_random && !certain.first_stick, ..self.counts.sample() };
-        let [completed_ends, censored_ends] = [completed, censored].map(|count| sample.number(count));
-        FirstSticks { completed, completed_ends, censored, censored_ends }
+        let Counts { first_completed: completed, first_censored: censored, .. } = self.counts;
+        FirstSticks { completed, censored }
     }
 
     fn transient(&self) -> Transient {
         let Totals { timeline, sums, counts } = self;
-        let early = &sums.phases.cascade.early;
-        let of_phases = counts.chance(counts.units).filter(|_| !counts.certain.is_without_phases());
-        let mean = |moments, range, chance| Measured::mean(moments).in_range(range, chance);
-        let ends = |moments| mean(moments, Range::NOT_NEGATIVE, of_phases).interval();
-        let number = |moments| ends(moments).map(|end| end * counts.paths as f64);
         Transient {
             end: timeline.after,
             sticks: counts.early_sticks,
-            stick_ends: number(&early.sticks),
             slips: counts.early_slips,
-            slip_ends: number(&early.slips),
-            displacement: mean(&early.displacement, Range::ANY, counts.chance(counts.units)).measurement(),
+            displacement: Measured::mean(&sums.phases.cascade.early_displacement)
+                .in_range(Range::ANY, counts.chance(counts.units))
+                .measurement(),
         }
     }
 

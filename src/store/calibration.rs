@@ -2,8 +2,9 @@
 
 use super::StoreError;
 use super::at_once::write_at_once;
-use super::reader::{check_file, damaged, open};
+use super::reader::{check_file, check_version, damaged, open};
 use crate::dataset::calibration::{CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION, units};
+use crate::dataset::header::parse_version;
 use crate::dataset::{self, StoredCalibration, read_attribute};
 use std::path::Path;
 
@@ -22,9 +23,6 @@ pub fn read_calibration(path: &Path) -> Result<StoredCalibration, StoreError> {
         return Err(StoreError::Foreign { path: path.to_owned() });
     }
     let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
-    let version = version.split_once('.').and_then(|(a, b)| Some((a.parse::<u32>().ok()?, b.parse::<u32>().ok()?)));
-    if let Some((major, minor)) = version.filter(|version| version.0 > CALIBRATION_FORMAT_VERSION.0) {
-        return Err(StoreError::Newer { path: path.to_owned(), major, minor });
-    }
+    check_version(path, parse_version(&version).unwrap_or((u32::MAX, 0)), CALIBRATION_FORMAT_VERSION)?;
     dataset::calibration::read(&file).map_err(damaged(path))
 }

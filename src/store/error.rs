@@ -225,18 +225,20 @@ pub enum StoreError {
         /// The file.
         path: PathBuf,
     },
-    /// The file has a newer format than this program can read.
+    /// The file has another format than this program reads.
     #[error(
-        "{}: written in format {major}.{minor}, and this program reads up to {}.x; use a newer version of mc",
-        path.display(), crate::dataset::FORMAT_VERSION.0
+        "{}: written in format {major}.{minor}, and this program reads {reads}.x\n  fix: use the version of mc that wrote the file, or make it again from the scenario in it",
+        path.display()
     )]
-    Newer {
+    OtherFormat {
         /// The file.
         path: PathBuf,
         /// Its major format version.
         major: u32,
         /// Its minor format version.
         minor: u32,
+        /// The major format version of this program.
+        reads: u32,
     },
     /// The file is one of this program, but its contents cannot be read.
     #[error("{}: damaged or cut short ({cause}); copy it again from its origin, or run again", path.display())]

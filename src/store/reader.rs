@@ -39,12 +39,15 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     let file = open(path)?;
     match header::format_version(&file) {
         None => return Err(StoreError::Foreign { path: path.to_owned() }),
-        Some((major, minor)) if major > FORMAT_VERSION.0 => {
-            return Err(StoreError::Newer { path: path.to_owned(), major, minor });
-        }
-        Some(_) => {}
+        Some(found) => check_version(path, found, FORMAT_VERSION)?,
     }
     Stored::read(&file).map_err(damaged(path))
+}
+
+/// Check that a file has the format that this program writes.
+pub(super) fn check_version(path: &Path, (major, minor): (u32, u32), reads: (u32, u32)) -> Result<(), StoreError> {
+    let reads = reads.0;
+    if major == reads { Ok(()) } else { Err(StoreError::OtherFormat { path: path.to_owned(), major, minor, reads }) }
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The

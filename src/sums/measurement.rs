@@ -31,12 +31,6 @@ impl Ends {
     pub fn at(&self, point: usize) -> [f64; 2] {
         [&self.low, &self.high].map(|ends| ends.get(point).copied().unwrap_or(f64::NAN))
     }
-
-    /// The ends times a number that is not negative.
-    pub(crate) fn times(&self, number: f64) -> Ends {
-        let times = |ends: &[f64]| ends.iter().map(|end| end * number).collect();
-        Ends { low: times(&self.low), high: times(&self.high) }
-    }
 }
 
 impl FromIterator<[f64; 2]> for Ends {

@@ -92,11 +92,6 @@ impl Sample {
             (units, true) => wilson(share, units as f64, NORMAL),
         }
     }
-
-    /// The interval of the number of paths with some property, likewise.
-    pub fn number(self, count: u64) -> [f64; 2] {
-        self.share(count).map(|end| end * self.paths as f64)
-    }
 }
 
 /// Paths each of which is an independent unit.

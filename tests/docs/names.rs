@@ -15,10 +15,8 @@ use std::path::Path;
 /// Names that do not belong to this package: of other programs, their types and units, of other
 /// packages, and a column that benches/peers/report.py prints; and variables whose names the source
 /// puts together from that of a law.
-const FOREIGN: [&str; 23] = [
+const FOREIGN: [&str; 21] = [
     "duration_bin_lower",
-    "stick_duration_batch_count",
-    "stick_duration_batch_censored_count",
     "agrees",
     "aarch64-unknown-linux-gnu",
     "apt-get",

@@ -66,18 +66,16 @@ fn bits(summary: &Summary) -> Vec<u64> {
     let transient = summary.transient.expect("a burn-in");
     all.extend([transient.sticks, transient.slips]);
     all.extend([transient.displacement.estimate, transient.displacement.high].map(f64::to_bits));
-    all.extend([transient.stick_ends[1], transient.slip_ends[1]].map(f64::to_bits));
     let (sticks, first) = (&summary.stick_durations, &summary.first_sticks);
     all.extend(sticks.histogram.counts.iter().chain(&sticks.censored_counts));
     all.extend(sticks.survival.iter().chain(&sticks.quantiles).chain(&sticks.histogram.edges).map(|x| x.to_bits()));
     let (periods, phases) = (&summary.periods, &summary.sub_phases);
     all.extend(&phases.counts);
     all.extend(phases.shares.iter().map(|x| x.to_bits()));
-    curves.extend([&sticks.count_ends, &sticks.censored_count_ends, &sticks.survival_ends, &sticks.quantile_ends]);
-    curves.extend([&phases.count_ends, &phases.share_ends, &periods.mean_ends, &periods.variance_ends]);
+    curves.extend([&sticks.survival_ends, &sticks.quantile_ends]);
+    curves.extend([&phases.share_ends, &periods.mean_ends, &periods.variance_ends]);
     all.extend(curves.iter().flat_map(|ends| ends.low.iter().chain(&ends.high)).map(|x| x.to_bits()));
-    let scalars = [sticks.completed_ends, sticks.censored_ends, first.completed_ends, first.censored_ends];
-    all.extend(scalars.iter().chain([&phases.censored_ends]).flatten().map(|x| x.to_bits()));
+    all.extend([sticks.completed, sticks.censored, first.completed, first.censored, phases.censored]);
     all
 }
 

@@ -285,8 +285,7 @@ fn what_the_scene_alone_decides_has_an_interval_of_width_zero() {
             let e = summary.estimate(statistic);
             assert_eq!([e.estimate, e.low, e.high], [0.0; 3], "{}", statistic.name());
         }
-        let sticks = &summary.first_sticks;
-        assert_eq!((sticks.completed_ends, sticks.censored_ends), ([20.0; 2], [0.0; 2]));
+        assert_eq!((summary.first_sticks.completed, summary.first_sticks.censored), (20, 0));
         let ends = &summary.bands.static_probability_ends;
         assert_eq!([ends.low[0], ends.high[0]], [0.0; 2]);
         assert!(ends.high[1] > 0.1, "{ends:?}");

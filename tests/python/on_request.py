@@ -85,7 +85,6 @@ def check_laws(data, statistic, after):
         lower, upper = data[f"{law}_bin_lower"][:], data[f"{law}_bin"][:]
         count = [np.sum((lo <= values) & (values < hi)) for lo, hi in zip(lower, upper)]
         same(f"{law}_count", data[f"{law}_count"][:], count)
-        same(f"{law}_batch_count", data[f"{law}_batch_count"][:].sum(axis=0), count)
         # The file counts values that share a fine bin, of 1/256 of an octave, as ties.
         off = np.abs(data[f"{law}_survival"][:] - kaplan_meier(values, censored, upper))
         if off.max() > 3e-4:

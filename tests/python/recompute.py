@@ -46,10 +46,8 @@ UNIT = {name: unit for unit, names in UNITS.items() for name in names.split()}
 # Variables that are estimated from the paths have an interval, NAME_low and NAME_high, in their own
 # unit.
 WITH_INTERVAL = """displacement_mean displacement_sd displacement_quantile velocity_mean velocity_sd velocity_quantile temperature_mean
-    temperature_sd temperature_quantile static_probability stick_duration_count stick_duration_censored_count
-    stick_duration_survival stick_duration_quantile stick_duration_completed stick_duration_censored
-    first_stick_duration_completed first_stick_duration_censored sub_phase_count sub_phase_share sub_phase_censored
-    displacement_period_mean displacement_period_variance transient_sticks transient_slips transient_displacement""".split()
+    temperature_sd temperature_quantile static_probability stick_duration_survival stick_duration_quantile
+    sub_phase_share displacement_period_mean displacement_period_variance transient_displacement""".split()
 UNIT |= {f"{name}_{end}": UNIT[name] for name in WITH_INTERVAL for end in ("low", "high")}
 
 # Every statistic, in the order of the file, with its unit.
@@ -528,26 +526,7 @@ def check_durations(data, paths):
 
 
 def check_duration_intervals(data, paths, count):
-    n, contributing = len(paths), sum(len(path.sticks) > 0 for path in paths)
-    in_bins = in_batches(paths, lambda path: count(np.array(path.sticks)))
-    wholes = in_bins.sum(axis=1)
-    low, high = share_interval(in_bins, wholes, contributing)
-    same_interval(data, "stick_duration_count", low * wholes.sum(), high * wholes.sum())
-    for name in (
-        "stick_duration_censored_count",
-        "stick_duration_censored",
-        "first_stick_duration_completed",
-        "first_stick_duration_censored",
-    ):
-        low, high = wilson(data[name] / n, n)
-        same_interval(data, name, low * n, high * n)
-    sticks = np.array([len(path.sticks) for path in paths])
-    # As for sticks_per_path: Student's t for the logarithm.
-    freedom = cautious(freedom_of(sticks - sticks.mean(), n), contributing, n)
-    relative = sticks.std(ddof=1) / math.sqrt(n) / sticks.mean()
-    factor = math.exp(student(freedom) * relative)
-    same_interval(data, "stick_duration_completed", sticks.sum() / factor, sticks.sum() * factor)
-
+    contributing = sum(len(path.sticks) > 0 for path in paths)
     def survival(paths):
         """The survival curve computed bin by bin of the file, which is near the curve of the file."""
         ended = np.array(count(np.array([d for path in paths for d in path.sticks])))
@@ -619,9 +598,6 @@ def check_sub_phases(data, paths):
     )
     ends = share_interval(by_k, by_k.sum(axis=1), sum(len(path.counts) > 0 for path in paths))
     same_interval(data, "sub_phase_share", *ends)
-    same_interval(data, "sub_phase_count", *(end * len(counts) for end in ends))
-    low, high = wilson(data["sub_phase_censored"] / len(paths), len(paths))
-    same_interval(data, "sub_phase_censored", low * len(paths), high * len(paths))
     # In the quasi-static recursion each slip has one sub-phase.
     is_recursion = data.attributes["scheme"] == "quasi-static"
     check(
@@ -677,10 +653,6 @@ def check_transient(data, paths):
     ]:
         same(f"transient_{name}", data[f"transient_{name}"], wanted, 1e-8)
     same_interval(data, "transient_displacement", moved.mean() - reach, moved.mean() + reach)
-    for name in ("sticks", "slips"):
-        counts = np.array([getattr(path, f"early_{name}") for path in paths])
-        reach = student(len(counts) - 1) * counts.std(ddof=1) * math.sqrt(len(counts))
-        same_interval(data, f"transient_{name}", max(0, counts.sum() - reach), counts.sum() + reach)
     check(
         data["transient_sticks"] > 100 and data["transient_slips"] > 100,
         "the burn-in leaves something out",

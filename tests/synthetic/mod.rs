@@ -162,20 +162,16 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         stick_durations: Distribution {
             step: header.step,
             completed: 10,
-            completed_ends: [8.5, f64::INFINITY],
             censored: 3,
-            censored_ends: [1.0, 7.0],
             histogram: Histogram { edges: vec![0.0, 0.1, 1.0, 10.0, f64::INFINITY], counts: vec![1, 4, 5, 0] },
-            count_ends: ends(4, 80),
             censored_counts: vec![0, 1, 2, 0],
-            censored_count_ends: ends(4, 81),
             survival: vec![0.9, 0.5, 0.1, 0.0],
             survival_ends: ends(4, 82),
             quantiles: vec![0.05, 0.2, 0.5, 2.0, 7.0],
             quantile_ends: ends(5, 83),
             ..Distribution::default()
         },
-        first_sticks: FirstSticks { completed: 4, completed_ends: [2.0, 6.0], censored: 0, censored_ends: [0.0, 0.5] },
+        first_sticks: FirstSticks { completed: 4, censored: 0 },
         laws: None,
         densities: None,
         spectrum: None,
@@ -184,11 +180,9 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         asked: Statistic::ALL.to_vec(),
         sub_phases: SubPhaseCounts {
             counts: vec![7, 2, 1],
-            count_ends: ends(3, 84),
             shares: vec![0.7, 0.2, 0.1],
             share_ends: ends(3, 85),
             censored: 2,
-            censored_ends: [0.5, 4.0],
         },
         periods: PeriodMoments {
             drift_limit: Some(0.0),
@@ -201,9 +195,7 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
         transient: Some(Transient {
             end: 25.1,
             sticks: 5,
-            stick_ends: [2.5, 9.0],
             slips: 6,
-            slip_ends: [3.5, 8.0],
             displacement: Measurement { estimate: -0.5, standard_error: 0.1, low: -0.7, high: -0.3 },
         }),
         bands: Bands {

@@ -37,25 +37,16 @@ pub fn summary() -> Summary {
         stick_durations: Distribution {
             step: None,
             completed: 141_226,
-            completed_ends: [141_083.0, 141_369.0],
             censored: 812,
-            censored_ends: [759.0, 868.0],
             histogram: Histogram { edges: vec![0.0, 1.0], counts: vec![141_226] },
-            count_ends: Ends::default(),
             censored_counts: vec![812],
-            censored_count_ends: Ends::default(),
             survival: vec![0.0],
             survival_ends: Ends::default(),
             quantiles: vec![0.5; QUANTILE_LEVELS.len()],
             quantile_ends: Ends::default(),
             ..Distribution::default()
         },
-        first_sticks: FirstSticks {
-            completed: 10_000,
-            completed_ends: [9_996.0, 10_000.0],
-            censored: 0,
-            censored_ends: [0.0, 4.0],
-        },
+        first_sticks: FirstSticks { completed: 10_000, censored: 0 },
         laws: None,
         densities: None,
         spectrum: None,
@@ -64,11 +55,9 @@ pub fn summary() -> Summary {
         asked: Statistic::asked_by(&Record::NOTHING),
         sub_phases: SubPhaseCounts {
             counts: vec![100_000, 42_000],
-            count_ends: Ends::default(),
             shares: vec![0.704, 0.296],
             share_ends: Ends::default(),
             censored: 9_000,
-            censored_ends: [8_939.0, 9_057.0],
         },
         periods: PeriodMoments {
             drift_limit: Some(0.0),

@@ -1,10 +1,11 @@
 //! Reading the file of a sweep, finished or not.
 
+use crate::dataset::header::parse_version;
 use crate::dataset::sweep::{self, SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name, program};
 use crate::dataset::{StoredSweep, read_attribute};
 use crate::engine::Provenance;
 use crate::store::StoreError;
-use crate::store::reader::{check_file, damaged, open};
+use crate::store::reader::{check_file, check_version, damaged, open};
 use crate::study::sweep::{Design, SweepQuestion};
 use std::path::Path;
 
@@ -55,9 +56,6 @@ pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
         return Err(StoreError::NotASweep { path: path.to_owned() });
     }
     let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
-    let major = version.split('.').next().and_then(|major| major.parse().ok()).unwrap_or(u32::MAX);
-    if major > SWEEP_FORMAT_VERSION.0 {
-        return Err(StoreError::Newer { path: path.to_owned(), major, minor: 0 });
-    }
+    check_version(path, parse_version(&version).unwrap_or((u32::MAX, 0)), SWEEP_FORMAT_VERSION)?;
     sweep::read(&file).map_err(damaged(path))
 }
