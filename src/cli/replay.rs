@@ -21,7 +21,7 @@ The events are always all there.";
 /// Arguments of `mc replay`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
-pub struct Replay {
+pub struct Arguments {
     /// A file that `mc run` wrote
     file: PathBuf,
     /// Number of the path, from 0
@@ -35,7 +35,7 @@ pub struct Replay {
     force: bool,
 }
 
-impl Replay {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = files::read(&self.file, store::read)?;
         results::check_path(&stored, self.path)?;

@@ -37,7 +37,7 @@ pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
 
 use crate::model::{Series, Temperature};
 use crate::scenario::Scenario;
-use source::{Samples, Sources};
+use source::{GivenSamples, Sources};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -216,7 +216,7 @@ impl Scenario {
         overrides: &[Override],
         stored: Option<&Arc<Series>>,
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, stored.map(Samples::Stored)))
+        parsed(&Sources::new(name, text, overrides, stored.map(GivenSamples::Stored)))
     }
 
     /// The same with given samples of a measured temperature in place of `[temperature.series]`,
@@ -228,7 +228,7 @@ impl Scenario {
         overrides: &[Override],
         samples: &Arc<Series>,
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, Some(Samples::Given(samples))))
+        parsed(&Sources::new(name, text, overrides, Some(GivenSamples::Given(samples))))
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.

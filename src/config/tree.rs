@@ -22,12 +22,12 @@ pub(super) enum Value {
     Boolean(bool),
     Datetime,
     Array(Vec<Node>),
-    Table(Vec<Entry>),
+    Table(Vec<KeyValue>),
 }
 
 /// A key of a table, with its value.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(super) struct KeyValue {
     pub key: String,
     pub key_place: Place,
     pub node: Node,
@@ -44,7 +44,7 @@ impl Node {
     }
 }
 
-impl Entry {
+impl KeyValue {
     fn texts_at(&self, key: &str) -> Vec<(Place, &str)> {
         match &self.node.value {
             Value::Text(text) if self.key == key => vec![(self.node.place, text)],
@@ -99,12 +99,12 @@ fn node(value: Spanned<DeValue<'_>>, text: usize) -> Node {
 }
 
 fn table(entries: DeTable<'_>, text: usize) -> Value {
-    let mut entries: Vec<Entry> = entries
+    let mut entries: Vec<KeyValue> = entries
         .into_iter()
         .map(|(key, value)| {
             let span = key.span();
             let key_place = Place { text, start: span.start, end: span.end };
-            Entry { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
+            KeyValue { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
         })
         .collect();
     // Entries are in the order of the file, so that the first mistake in it is reported first.
@@ -132,7 +132,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
             Value::Table(entries) => {
                 let at = entries.iter().position(|entry| entry.key == segment).unwrap_or_else(|| {
                     let empty = Node { place, value: Value::Table(Vec::new()) };
-                    entries.push(Entry { key: segment.to_string(), key_place: place, node: empty });
+                    entries.push(KeyValue { key: segment.to_string(), key_place: place, node: empty });
                     entries.len() - 1
                 });
                 &mut entries[at].node

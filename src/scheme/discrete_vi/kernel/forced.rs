@@ -4,7 +4,7 @@
 //! So all paths make a step before any of them makes the next one, in groups whose states stay in
 //! the nearest cache, and the normals of several steps are drawn in advance.
 
-use super::{Regime, Run, Splat, State, note};
+use super::{LaneRun, Regime, Splat, State, note};
 use crate::lanes::Lanes;
 use std::ops::Range;
 
@@ -28,7 +28,7 @@ struct Room<L: Lanes> {
 }
 
 impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+    LaneRun<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
 {
     /// Takes every path through the whole run.
     #[inline(always)]

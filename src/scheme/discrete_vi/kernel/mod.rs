@@ -62,7 +62,7 @@ impl Coefficients {
     }
 
     /// b(X, V, t) without g, rounded as in the lanes; `forcing` is K beta times the harmonics at t.
-    fn force(&self, at: &Point, forcing: f64) -> f64 {
+    fn force(&self, at: &LaneState, forcing: f64) -> f64 {
         let temperature_force = self.noise_force.mul_add(at.noise, forcing);
         let b = self.minus_stiffness.mul_add(at.displacement, temperature_force);
         self.minus_two_alpha.mul_add(at.velocity, b)
@@ -155,9 +155,9 @@ impl Paths {
     }
 
     /// One path.
-    pub(super) fn point(&self, lane: usize) -> Point {
+    pub(super) fn point(&self, lane: usize) -> LaneState {
         let (displacement, velocity) = (self.displacement[lane], self.velocity[lane]);
-        Point { displacement, velocity, noise: self.noise[lane] }
+        LaneState { displacement, velocity, noise: self.noise[lane] }
     }
 
     /// All paths at this x and x', and the given v(0)/unit.
@@ -169,7 +169,7 @@ impl Paths {
 
 /// X, V and v/unit of one path at one instant.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(super) struct LaneState {
     pub displacement: f64,
     pub velocity: f64,
     pub noise: f64,
@@ -181,8 +181,8 @@ pub(super) struct Turn {
     pub lane: usize,
     /// The number of the step within the run.
     pub step: usize,
-    pub before: Point,
-    pub after: Point,
+    pub before: LaneState,
+    pub after: LaneState,
 }
 
 /// The kernel for one scene. Terms that the scene does not have are compiled out.
@@ -219,7 +219,7 @@ impl Kernel {
     }
 
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
-    pub(super) fn force(&self, at: &Point, forcing: f64, n: u64) -> f64 {
+    pub(super) fn force(&self, at: &LaneState, forcing: f64, n: u64) -> f64 {
         let b = self.coefficients.force(at, forcing);
         match &self.own {
             Some(own) => b + own.at(self.instructions, at.displacement, at.velocity, n as f64 * self.coefficients.h),
@@ -263,7 +263,7 @@ impl Kernel {
         &self,
         work: Work<'_>,
     ) {
-        let mut run = Run::<OWN, NOISE, MIRRORED, DAMPING, CORRECTED> {
+        let mut run = LaneRun::<OWN, NOISE, MIRRORED, DAMPING, CORRECTED> {
             kernel: self,
             c: &self.coefficients,
             scale: &self.noise,
@@ -283,7 +283,8 @@ struct Work<'a> {
     turns: &'a mut Vec<Turn>,
 }
 
-struct Run<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
+struct LaneRun<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
+{
     kernel: &'a Kernel,
     c: &'a Coefficients,
     scale: &'a NoiseScale,
@@ -291,7 +292,7 @@ struct Run<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const D
 }
 
 impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
-    for Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+    for LaneRun<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
 {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
@@ -313,7 +314,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
 }
 
 impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+    LaneRun<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
 {
     /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
     /// of lanes.
@@ -550,7 +551,7 @@ fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, 
 #[cold]
 #[inline(never)]
 fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before: &Spilled, after: &Spilled) {
-    let point = |Spilled([displacement, velocity, noise]): &Spilled, i: usize| Point {
+    let point = |Spilled([displacement, velocity, noise]): &Spilled, i: usize| LaneState {
         displacement: displacement[i],
         velocity: velocity[i],
         noise: noise[i],
