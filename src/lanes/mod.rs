@@ -48,8 +48,8 @@ use arithmetic;
 /// Marks functions `#[inline(always)]`, so that they are compiled for the instruction set of the
 /// caller.
 macro_rules! inlined {
-    ($(fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? $body:block)*) => {
-        $(#[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? $body)*
+    ($($(#[$about:meta])* fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? $body:block)*) => {
+        $($(#[$about])* #[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? $body)*
     };
 }
 use inlined;
