@@ -323,8 +323,10 @@ impl InstructionSet {
     pub fn run_paired(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 if self.is_available() => x86::run_avx512(program),
+            #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 if self.is_available() => x86::run_avx2_paired(program),
-            _ => self.run(program),
+            _ => program.run::<Portable>(),
         }
     }
 }

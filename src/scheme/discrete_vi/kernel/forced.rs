@@ -27,9 +27,7 @@ struct Room<L: Lanes> {
     g: [f64; TOGETHER],
 }
 
-impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    LaneRun<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
-{
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN, NOISE, CORRECTED> {
     /// Takes every path through the whole run.
     #[inline(always)]
     pub(super) fn advance_forced<L: Lanes>(&mut self) {
@@ -57,7 +55,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
     #[inline(always)]
     fn draw<L: Lanes>(&mut self, group: Range<usize>, chi: &mut [[f64; TOGETHER]]) {
         for from in (0..group.len()).step_by(L::WIDTH) {
-            let mut normals = self.work.streams.take::<L, 1, MIRRORED>(group.start + from);
+            let mut normals = self.work.streams.take::<L, 1>(group.start + from);
             for chi in chi.iter_mut() {
                 self.scale.increment(&mut normals)[0].store(&mut chi[from..]);
             }
@@ -88,7 +86,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
         let mut lane = group.start;
         for (((((x, v), noise), g), chi), regime) in x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes) {
             let state = State { x: L::load(x), v: L::load(v), noise: if NOISE { L::load(noise) } else { zero } };
-            let s = c.impulse(c.force::<NOISE, DAMPING>(&state, forcing) + L::load(g), &state);
+            let s = c.impulse(c.force::<NOISE>(&state, forcing) + L::load(g), &state);
             let turned = every_lane ^ L::bitmask(regime.holds(s, L::always()));
             let mut next_v = regime.velocity(s);
             if turned != 0 {

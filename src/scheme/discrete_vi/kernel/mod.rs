@@ -120,10 +120,7 @@ impl NoiseScale {
 
     /// Draws the next increment of v/unit.
     #[inline(always)]
-    fn increment<L: Lanes, const R: usize, const MIRRORED: bool>(
-        &self,
-        normals: &mut LaneNormals<L, R, MIRRORED>,
-    ) -> [L; R] {
+    fn increment<L: Lanes, const R: usize>(&self, normals: &mut LaneNormals<L, R>) -> [L; R] {
         if !self.draws {
             return [L::splat(0.0); R];
         }
@@ -191,7 +188,6 @@ pub(super) struct Kernel {
     pub coefficients: Coefficients,
     pub noise: NoiseScale,
     has_noise: bool,
-    has_damping: bool,
     is_corrected: bool,
     /// g.
     own: Option<Force>,
@@ -211,7 +207,6 @@ impl Kernel {
             coefficients: Coefficients::new(model, h, is_corrected, &noise),
             noise,
             has_noise: model.temperature.effective_noise().is_some(),
-            has_damping: model.oscillator.damping != 0.0,
             is_corrected,
             own: model.force.clone(),
             instructions,
@@ -240,35 +235,21 @@ impl Kernel {
     ) {
         turns.clear();
         let work = Work { n, forcing, streams, paths, turns };
-        match (self.own.is_some(), self.has_damping, self.is_corrected) {
-            (false, false, false) => self.run_noise::<false, false, false>(work),
-            (false, false, true) => self.run_noise::<false, false, true>(work),
-            (false, true, false) => self.run_noise::<false, true, false>(work),
-            (false, true, true) => self.run_noise::<false, true, true>(work),
-            // Beside a force of the user's own, the damping costs nothing.
-            (true, _, false) => self.run_noise::<true, true, false>(work),
-            (true, _, true) => self.run_noise::<true, true, true>(work),
+        match (self.own.is_some(), self.has_noise, self.is_corrected) {
+            (false, false, false) => self.run::<false, false, false>(work),
+            (false, false, true) => self.run::<false, false, true>(work),
+            (false, true, false) => self.run::<false, true, false>(work),
+            (false, true, true) => self.run::<false, true, true>(work),
+            (true, false, false) => self.run::<true, false, false>(work),
+            (true, false, true) => self.run::<true, false, true>(work),
+            (true, true, false) => self.run::<true, true, false>(work),
+            (true, true, true) => self.run::<true, true, true>(work),
         }
     }
 
-    fn run_noise<const OWN: bool, const DAMPING: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
-        match (self.has_noise, work.streams.are_mirrored()) {
-            (false, _) => self.run::<OWN, false, false, DAMPING, CORRECTED>(work),
-            (true, false) => self.run::<OWN, true, false, DAMPING, CORRECTED>(work),
-            (true, true) => self.run::<OWN, true, true, DAMPING, CORRECTED>(work),
-        }
-    }
-
-    fn run<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>(
-        &self,
-        work: Work<'_>,
-    ) {
-        let mut run = LaneRun::<OWN, NOISE, MIRRORED, DAMPING, CORRECTED> {
-            kernel: self,
-            c: &self.coefficients,
-            scale: &self.noise,
-            work,
-        };
+    fn run<const OWN: bool, const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+        let mut run =
+            LaneRun::<OWN, NOISE, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
         self.instructions.run(&mut run);
     }
 }
@@ -283,17 +264,14 @@ struct Work<'a> {
     turns: &'a mut Vec<Turn>,
 }
 
-struct LaneRun<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-{
+struct LaneRun<'a, const OWN: bool, const NOISE: bool, const CORRECTED: bool> {
     kernel: &'a Kernel,
     c: &'a Coefficients,
     scale: &'a NoiseScale,
     work: Work<'a>,
 }
 
-impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
-    for LaneRun<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
-{
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneProgram for LaneRun<'_, OWN, NOISE, CORRECTED> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         if OWN {
@@ -313,9 +291,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
     }
 }
 
-impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    LaneRun<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
-{
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN, NOISE, CORRECTED> {
     /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
     /// of lanes.
     #[inline(always)]
@@ -332,7 +308,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
             *regime = c.regime(state.v);
         }
 
-        let mut normals = if NOISE { Some(self.work.streams.take::<L, R, MIRRORED>(lane)) } else { None };
+        let mut normals = if NOISE { Some(self.work.streams.take::<L, R>(lane)) } else { None };
         let every_lane = (1 << L::WIDTH) - 1;
 
         for (n, &forcing) in self.work.forcing[..self.work.forcing.len() - 1].iter().enumerate() {
@@ -344,7 +320,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
             let mut s = [forcing; R];
             let mut same = L::always();
             for r in 0..R {
-                s[r] = c.impulse(c.force::<NOISE, DAMPING>(&state[r], forcing), &state[r]);
+                s[r] = c.impulse(c.force::<NOISE>(&state[r], forcing), &state[r]);
                 same = regimes[r].holds(s[r], same);
             }
             if L::bitmask(same) == every_lane {
@@ -452,16 +428,13 @@ impl<L: Lanes> Splat<L> {
 
     /// b = K (beta T - X) - 2 alpha V, without g.
     #[inline(always)]
-    fn force<const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L) -> L {
+    fn force<const NOISE: bool>(&self, at: &State<L>, forcing: L) -> L {
         let mut b = forcing;
         if NOISE {
             b = self.noise_force.mul_add(at.noise, b);
         }
         b = self.minus_stiffness.mul_add(at.x, b);
-        if DAMPING {
-            b = self.minus_two_alpha.mul_add(at.v, b);
-        }
-        b
+        self.minus_two_alpha.mul_add(at.v, b)
     }
 
     /// S = V + (h/m) b
