@@ -24,6 +24,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
+        super::promise::check_hdf5(&self.output)?;
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
         self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;

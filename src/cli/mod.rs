@@ -27,6 +27,7 @@ mod numbers;
 mod overrides;
 mod plot;
 mod progress;
+mod promise;
 mod replay;
 mod report;
 mod results;

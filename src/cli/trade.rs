@@ -82,6 +82,7 @@ impl Arguments {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
+        super::promise::check_hdf5(output)?;
         writable(output, self.force, inputs)?;
         pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }

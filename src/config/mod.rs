@@ -242,7 +242,13 @@ impl Scenario {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn number_at(&self, key: &str) -> Option<f64> {
-        let mut spot = &toml::Value::Table(self.to_toml().parse().ok()?);
+        let whole = &toml::Value::Table(self.to_toml().parse().ok()?);
+        // A parameter of the force is a key by itself, as in an override.
+        let parameter = whole.get("force").and_then(|force| force.get("parameters")?.get(key)?.as_float());
+        if let (None, Some(value)) = (whole.get(key), parameter) {
+            return Some(value);
+        }
+        let mut spot = whole;
         for segment in key.split('.').map(str::trim) {
             spot = match spot {
                 toml::Value::Table(table) => table.get(segment)?,

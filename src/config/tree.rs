@@ -1,7 +1,9 @@
 //! TOML with the place of every value: the file as a tree, and the overrides applied to it.
 
 use super::error::Fault;
+use super::keys;
 use super::source::{Place, Sources};
+use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -118,9 +120,11 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let place = Place { text: i + 1, start: 0, end: 0 };
     let wrong = |problem: String, remedy: String| sources.fault(Some(place), problem, remedy);
 
+    let is_parameter = !keys::of_table("").contains(&this.key.as_str()) && has_parameter(root, &this.key);
+    let key = if is_parameter { format!("{FORCE_PARAMETERS}.{}", this.key) } else { this.key.clone() };
     let mut spot = root;
     let mut walked = String::new();
-    for segment in this.key.split('.') {
+    for segment in key.split('.') {
         let segment = segment.trim();
         if segment.is_empty() {
             return Err(wrong(
@@ -160,7 +164,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         walked.push_str(segment);
     }
 
-    let text = this.value.trim();
+    let text = &whole(this.value.trim());
     let is_quoted = text.starts_with(['"', '\'']);
     spot.value = match DeValue::parse(text) {
         // An expression needs no quotes on a command line, where a shell would take them away.
@@ -175,6 +179,26 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     };
     relocate(spot, place);
     Ok(())
+}
+
+/// Whether the force of a scenario has a parameter of this name, which is then a key by itself.
+fn has_parameter(root: &Node, name: &str) -> bool {
+    let mut path = FORCE_PARAMETERS.split('.').chain([name]);
+    let innermost = path.try_fold(root, |node, key| match &node.value {
+        Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
+        _ => None,
+    });
+    innermost.is_some()
+}
+
+/// The table of these parameters.
+const FORCE_PARAMETERS: &str = "force.parameters";
+
+/// A number such as .5 with the zero that TOML wants.
+fn whole(text: &str) -> Cow<'_, str> {
+    let digits = text.trim_start_matches(['-', '+']);
+    let begins = digits.starts_with('.') && digits[1..].starts_with(|c: char| c.is_ascii_digit());
+    if begins { Cow::Owned(text.replacen('.', "0.", 1)) } else { Cow::Borrowed(text) }
 }
 
 /// The key whose value is an expression.
