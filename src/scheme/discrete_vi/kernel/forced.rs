@@ -27,7 +27,9 @@ struct Room<L: Lanes> {
     g: [f64; TOGETHER],
 }
 
-impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN, NOISE, CORRECTED> {
+impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>
+    LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
+{
     /// Takes every path through the whole run.
     #[inline(always)]
     pub(super) fn advance_forced<L: Lanes>(&mut self) {
@@ -86,7 +88,7 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
         let mut lane = group.start;
         for (((((x, v), noise), g), chi), regime) in x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes) {
             let state = State { x: L::load(x), v: L::load(v), noise: if NOISE { L::load(noise) } else { zero } };
-            let s = c.impulse(c.force::<NOISE>(&state, forcing) + L::load(g), &state);
+            let s = c.impulse(c.force::<NOISE, DAMPING>(&state, forcing) + L::load(g), &state);
             let turned = every_lane ^ L::bitmask(regime.holds(s, L::always()));
             let mut next_v = regime.velocity(s);
             if turned != 0 {

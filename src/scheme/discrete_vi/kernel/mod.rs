@@ -188,6 +188,7 @@ pub(super) struct Kernel {
     pub coefficients: Coefficients,
     pub noise: NoiseScale,
     has_noise: bool,
+    has_damping: bool,
     is_corrected: bool,
     /// g.
     own: Option<Force>,
@@ -207,6 +208,7 @@ impl Kernel {
             coefficients: Coefficients::new(model, h, is_corrected, &noise),
             noise,
             has_noise: model.temperature.effective_noise().is_some(),
+            has_damping: model.oscillator.damping != 0.0,
             is_corrected,
             own: model.force.clone(),
             instructions,
@@ -235,21 +237,26 @@ impl Kernel {
     ) {
         turns.clear();
         let work = Work { n, forcing, streams, paths, turns };
-        match (self.own.is_some(), self.has_noise, self.is_corrected) {
-            (false, false, false) => self.run::<false, false, false>(work),
-            (false, false, true) => self.run::<false, false, true>(work),
-            (false, true, false) => self.run::<false, true, false>(work),
-            (false, true, true) => self.run::<false, true, true>(work),
-            (true, false, false) => self.run::<true, false, false>(work),
-            (true, false, true) => self.run::<true, false, true>(work),
-            (true, true, false) => self.run::<true, true, false>(work),
-            (true, true, true) => self.run::<true, true, true>(work),
+        match (self.has_noise, self.is_corrected) {
+            (false, false) => self.run_damping::<false, false>(work),
+            (false, true) => self.run_damping::<false, true>(work),
+            (true, false) => self.run_damping::<true, false>(work),
+            (true, true) => self.run_damping::<true, true>(work),
         }
     }
 
-    fn run<const OWN: bool, const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+    fn run_damping<const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+        match (self.own.is_some(), self.has_damping) {
+            (false, false) => self.run::<false, NOISE, false, CORRECTED>(work),
+            (false, true) => self.run::<false, NOISE, true, CORRECTED>(work),
+            // Beside a force of the user's own, the damping costs nothing.
+            (true, _) => self.run::<true, NOISE, true, CORRECTED>(work),
+        }
+    }
+
+    fn run<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
         let mut run =
-            LaneRun::<OWN, NOISE, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
+            LaneRun::<OWN, NOISE, DAMPING, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
         self.instructions.run(&mut run);
     }
 }
@@ -264,14 +271,16 @@ struct Work<'a> {
     turns: &'a mut Vec<Turn>,
 }
 
-struct LaneRun<'a, const OWN: bool, const NOISE: bool, const CORRECTED: bool> {
+struct LaneRun<'a, const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     kernel: &'a Kernel,
     c: &'a Coefficients,
     scale: &'a NoiseScale,
     work: Work<'a>,
 }
 
-impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneProgram for LaneRun<'_, OWN, NOISE, CORRECTED> {
+impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
+    for LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
+{
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         if OWN {
@@ -291,7 +300,9 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneProgram for 
     }
 }
 
-impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN, NOISE, CORRECTED> {
+impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>
+    LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
+{
     /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
     /// of lanes.
     #[inline(always)]
@@ -320,7 +331,7 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
             let mut s = [forcing; R];
             let mut same = L::always();
             for r in 0..R {
-                s[r] = c.impulse(c.force::<NOISE>(&state[r], forcing), &state[r]);
+                s[r] = c.impulse(c.force::<NOISE, DAMPING>(&state[r], forcing), &state[r]);
                 same = regimes[r].holds(s[r], same);
             }
             if L::bitmask(same) == every_lane {
@@ -428,13 +439,16 @@ impl<L: Lanes> Splat<L> {
 
     /// b = K (beta T - X) - 2 alpha V, without g.
     #[inline(always)]
-    fn force<const NOISE: bool>(&self, at: &State<L>, forcing: L) -> L {
+    fn force<const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L) -> L {
         let mut b = forcing;
         if NOISE {
             b = self.noise_force.mul_add(at.noise, b);
         }
         b = self.minus_stiffness.mul_add(at.x, b);
-        self.minus_two_alpha.mul_add(at.v, b)
+        if DAMPING {
+            b = self.minus_two_alpha.mul_add(at.v, b);
+        }
+        b
     }
 
     /// S = V + (h/m) b
