@@ -14,18 +14,18 @@ import stickslip
 INTRODUCTION = """\
 # The package for Python
 
-Every name of the package `stickslip`, with its arguments, results and errors.
-[Work in Python](python.md) shows how they are used.
-`tools/python_api.py` writes this page from the docstrings, which `help` shows as well.
+Every function of the package `stickslip` with its arguments, in short, and every class.
+[Work in Python](python.md) shows how they are used, and `help(ss.run)` has all that an argument may be.
+An argument without a line of its own is that of [`run`](#run), or of [`calibrate`](#calibrate) for measurements, or the key of the [scenario](scenario.md) that has its name.
+A length of time is a number of seconds, a text such as "10m", or a timedelta.
+`tools/python_api.py` writes this page from the docstrings.
 """
 
+#: Arguments that are keys of `[temperature.series]`, or mean the same in all functions.
+SHARED = {"time", "zone", "dates", "skip", "missing", "outliers", "decimal", "seed"}
+
 #: The sections of a docstring whose entries have names.
-ENTRIES = {
-    "Args": "Arguments",
-    "Attributes": "Attributes",
-    "Raises": "Errors",
-    "Warns": "Warnings",
-}
+ENTRIES = {"Args": "Arguments", "Attributes": "Attributes"}
 
 
 def page():
@@ -45,19 +45,17 @@ def page():
 
 
 def called(name, function, receiver=""):
-    """A function or a method with its signature."""
-    signature = inspect.signature(function)
-    kept = [p for p in signature.parameters.values() if p.name != "self"]
+    """A function or a method with its arguments and their defaults, without their types."""
     rows, is_keyword = [], False
-    for one in kept:
+    for one in inspect.signature(function).parameters.values():
+        if one.name == "self":
+            continue
         if one.kind is one.KEYWORD_ONLY and not is_keyword:
             rows.append("*")
             is_keyword = True
-        default = "" if one.default is one.empty else f" = {one.default!r}"
-        rows.append(f"{one.name}: {one.annotation}{default}")
-    inside = "".join(f"\n    {row}," for row in rows) + "\n" if len(rows) > 1 else "".join(rows)
-    code = f"{receiver or name}({inside}) -> {signature.return_annotation}"
-    return f"### {name}\n\n```python\n{code}\n```\n\n{markdown(function.__doc__)}"
+        rows.append(one.name if one.default is one.empty else f"{one.name}={one.default!r}")
+    code = textwrap.fill(", ".join(rows), 90, subsequent_indent="    ", break_on_hyphens=False)
+    return f"### {name}\n\n```python\n{receiver or name}({code})\n```\n\n{markdown(function.__doc__)}"
 
 
 def of_class(name, thing):
@@ -82,31 +80,46 @@ def commented():
 
 
 def markdown(docstring):
-    """A docstring as Markdown, with one sentence a line."""
+    """A docstring as Markdown: its first paragraph, and the first sentence on each argument and on
+    the result. Arguments that are those of another function are left out, and so are errors."""
     parts = re.split(r"^(\w+):\n((?:    .*\n|\n)+)", inspect.cleandoc(docstring) + "\n", flags=re.M)
-    texts = [paragraphs(parts[0])]
+    texts = [sentences(parts[0].strip().split("\n\n")[0]) + "\n"]
     for heading, body in zip(parts[1::3], parts[2::3]):
         body = textwrap.dedent(body)
-        if heading not in ENTRIES:
-            texts.append(f"**{heading}**\n\n{paragraphs(body)}")
-            continue
-        entries = re.findall(r"^(\S[^:]*): (.*(?:\n +.*)*)", body, re.M)
-        rows = [f"- {quoted(names)}: {sentences(text, '  ')}" for names, text in entries]
-        texts.append(f"**{ENTRIES[heading]}**\n\n" + "\n".join(rows) + "\n")
-    return "\n".join(texts)
+        if heading == "Returns":
+            texts.append(f"**Returns** {lowered(first(body.strip().split(chr(10) * 2)[0]))}\n")
+        elif heading in ENTRIES:
+            entries = re.findall(r"^(\S[^:]*): (.*(?:\n +.*)*)", body, re.M)
+            own = [(names, first(text)) for names, text in entries if not is_shared(names, text)]
+            rows = "".join(f"- {quoted(names)}: {text}\n" for names, text in own)
+            texts.append(rows)
+    return "\n".join(text for text in texts if text)
 
 
-def paragraphs(text):
-    return "\n".join(sentences(part) + "\n" for part in text.strip().split("\n\n"))
+def is_shared(names, text):
+    """Whether an argument is explained elsewhere: for another function, or as a key."""
+    elsewhere = r"(further keys.*|a measured temperature, )?as for `|number of threads|.*\[\w+\.\w+\]\.$"
+    return names in SHARED or re.match(elsewhere, first(text))
 
 
-def sentences(text, indent=""):
+def first(text):
+    """The first sentence of a text."""
+    text = " ".join(text.split()).replace(', as a text such as "10m", or as a timedelta', "")
+    return re.split(r"(?<=\.)(?<!e\.g\.) (?=[A-Z`])", text)[0]
+
+
+def lowered(text):
+    """A sentence that goes on after a word."""
+    return text[0].lower() + text[1:] if text[1:2].islower() or text[:2] == "A " else text
+
+
+def sentences(text):
     """A paragraph with each sentence on a line of its own."""
-    return re.sub(r"(?<!e\.g)\. (?=[A-Z`])", f".\n{indent}", " ".join(text.split()))
+    return re.sub(r"(?<!e\.g)\. (?=[A-Z`])", ".\n", " ".join(text.split()))
 
 
 def quoted(names):
-    return ", ".join(f"`{name}`" for name in names.replace("\n", " ").split(", "))
+    return ", ".join(f"`{name}`" for name in re.split(r",\s+", names))
 
 
 if __name__ == "__main__":
