@@ -16,13 +16,26 @@ INTRODUCTION = """\
 
 Every function of the package `stickslip` with its arguments, in short, and every class.
 [Work in Python](python.md) shows how they are used, and `help(ss.run)` has all that an argument may be.
-An argument without a line of its own is that of [`run`](#run), or of [`calibrate`](#calibrate) for measurements, or the key of the [scenario](scenario.md) that has its name.
+An argument without a line of its own is the flag of the command of the same name (`mc help run`), or that of [`run`](#run) or [`calibrate`](#calibrate).
 A length of time is a number of seconds, a text such as "10m", or a timedelta.
 `tools/python_api.py` writes this page from the docstrings.
 """
 
-#: Arguments that are keys of `[temperature.series]`, or mean the same in all functions.
-SHARED = {"time", "zone", "dates", "skip", "missing", "outliers", "decimal", "seed"}
+#: Arguments that the page explains: those that are no flags of the command.
+EXPLAINED = {
+    "run": "scenario until set record temperature own progress",
+    "calibrate": "data displacement",
+    "fit_temperature": "periods",
+    "load": "file",
+    "merge": "parts",
+    "plot": "subject only",
+    "replay": "run path",
+    "summary": "ds",
+    "events": "ds",
+    "sweep": "vary elasticity",
+    "twin": "scenario sensor_noise zero_set",
+    "verify": "run blocks",
+}
 
 #: The sections of a docstring whose entries have names.
 ENTRIES = {"Args": "Arguments", "Attributes": "Attributes"}
@@ -55,7 +68,8 @@ def called(name, function, receiver=""):
             is_keyword = True
         rows.append(one.name if one.default is one.empty else f"{one.name}={one.default!r}")
     code = textwrap.fill(", ".join(rows), 90, subsequent_indent="    ", break_on_hyphens=False)
-    return f"### {name}\n\n```python\n{receiver or name}({code})\n```\n\n{markdown(function.__doc__)}"
+    head = f"### {name}\n\n```python\n{receiver or name}({code})\n```\n\n"
+    return head + markdown(function.__doc__, None if receiver else EXPLAINED.get(name, ""))
 
 
 def of_class(name, thing):
@@ -79,9 +93,9 @@ def commented():
                 yield name, " ".join(comment.replace("#:", "").split())
 
 
-def markdown(docstring):
-    """A docstring as Markdown: its first paragraph, and the first sentence on each argument and on
-    the result. Arguments that are those of another function are left out, and so are errors."""
+def markdown(docstring, explained=None):
+    """A docstring as Markdown: its first paragraph, and the first sentence on each argument that
+    is explained and on the result, without errors."""
     parts = re.split(r"^(\w+):\n((?:    .*\n|\n)+)", inspect.cleandoc(docstring) + "\n", flags=re.M)
     texts = [sentences(parts[0].strip().split("\n\n")[0]) + "\n"]
     for heading, body in zip(parts[1::3], parts[2::3]):
@@ -90,16 +104,11 @@ def markdown(docstring):
             texts.append(f"**Returns** {lowered(first(body.strip().split(chr(10) * 2)[0]))}\n")
         elif heading in ENTRIES:
             entries = re.findall(r"^(\S[^:]*): (.*(?:\n +.*)*)", body, re.M)
-            own = [(names, first(text)) for names, text in entries if not is_shared(names, text)]
-            rows = "".join(f"- {quoted(names)}: {text}\n" for names, text in own)
+            if explained is not None:
+                entries = [(names, text) for names, text in entries if names in explained.split()]
+            rows = "".join(f"- {quoted(names)}: {first(text)}\n" for names, text in entries)
             texts.append(rows)
     return "\n".join(text for text in texts if text)
-
-
-def is_shared(names, text):
-    """Whether an argument is explained elsewhere: for another function, or as a key."""
-    elsewhere = r"(further keys.*|a measured temperature, )?as for `|number of threads|.*\[\w+\.\w+\]\.$"
-    return names in SHARED or re.match(elsewhere, first(text))
 
 
 def first(text):
