@@ -14,9 +14,9 @@ import stickslip
 INTRODUCTION = """\
 # The package for Python
 
-Every function of the package `stickslip` with its arguments, in short, and every class.
-[Work in Python](python.md) shows how they are used, and `help(ss.run)` has all that an argument may be.
-An argument without a line of its own is the flag of the command of the same name (`mc help run`), or that of [`run`](#run) or [`calibrate`](#calibrate).
+Every function of the package `stickslip` with its arguments, and every class.
+[Work in Python](python.md) shows how they are used, and `help(ss.run)` has all that an argument may be, what is returned, and which errors are raised.
+An argument without a line of its own is the flag of the command of the same name (`mc help run`), or that of [`run`](#run) or [`calibrate`](#calibrate); results are [data sets](output-format.md) unless a type is named.
 A length of time is a number of seconds, a text such as "10m", or a timedelta.
 `tools/python_api.py` writes this page from the docstrings.
 """
@@ -25,16 +25,9 @@ A length of time is a number of seconds, a text such as "10m", or a timedelta.
 EXPLAINED = {
     "run": "scenario until set record temperature own progress",
     "calibrate": "data displacement",
-    "fit_temperature": "periods",
-    "load": "file",
-    "merge": "parts",
-    "plot": "subject only",
-    "replay": "run path",
-    "summary": "ds",
-    "events": "ds",
-    "sweep": "vary elasticity",
-    "twin": "scenario sensor_noise zero_set",
-    "verify": "run blocks",
+    "plot": "subject",
+    "sweep": "vary",
+    "verify": "run",
 }
 
 #: The sections of a docstring whose entries have names.
@@ -50,8 +43,8 @@ def page():
     parts += [called(name, thing) for name, thing in names.items() if inspect.isfunction(thing)]
     parts.append("## Classes\n")
     parts += [of_class(name, thing) for name, thing in classes.items() if name not in errors]
-    parts.append("## Exceptions and warnings\n")
-    parts += [of_class(name, thing) for name, thing in errors.items()]
+    parts.append("## Exceptions and warnings\n\nTheir attributes are [in a table](python.md#a-scenario).\n")
+    parts += [f"### {name}\n\n{sentences(thing.__doc__.split(chr(10) * 2)[0])}\n" for name, thing in errors.items()]
     parts.append("## Constants and types\n")
     parts += [f"- `{name}`: {text}" for name, text in sorted(commented())]
     return "\n".join(parts) + "\n"
@@ -95,14 +88,12 @@ def commented():
 
 def markdown(docstring, explained=None):
     """A docstring as Markdown: its first paragraph, and the first sentence on each argument that
-    is explained and on the result, without errors."""
+    is explained. `help` has the rest."""
     parts = re.split(r"^(\w+):\n((?:    .*\n|\n)+)", inspect.cleandoc(docstring) + "\n", flags=re.M)
     texts = [sentences(parts[0].strip().split("\n\n")[0]) + "\n"]
     for heading, body in zip(parts[1::3], parts[2::3]):
         body = textwrap.dedent(body)
-        if heading == "Returns":
-            texts.append(f"**Returns** {lowered(first(body.strip().split(chr(10) * 2)[0]))}\n")
-        elif heading in ENTRIES:
+        if heading in ENTRIES:
             entries = re.findall(r"^(\S[^:]*): (.*(?:\n +.*)*)", body, re.M)
             if explained is not None:
                 entries = [(names, text) for names, text in entries if names in explained.split()]
@@ -115,11 +106,6 @@ def first(text):
     """The first sentence of a text."""
     text = " ".join(text.split()).replace(', as a text such as "10m", or as a timedelta', "")
     return re.split(r"(?<=\.)(?<!e\.g\.) (?=[A-Z`])", text)[0]
-
-
-def lowered(text):
-    """A sentence that goes on after a word."""
-    return text[0].lower() + text[1:] if text[1:2].islower() or text[:2] == "A " else text
 
 
 def sentences(text):
