@@ -87,8 +87,8 @@ def commented():
 
 
 def markdown(docstring, explained=None):
-    """A docstring as Markdown: its first paragraph, and the first sentence on each argument that
-    is explained. `help` has the rest."""
+    """A docstring as Markdown: its first paragraph, the first sentence on each argument that is
+    explained, and the names of attributes. `help` has the rest."""
     parts = re.split(r"^(\w+):\n((?:    .*\n|\n)+)", inspect.cleandoc(docstring) + "\n", flags=re.M)
     texts = [sentences(parts[0].strip().split("\n\n")[0]) + "\n"]
     for heading, body in zip(parts[1::3], parts[2::3]):
@@ -98,6 +98,8 @@ def markdown(docstring, explained=None):
             if explained is not None:
                 entries = [(names, text) for names, text in entries if names in explained.split()]
             rows = "".join(f"- {quoted(names)}: {first(text)}\n" for names, text in entries)
+            if heading == "Attributes":
+                rows = f"Attributes: {', '.join(quoted(names) for names, _ in entries)}.\n"
             texts.append(rows)
     return "\n".join(text for text in texts if text)
 

@@ -39,6 +39,8 @@ fn documented(page: &Page) -> BTreeMap<String, Documented> {
             let parts: Vec<&str> = cell.split(',').map(str::trim).collect();
             if parts.len() == names.len() { parts[i].to_string() } else { cell.to_string() }
         };
+        // Most variables are real numbers.
+        let kind = if kind.is_empty() { "f64" } else { kind };
         let axes: Vec<String> = axes.split(", ").filter(|axis| !axis.is_empty()).map(String::from).collect();
         for (i, name) in names.iter().enumerate() {
             let laws = if name.starts_with("LAW_") { &LAWS[..] } else { &[("", "")] };
