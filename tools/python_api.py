@@ -79,10 +79,10 @@ def of_class(name, thing):
 
 
 def commented():
-    """Names with a comment `#:` before them, and that comment."""
+    """Public names with a comment `#:` before them, and that comment."""
     for file in Path(stickslip.__file__).parent.glob("*.py"):
         for comment, name in re.findall(r"((?:^#: .*\n)+)(\w+)", file.read_text(), re.M):
-            if name == "__version__" or not name.startswith("_"):
+            if name in stickslip.__all__:
                 yield name, " ".join(comment.replace("#:", "").split())
 
 
