@@ -169,7 +169,7 @@ def share_interval(parts, wholes, contributing):
     share = parts.sum(axis=0) / wholes.sum()
     error = np.sqrt(32 / 31 * ((parts - np.outer(wholes, share)) ** 2).sum(axis=0)) / wholes.sum()
     is_sure = error < 1e-12
-    n = np.where(is_sure, contributing, share * (1 - share) / np.where(is_sure, 1, error) ** 2)
+    n = np.where(is_sure, max(wholes.sum(), contributing), share * (1 - share) / np.where(is_sure, 1, error) ** 2)
     few, many = wilson(share, n), wilson(share, n, student(31))
     return [np.where(is_sure, a, b) for a, b in zip(few, many, strict=True)]
 
