@@ -16,7 +16,7 @@ INTRODUCTION = """\
 
 Every function of the package `stickslip` with its arguments, and every class.
 [Work in Python](python.md) shows how they are used, and `help(ss.run)` has all that an argument may be, what is returned, and which errors are raised.
-An argument without a line of its own is the flag of the command of the same name (`mc help run`), or that of [`run`](#run) or [`calibrate`](#calibrate); results are [data sets](output-format.md) unless a type is named.
+An argument without a line of its own is the flag of the command of the same name (`mc help run`), or that of [`run`](#run) or [`calibrate`](#calibrate); the result is a [data set](output-format.md) where no type is given.
 A length of time is a number of seconds, a text such as "10m", or a timedelta.
 `tools/python_api.py` writes this page from the docstrings.
 """
@@ -30,8 +30,8 @@ EXPLAINED = {
     "verify": "run",
 }
 
-#: The sections of a docstring whose entries have names.
-ENTRIES = {"Args": "Arguments", "Attributes": "Attributes"}
+#: The sections of a docstring whose entries are on the page.
+ENTRIES = ["Args", "Attributes"]
 
 
 def page():
@@ -43,8 +43,10 @@ def page():
     parts += [called(name, thing) for name, thing in names.items() if inspect.isfunction(thing)]
     parts.append("## Classes\n")
     parts += [of_class(name, thing) for name, thing in classes.items() if name not in errors]
-    parts.append("## Exceptions and warnings\n\nTheir attributes are [in a table](python.md#a-scenario).\n")
-    parts += [f"### {name}\n\n{sentences(thing.__doc__.split(chr(10) * 2)[0])}\n" for name, thing in errors.items()]
+    parts.append("## Exceptions and warnings\n")
+    parts.append("Their attributes are [in a table](python.md#a-scenario).\n")
+    for name, thing in errors.items():
+        parts.append(f"### {name}\n\n{sentences(thing.__doc__.split(chr(10) * 2)[0])}\n")
     parts.append("## Constants and types\n")
     parts += [f"- `{name}`: {text}" for name, text in sorted(commented())]
     return "\n".join(parts) + "\n"
@@ -61,7 +63,9 @@ def called(name, function, receiver=""):
             is_keyword = True
         rows.append(one.name if one.default is one.empty else f"{one.name}={one.default!r}")
     code = textwrap.fill(", ".join(rows), 90, subsequent_indent="    ", break_on_hyphens=False)
-    head = f"### {name}\n\n```python\n{receiver or name}({code})\n```\n\n"
+    result = inspect.signature(function).return_annotation
+    result = "" if result == "xr.Dataset" else f" -> {result}"
+    head = f"### {name}\n\n```python\n{receiver or name}({code}){result}\n```\n\n"
     return head + markdown(function.__doc__, None if receiver else EXPLAINED.get(name, ""))
 
 
