@@ -69,7 +69,7 @@ impl LaneProgram for Normals {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         for lane in (0..32).step_by(2 * L::WIDTH) {
-            let mut normals = self.streams.take::<L, 2, false>(lane);
+            let mut normals = self.streams.take::<L, 2>(lane);
             let mut sums = [L::splat(0.0); 2];
             for _ in 0..64 {
                 let [a, b] = normals.draw();

@@ -153,7 +153,7 @@ impl Stripped<'_> {
             (x[r], v[r], noise[r]) = (L::load(&self.x[at..]), L::load(&self.v[at..]), L::load(&self.noise[at..]));
             regimes[r] = regime(v[r], fs, fd);
         }
-        let mut normals = streams.take::<L, R, false>(lane);
+        let mut normals = streams.take::<L, R>(lane);
         for &forcing in &self.forcing[..steps] {
             let xi = normals.draw();
             let mut s = [h; R];

@@ -6,7 +6,7 @@ use crate::studies::Threads;
 use crate::watched::watched;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use stick_slip::saved::{Again, Sample, again_in_memory};
+use stick_slip::saved::{Again, BlocksAgain, again_in_memory};
 
 /// A difference: variable, path, index, the stored and the computed value, and its place in words.
 type Differs = (String, Option<u64>, Option<usize>, String, String, String);
@@ -20,7 +20,7 @@ type Verified = (u64, Vec<u64>, u64, bool, u64, Option<Differs>);
 #[pyfunction]
 pub fn verify(py: Python<'_>, run: Handed<'_>, blocks: Option<u64>, threads: Threads) -> PyResult<Verified> {
     let dataset = from_python(run)?;
-    let sample = blocks.map_or(Sample::All, Sample::Some);
+    let sample = blocks.map_or(BlocksAgain::All, BlocksAgain::Some);
     let (again, is_interrupted) = watched(py, None, |watch| again_in_memory(&dataset, sample, threads.0, &watch.stop))?;
     let again = again.map_err(|problem| errors::of_run(py, &problem, "take the data set as it was made"))?;
     if is_interrupted {

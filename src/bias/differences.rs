@@ -11,7 +11,7 @@
 //! at zero step.
 
 use super::extrapolation::{Levels, is_smooth, leading_order, model_error_share, weight};
-use super::groups::{GroupObserver, Grouped, Groups};
+use super::groups::{Grouped, PairedGroups, PairedObserver};
 use super::no_bias::{MIN_STEPS, NoBias};
 use super::widening::widening_factor;
 use crate::ensemble::{drawn, in_order_while};
@@ -170,11 +170,11 @@ impl Differences {
         force.abs() / (friction.static_force - friction.dynamic_force)
     }
 
-    pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[Groups; LEVELS.len()], NoBias> {
+    pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<[PairedGroups; LEVELS.len()], NoBias> {
         let width = self.per_group.div_ceil(PIECES).min(MAX_WIDTH);
         let width = if self.antithetic { width.next_multiple_of(2) } else { width };
         let pieces = self.per_group.div_ceil(width);
-        let mut levels = LEVELS.map(|_| Groups::empty(&self.model, &self.timeline, self.groups));
+        let mut levels = LEVELS.map(|_| PairedGroups::empty(&self.model, &self.timeline, self.groups));
         let mut diverged = 0;
         // The finest level comes first, because its pieces take longest.
         let make = |index: u64| {
@@ -203,7 +203,7 @@ impl Differences {
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
         let scene = (&self.model, &self.timeline, &self.record);
-        let mut observer = (GroupObserver::new(scene, first, width as usize, self.groups), stop);
+        let mut observer = (PairedObserver::new(scene, first, width as usize, self.groups), stop);
         let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut observer);
         (!stop.load(Ordering::Relaxed)).then(|| (observer.0.finish(), lost.len()))
     }

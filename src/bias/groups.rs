@@ -18,16 +18,16 @@ pub(super) struct Grouped {
 
 /// The totals of each group of paths.
 #[derive(Clone, Debug)]
-pub(super) struct Groups {
+pub(super) struct PairedGroups {
     empty: Totals,
     groups: Vec<Totals>,
 }
 
-impl Groups {
+impl PairedGroups {
     /// This many groups of no paths.
     pub fn empty(model: &Model, timeline: &Timeline, groups: usize) -> Self {
         let empty = Totals::empty(model, timeline);
-        Groups { groups: vec![empty.clone(); groups], empty }
+        PairedGroups { groups: vec![empty.clone(); groups], empty }
     }
 
     /// Add the totals of further paths, group by group.
@@ -47,14 +47,14 @@ impl Groups {
 
 /// Passes each path to the observer of its group. The first `width` lanes are the first group, the
 /// next `width` lanes the second, and so on.
-pub(super) struct GroupObserver {
+pub(super) struct PairedObserver {
     observers: Vec<BlockObserver>,
     first: u64,
     /// Number of paths of each group.
     width: usize,
 }
 
-impl GroupObserver {
+impl PairedObserver {
     /// An observer of `groups` groups of `width` paths each, whose numbers run from `first` on,
     /// of a run that records this.
     pub fn new(
@@ -68,7 +68,7 @@ impl GroupObserver {
             let numbers: Vec<u64> = (from..from + width as u64).collect();
             BlockObserver::new(model, timeline, record, &numbers)
         };
-        GroupObserver { observers: (0..groups).map(group).collect(), first, width }
+        PairedObserver { observers: (0..groups).map(group).collect(), first, width }
     }
 
     /// The totals of each group.
@@ -79,7 +79,7 @@ impl GroupObserver {
     }
 }
 
-impl Observer for GroupObserver {
+impl Observer for PairedObserver {
     fn event(&mut self, lane: usize, event: Event) {
         self.observers[lane / self.width].event(lane % self.width, event);
     }

@@ -18,7 +18,7 @@ use stick_slip::store::{self, StoredCalibration};
 /// Arguments of `mc calibrate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/calibrate.txt"))]
-pub struct Calibrate {
+pub struct Arguments {
     /// The scenario, a TOML file: the stiffness K_BP, the names of the columns, and where a search
     /// begins
     scenario: PathBuf,
@@ -62,7 +62,7 @@ pub struct Calibrate {
     json: bool,
 }
 
-impl Calibrate {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;

@@ -14,7 +14,7 @@ use stick_slip::scheme::{Resolution, Stability};
 /// Arguments of `mc check`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/check.txt"))]
-pub struct Check {
+pub struct Arguments {
     /// The scenario: a TOML file, the name of a shipped one, or - for standard input
     scenario: PathBuf,
     #[command(flatten)]
@@ -24,7 +24,7 @@ pub struct Check {
     json: bool,
 }
 
-impl Check {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut scenario = self.overrides.scenario(&self.scenario)?;
         // The printed scenario must run from the working directory, so its data file is named from

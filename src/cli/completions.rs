@@ -6,12 +6,12 @@ use clap::CommandFactory as _;
 /// Arguments of `mc completions`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Example:\n  mc completions bash > ~/.local/share/bash-completion/completions/mc")]
-pub struct Completions {
+pub struct Arguments {
     /// The shell
     shell: clap_complete::Shell,
 }
 
-impl Completions {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut script = Vec::new();
         clap_complete::generate(self.shell, &mut super::Arguments::command(), "mc", &mut script);

@@ -3,7 +3,7 @@
 use super::document::document;
 use super::measurements::LayoutFlags;
 use super::numbers::{Digits, grouped, significant, time};
-use super::{Failure, Row, aligned, measurements, note, print, warn, writable};
+use super::{Failure, TableRow, aligned, measurements, note, print, warn, writable};
 use serde_json::json;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -15,7 +15,7 @@ use stick_slip::store;
 /// Arguments of `mc fit-temperature`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/fit-temperature.txt"))]
-pub struct FitTemperature {
+pub struct Arguments {
     /// The measurement, a CSV file with times and temperatures
     #[arg(value_name = "DATA.csv")]
     data: PathBuf,
@@ -49,7 +49,7 @@ pub struct FitTemperature {
 #[derive(Clone, Copy, Debug)]
 struct Period(Option<f64>);
 
-impl FitTemperature {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         if let Some(output) = &self.output {
             writable(output, self.force, [self.data.as_path()])?;
@@ -114,11 +114,11 @@ fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
 
 /// The fit as a table for people.
 fn report(found: &WeatherFit) -> String {
-    let mut rows = vec![Row::labelled("", ["estimate", "standard error", ""])];
+    let mut rows = vec![TableRow::labelled("", ["estimate", "standard error", ""])];
     let mut row = |name: &str, value: f64, error: f64, note: String| {
         let digits = Digits::of(value, error);
         let cells = [digits.show(value), significant(error, 2)];
-        rows.push(Row::labelled(name, cells).noted(note));
+        rows.push(TableRow::labelled(name, cells).noted(note));
     };
     row("mean", found.mean().0, found.mean().1, "degrees".into());
     for cycle in found.cycles() {

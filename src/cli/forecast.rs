@@ -3,18 +3,18 @@
 use super::cost::STUDY_BYTES;
 use super::document::{JsonWarning, document};
 use super::fit_temperature::without_weather;
-use super::html::{self, page::Part};
+use super::html::{self, page::Section};
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
 use super::overrides::settings;
-use super::{Failure, Row, Threads, aligned, calibrate, note, print, stop_on_signals, warn, writable};
+use super::{Failure, TableRow, Threads, aligned, calibrate, note, print, stop_on_signals, warn, writable};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::bearing::calibration::{self, Calibration, CalibrationMethod};
-use stick_slip::bearing::forecast::{Forecast as Found, ForecastError, ForecastQuantity, ForecastQuestion, forecast};
+use stick_slip::bearing::forecast::{Forecast, ForecastError, ForecastQuantity, ForecastQuestion, forecast};
 use stick_slip::bearing::weather::{PERIODS, WeatherFit, fit};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
@@ -22,7 +22,7 @@ use stick_slip::store::{self, StoredCalibration};
 /// Arguments of `mc forecast`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/forecast.txt"))]
-pub struct Forecast {
+pub struct Arguments {
     /// The scenario, a TOML file: the stiffness K_BP and the names of the columns
     scenario: PathBuf,
     #[command(flatten)]
@@ -62,7 +62,7 @@ pub struct Forecast {
     json: bool,
 }
 
-impl Forecast {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
@@ -143,7 +143,7 @@ fn words(quantity: ForecastQuantity, share: f64) -> String {
 }
 
 /// The table for people.
-fn report(title: &str, found: &Found) -> String {
+fn report(title: &str, found: &Forecast) -> String {
     let mut text = format!("{title}\n\n{}", aligned(&rows(found), "  "));
     let years: usize = found.years.iter().map(Vec::len).sum();
     let draws = found.years.len();
@@ -151,8 +151,8 @@ fn report(title: &str, found: &Found) -> String {
     text + &wrapped(&meaning(found), "")
 }
 
-fn rows(found: &Found) -> Vec<Row> {
-    let mut rows = vec![Row::labelled("in a year", ["expected", "from", "to", "year from", "year to"])];
+fn rows(found: &Forecast) -> Vec<TableRow> {
+    let mut rows = vec![TableRow::labelled("in a year", ["expected", "from", "to", "year from", "year to"])];
     let cells = |value: f64, ranges: &[[f64; 2]]| -> Vec<String> {
         let digits = Digits::of(value, (ranges[0][1] - ranges[0][0]) / 4.0);
         std::iter::once(value).chain(ranges.iter().flatten().copied()).map(|x| digits.show(x)).collect()
@@ -161,17 +161,17 @@ fn rows(found: &Found) -> Vec<Row> {
         let ranges = [found_level.expected_interval, found_level.year_interval];
         let label = words(found_level.quantity, found.question.share);
         let unit = found_level.quantity.unit().replace('1', "");
-        rows.push(Row::labelled(label, cells(found_level.expected, &ranges)).noted(unit));
+        rows.push(TableRow::labelled(label, cells(found_level.expected, &ranges)).noted(unit));
     }
     for level in &found.return_levels {
         let label = format!("|z| exceeded in one of {} years", level.years);
-        rows.push(Row::labelled(label, cells(level.expected, &[level.interval])).noted("m"));
+        rows.push(TableRow::labelled(label, cells(level.expected, &[level.interval])).noted("m"));
     }
     rows
 }
 
 /// What the intervals are.
-fn meaning(found: &Found) -> String {
+fn meaning(found: &Forecast) -> String {
     let level = percent(found.question.level);
     format!(
         "The expected value of a year lies between `from` and `to` with {level}, for what is not known of bearing and weather; a single \
@@ -184,7 +184,7 @@ fn is_page(output: &Path) -> bool {
 }
 
 /// The page for a browser: what a year brings, and the calibration.
-fn page(scene: &BridgeScene, calibration: &Calibration, weather: &WeatherFit, found: &Found) -> String {
+fn page(scene: &BridgeScene, calibration: &Calibration, weather: &WeatherFit, found: &Forecast) -> String {
     let mut table = rows(found);
     let length = table.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     table.iter_mut().for_each(|row| row.cells.resize(length, String::new()));
@@ -193,13 +193,13 @@ fn page(scene: &BridgeScene, calibration: &Calibration, weather: &WeatherFit, fo
     let stored = StoredCalibration::of(&scene.title, &scene.text, calibration.clone());
     html::bearing::page(
         &stored,
-        vec![Part::Table("What a year brings", table, meaning(found).replace('`', ""))],
+        vec![Section::Table("What a year brings", table, meaning(found).replace('`', ""))],
         warnings,
     )
 }
 
 /// All simulated years as CSV, one row for each.
-fn csv(found: &Found) -> String {
+fn csv(found: &Forecast) -> String {
     let mut text = String::from("draw,year");
     for level in &found.levels {
         let _ = write!(text, ",{}", level.quantity.name());
@@ -221,7 +221,7 @@ fn csv(found: &Found) -> String {
 }
 
 /// The forecast as JSON for programs.
-fn json(found: &Found) -> String {
+fn json(found: &Forecast) -> String {
     let levels = found.levels.iter().map(|level| {
         let known = json!({
             "unit": level.quantity.unit(),

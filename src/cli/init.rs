@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
-use super::table::{Row, aligned};
+use super::table::{TableRow, aligned};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, SHIPPED, Shipped, shipped};
 use stick_slip::store;
@@ -10,7 +10,7 @@ use stick_slip::store;
 /// Arguments of `mc init`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = help())]
-pub struct Init {
+pub struct Arguments {
     /// The shipped scenario to start from
     #[arg(long, value_name = "NAME", default_value = "rho025",
           hide_possible_values = true,
@@ -51,7 +51,7 @@ pub struct Init {
 fn help() -> String {
     let row = |scenario: &Shipped| {
         let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
-        Row::labelled(format!("  {}", scenario.name), [""; 0]).noted(title.unwrap_or_default().trim_matches('"'))
+        TableRow::labelled(format!("  {}", scenario.name), [""; 0]).noted(title.unwrap_or_default().trim_matches('"'))
     };
     format!(
         "{}\n\nShipped scenarios:\n{}",
@@ -60,7 +60,7 @@ fn help() -> String {
     )
 }
 
-impl Init {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let start = shipped(&self.from).ok_or_else(|| {
             let names = SHIPPED.map(|scenario| scenario.name).join(", ");

@@ -6,12 +6,12 @@ use clap::CommandFactory as _;
 /// Arguments of `mc man`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:\n  mc man run | man -l -\n  mc man > ~/.local/share/man/man1/mc.1")]
-pub struct Man {
+pub struct Arguments {
     /// The command of which to print the page [default: mc itself]
     command: Option<String>,
 }
 
-impl Man {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut all = super::Arguments::command();
         all.build();

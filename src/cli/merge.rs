@@ -8,7 +8,7 @@ use stick_slip::store::{PartError, Parts, StoreError};
 /// Arguments of `mc merge`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/merge.txt"))]
-pub struct Merge {
+pub struct Arguments {
     /// The files of all parts, in any order
     #[arg(required = true, value_name = "FILE")]
     parts: Vec<PathBuf>,
@@ -22,8 +22,9 @@ pub struct Merge {
     options: RunOptions,
 }
 
-impl Merge {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
+        super::promise::check_hdf5(&self.output)?;
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
         self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;

@@ -27,6 +27,7 @@ mod numbers;
 mod overrides;
 mod plot;
 mod progress;
+mod promise;
 mod replay;
 mod report;
 mod results;
@@ -49,7 +50,7 @@ mod verify;
 // What most verbs use.
 use failure::{Failure, note, print, print_data, warn, writable};
 use interrupt::stop_on_signals;
-use table::{Row, aligned};
+use table::{TableRow, aligned};
 use threads::Threads;
 
 use clap::Parser as _;
@@ -79,7 +80,7 @@ macro_rules! verbs {
     ($($(#[$about:meta])* $Verb:ident($module:ident),)+) => {
         #[derive(Debug, clap::Subcommand)]
         enum Verb {
-            $($(#[$about])* $Verb($module::$Verb),)+
+            $($(#[$about])* $Verb($module::Arguments),)+
         }
 
         impl Verb {

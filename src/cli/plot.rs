@@ -16,7 +16,7 @@ use stick_slip::study::sweep::Sweep;
 /// Arguments of `mc plot`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/plot.txt"))]
-pub struct Plot {
+pub struct Arguments {
     /// A scenario (TOML), or a file that `mc run`, `mc trade`, `mc sweep` or `mc calibrate` wrote
     #[arg(value_name = "SCENARIO|FILE.h5")]
     subject: PathBuf,
@@ -67,7 +67,7 @@ pub enum Format {
     Pdf,
 }
 
-impl Plot {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let output = self.output.clone().unwrap_or_else(|| self.default_output());
         let format = Format::of(&output)?;

@@ -13,12 +13,12 @@ use stick_slip::study::trade::Limits;
 
 /// Shows the progress of a run. The engine calls it after every finished block of paths.
 pub struct Progress {
-    place: Place,
+    place: ShownAs,
     watched: Option<Watched>,
 }
 
 /// Where the progress is shown.
-enum Place {
+enum ShownAs {
     /// On a terminal.
     Bar(ProgressBar),
     /// In a log.
@@ -33,22 +33,22 @@ impl Progress {
     pub fn new(paths: u64, quiet: bool, watched: Option<Statistic>) -> Self {
         let watched = watched.filter(|_| !quiet).map(Watched::new);
         let place = if quiet {
-            Place::Nowhere
+            ShownAs::Nowhere
         } else if io::stderr().is_terminal() {
             let bar = ProgressBar::with_draw_target(Some(paths), ProgressDrawTarget::stderr());
             let template = "{bar:32} {human_pos}/{human_len} paths  {per_sec}  {eta} left";
             let line = if watched.is_some() { "\n{msg}" } else { "" };
             bar.set_style(style(&format!("{template}{line}")));
-            Place::Bar(bar)
+            ShownAs::Bar(bar)
         } else {
-            Place::Lines(Lines::new(paths), Instant::now())
+            ShownAs::Lines(Lines::new(paths), Instant::now())
         };
         Progress { place, watched }
     }
 
     /// The run is over: removes the bar. Lines stay.
     pub fn finish(&self) {
-        if let Place::Bar(bar) = &self.place {
+        if let ShownAs::Bar(bar) = &self.place {
             bar.finish_and_clear();
         }
     }
@@ -58,18 +58,18 @@ impl stick_slip::engine::Progress for Progress {
     // This is called once for each block and not for each path, because every call takes a lock.
     fn paths(&mut self, done: u64, expected: u64) {
         match &mut self.place {
-            Place::Bar(bar) => {
+            ShownAs::Bar(bar) => {
                 bar.set_position(done);
                 bar.set_length(expected);
             }
-            Place::Lines(lines, start) => {
+            ShownAs::Lines(lines, start) => {
                 lines.paths = expected;
                 if let Some(line) = lines.at(done, start.elapsed()) {
                     let known = self.watched.as_ref().and_then(Watched::words);
                     note(&known.map_or(line.clone(), |known| format!("{line}; {known}")));
                 }
             }
-            Place::Nowhere => {}
+            ShownAs::Nowhere => {}
         }
     }
 
@@ -83,7 +83,7 @@ impl stick_slip::engine::Progress for Progress {
     fn estimate(&mut self, estimate: &Estimate) {
         let Some(watched) = &mut self.watched else { return };
         watched.latest = Some(*estimate);
-        if let (Place::Bar(bar), Some(words)) = (&self.place, watched.words()) {
+        if let (ShownAs::Bar(bar), Some(words)) = (&self.place, watched.words()) {
             bar.set_message(words);
         }
     }
@@ -91,12 +91,12 @@ impl stick_slip::engine::Progress for Progress {
     fn estimating_bias(&mut self) {
         let what = "estimating the bias of the step";
         match &self.place {
-            Place::Bar(bar) => {
+            ShownAs::Bar(bar) => {
                 bar.set_style(style("{bar:32} {human_pos}/{human_len} paths, {msg}"));
                 bar.set_message(what);
             }
-            Place::Lines(_, start) if start.elapsed() >= SILENT_UNTIL => note(what),
-            Place::Lines(..) | Place::Nowhere => {}
+            ShownAs::Lines(_, start) if start.elapsed() >= SILENT_UNTIL => note(what),
+            ShownAs::Lines(..) | ShownAs::Nowhere => {}
         }
     }
 }

@@ -21,7 +21,7 @@ The events are always all there.";
 /// Arguments of `mc replay`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLE)]
-pub struct Replay {
+pub struct Arguments {
     /// A file that `mc run` wrote
     file: PathBuf,
     /// Number of the path, from 0
@@ -35,7 +35,7 @@ pub struct Replay {
     force: bool,
 }
 
-impl Replay {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let stored = files::read(&self.file, store::read)?;
         results::check_path(&stored, self.path)?;
@@ -46,6 +46,7 @@ impl Replay {
         self.check_path(&scenario)?;
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let output = self.output.clone().unwrap_or_else(|| format!("{stem}-path-{}.h5", self.path).into());
+        super::promise::check_hdf5(&output)?;
         writable(&output, self.force, [self.file.as_path()])?;
         replay(&scenario, self.path, &output, self.force)
     }

@@ -11,7 +11,7 @@ use stick_slip::store::{self, FileSink, StoreError, Unfinished};
 /// Arguments of `mc resume`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/resume.txt"))]
-pub struct Resume {
+pub struct Arguments {
     /// The file that the run or the sweep would have written, or FILE.partial, which it left
     file: PathBuf,
     /// Do not continue: write a file with the paths that are done; its status is `interrupted`
@@ -24,7 +24,7 @@ pub struct Resume {
     options: RunOptions,
 }
 
-impl Resume {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let output = store::file_of(&self.file);
         if store::is_unfinished_sweep(&output) {

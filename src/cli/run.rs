@@ -18,7 +18,7 @@ use stick_slip::study::accuracy::{Accuracy, Decision};
 /// Arguments of `mc run`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/run.txt"))]
-pub struct Run {
+pub struct Arguments {
     /// The scenario: a TOML file, the name of a shipped one, or - for standard input
     scenario: PathBuf,
     #[command(flatten)]
@@ -55,10 +55,11 @@ pub struct Run {
     options: RunOptions,
 }
 
-impl Run {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
+        super::promise::check_hdf5(&output)?;
         writable(&output, self.force, self.overrides.inputs(&self.scenario)?)?;
         let threads = self.options.threads();
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();

@@ -5,7 +5,7 @@ use super::failure::{Failure, note, print, print_data};
 use super::files;
 use super::report::{self, Csv, RunInfo};
 use super::results;
-use super::table::{Row, comma_separated, latex, markdown};
+use super::table::{TableRow, comma_separated, latex, markdown};
 use super::{calibrate, calibrate_report, dataset, sweep, sweep_report, trade_report};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -18,7 +18,7 @@ use stick_slip::store::{self, Content, FileKind, Stored};
 /// Arguments of `mc show`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/show.txt"))]
-pub struct Show {
+pub struct Arguments {
     /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
@@ -40,7 +40,7 @@ pub struct Show {
     scenario: bool,
 }
 
-impl Show {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         match self.format {
             Some(TableFormat::Csv) => return self.print_csv(),
@@ -138,7 +138,7 @@ impl Show {
     }
 
     /// The table of one file of any kind, or of several runs beside each other, headings first.
-    fn rows(&self) -> Result<Vec<Row>, Failure> {
+    fn rows(&self) -> Result<Vec<TableRow>, Failure> {
         let [file] = self.files.as_slice() else {
             let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
             return Ok(report::compared(&runs.iter().map(|run| &run.summary).collect::<Vec<_>>()));

@@ -11,14 +11,13 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{StoredSweep, sweep_bytes};
 use stick_slip::study::sweep::{
-    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep as Swept, SweepAxis, SweepQuestion,
-    estimated_seconds,
+    Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis, SweepQuestion, estimated_seconds,
 };
 
 /// Arguments of `mc sweep`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/sweep.txt"))]
-pub struct Sweep {
+pub struct Arguments {
     /// The scenario: a TOML file, or the name of a shipped one
     scenario: PathBuf,
     /// A key and its values, e.g. rho=temperature.noise.intensity=0:1:21 or
@@ -68,7 +67,7 @@ pub struct Sweep {
     json: bool,
 }
 
-impl Sweep {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let question = self.question()?;
         if self.dry_run {
@@ -76,8 +75,9 @@ impl Sweep {
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
+        super::promise::check_hdf5(&output)?;
         writable(&output, true, self.overrides.inputs(&self.scenario)?)?;
-        let Sweep { force, threads, statistic: statistics, quiet, json, .. } = self;
+        let Arguments { force, threads, statistic: statistics, quiet, json, .. } = self;
         SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
             .simulate(question)
     }
@@ -131,7 +131,7 @@ impl Sweep {
 }
 
 /// A sweep read from a file, with the scenarios of its points made again.
-pub fn stored(path: &Path, stored: StoredSweep) -> Result<Swept, Failure> {
+pub fn stored(path: &Path, stored: StoredSweep) -> Result<Sweep, Failure> {
     let (name, text, series) = (path.display().to_string(), stored.scenario_text.clone(), stored.series.clone());
     let point = |settings: &[Setting]| {
         Scenario::parse_stored(&name, &text, &QuotedWords(Vec::new()).overrides(settings), series.as_ref())

@@ -3,7 +3,7 @@
 
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant, with_error, wrapped};
 use crate::cli::report::bias_cells;
-use crate::cli::table::{Row, aligned};
+use crate::cli::table::{TableRow, aligned};
 use std::fmt::Write as _;
 use std::path::Path;
 use stick_slip::stats::{Estimate, Statistic};
@@ -53,7 +53,7 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
 }
 
 /// The rows of a table for each of these statistics, headings first.
-fn tables(sweep: &Sweep, shown: &[Statistic]) -> Vec<(Statistic, Vec<Row>)> {
+fn tables(sweep: &Sweep, shown: &[Statistic]) -> Vec<(Statistic, Vec<TableRow>)> {
     let rows = |statistic: Statistic| match &sweep.question.design {
         Design::Star { keys, .. } => elasticities(sweep, keys, statistic),
         Design::Grid(_) | Design::Zip(_) => points(sweep, statistic),
@@ -63,8 +63,8 @@ fn tables(sweep: &Sweep, shown: &[Statistic]) -> Vec<(Statistic, Vec<Row>)> {
 
 /// The rows of the usual statistics as one table, headings first. The first column names the
 /// statistic.
-pub fn rows(sweep: &Sweep) -> Vec<Row> {
-    let named = |(n, (statistic, mut rows)): (usize, (Statistic, Vec<Row>))| {
+pub fn rows(sweep: &Sweep) -> Vec<TableRow> {
+    let named = |(n, (statistic, mut rows)): (usize, (Statistic, Vec<TableRow>))| {
         for (i, row) in rows.iter_mut().enumerate() {
             row.cells.insert(0, if i == 0 { "statistic".into() } else { statistic.name().to_string() });
         }
@@ -74,7 +74,7 @@ pub fn rows(sweep: &Sweep) -> Vec<Row> {
 }
 
 /// One statistic at every point and, if the points form a line, its difference to the next point.
-fn points(sweep: &Sweep, statistic: Statistic) -> Vec<Row> {
+fn points(sweep: &Sweep, statistic: Statistic) -> Vec<TableRow> {
     let design = &sweep.question.design;
     let is_line = design.along().len() == 1;
     let names = design.axes().iter().map(|axis| axis.name.clone());
@@ -87,7 +87,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Vec<Row> {
     if is_line {
         headings.extend(["to the next", "std. error", "gain"].map(String::from));
     }
-    let mut rows = vec![Row { cells: headings, ..Row::default() }];
+    let mut rows = vec![TableRow { cells: headings, ..TableRow::default() }];
     for (p, point) in sweep.points.iter().enumerate() {
         let mut cells: Vec<String> = design.settings(p).iter().map(|setting| significant(setting.value, 12)).collect();
         match point {
@@ -97,7 +97,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Vec<Row> {
         if let Some(paired) = sweep.difference(p, 0, statistic).filter(|_| is_line) {
             cells.extend(paired_cells(&paired));
         }
-        rows.push(Row { cells, ..Row::default() });
+        rows.push(TableRow { cells, ..TableRow::default() });
     }
     rows
 }
@@ -130,11 +130,11 @@ fn asked(sweep: &Sweep) -> Vec<Statistic> {
 /// gain is the variance with independent seeds over that with common ones.
 fn gains(sweep: &Sweep) -> String {
     let along = sweep.question.design.along();
-    let mut rows = vec![Row::labelled("gain along", along.iter().map(|name| name.to_string()))];
+    let mut rows = vec![TableRow::labelled("gain along", along.iter().map(|name| name.to_string()))];
     for statistic in asked(sweep) {
         let gains: Vec<f64> = (0..along.len()).map(|dimension| sweep.gain(dimension, statistic)).collect();
         if gains.iter().any(|gain| gain.is_finite()) {
-            rows.push(Row::labelled(statistic.name(), gains.into_iter().map(gain_cell)));
+            rows.push(TableRow::labelled(statistic.name(), gains.into_iter().map(gain_cell)));
         }
     }
     if rows.len() == 1 {
@@ -145,9 +145,9 @@ fn gains(sweep: &Sweep) -> String {
 }
 
 /// The elasticities of one statistic, sorted from the largest to the smallest.
-fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> Vec<Row> {
+fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> Vec<TableRow> {
     let headings = ["value", "elasticity", "std. error", "95 % from", "to", "gain"];
-    let mut rows = vec![Row::labelled(statistic.name(), headings)];
+    let mut rows = vec![TableRow::labelled(statistic.name(), headings)];
     let paired = |key: usize| sweep.elasticity(key, statistic).unwrap_or(Paired::NOTHING);
     let mut order: Vec<(usize, Paired)> = (0..keys.len()).map(|key| (key, paired(key))).collect();
     let size =
@@ -161,7 +161,7 @@ fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> 
         cells.extend(Digits::of(m.estimate, m.standard_error).show_all(numbers));
         cells.push(gain_cell(paired.gain));
         let note = if m.estimate.is_nan() { "(the statistic does not exist, or may be zero)" } else { "" };
-        rows.push(Row::labelled(name, cells).noted(note));
+        rows.push(TableRow::labelled(name, cells).noted(note));
     }
     rows
 }

@@ -4,36 +4,36 @@ use std::fmt::Write as _;
 
 /// One line of a table.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Row {
+pub struct TableRow {
     /// One text for each column.
     pub cells: Vec<String>,
     /// Text behind the last cell. It begins at the same column in every row.
     pub note: String,
 }
 
-impl Row {
+impl TableRow {
     /// A row with a label in the first column and these cells to its right.
     pub fn labelled<C: Into<String>>(label: impl Into<String>, cells: impl IntoIterator<Item = C>) -> Self {
         let cells = cells.into_iter().map(C::into);
-        Row { cells: std::iter::once(label.into()).chain(cells).collect(), note: String::new() }
+        TableRow { cells: std::iter::once(label.into()).chain(cells).collect(), note: String::new() }
     }
 
     /// The row with this text behind its last cell.
     pub fn noted(self, note: impl Into<String>) -> Self {
-        Row { note: note.into(), ..self }
+        TableRow { note: note.into(), ..self }
     }
 }
 
 /// The rows as text. The first column is aligned to the left, the others to the right, with `gap`
 /// between them. Lines do not end with spaces.
-pub fn aligned(rows: &[Row], gap: &str) -> String {
+pub fn aligned(rows: &[TableRow], gap: &str) -> String {
     let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     let width = |column: usize| {
         rows.iter().filter_map(|row| row.cells.get(column)).map(|cell| cell.chars().count()).max().unwrap_or(0)
     };
     let widths: Vec<usize> = (0..columns).map(width).collect();
     let mut text = String::new();
-    for Row { cells, note } in rows {
+    for TableRow { cells, note } in rows {
         let mut line = String::new();
         for (column, (cell, width)) in cells.iter().zip(&widths).enumerate() {
             let _ = match column {
@@ -48,7 +48,7 @@ pub fn aligned(rows: &[Row], gap: &str) -> String {
 }
 
 /// The rows as comma-separated values (RFC 4180), headings first; numbers are not grouped.
-pub fn comma_separated(rows: &[Row]) -> String {
+pub fn comma_separated(rows: &[TableRow]) -> String {
     let cell = |cell: &String| {
         let is_number = cell.chars().all(|letter| letter.is_ascii_digit() || letter == ' ');
         if is_number { cell.replace(' ', "") } else { quoted(cell) }
@@ -67,7 +67,7 @@ pub fn quoted(text: &str) -> String {
 }
 
 /// The rows as a table of Markdown, headings first.
-pub fn markdown(rows: &[Row]) -> String {
+pub fn markdown(rows: &[TableRow]) -> String {
     let line = |cells: &[String]| {
         let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
         format!("| {} |\n", cells.join(" | "))
@@ -79,7 +79,7 @@ pub fn markdown(rows: &[Row]) -> String {
 }
 
 /// The rows as a `tabular` of LaTeX, headings first, which needs no package.
-pub fn latex(rows: &[Row]) -> String {
+pub fn latex(rows: &[TableRow]) -> String {
     let line = |cells: &[String]| {
         let cells: Vec<String> = cells.iter().map(|cell| latex_cell(cell)).collect();
         format!("{} \\\\\n", cells.join(" & "))
@@ -116,10 +116,10 @@ fn latex_cell(cell: &str) -> String {
 }
 
 /// Cells and notes of all rows, in as many columns as are in use.
-fn full(rows: &[Row]) -> Vec<Vec<String>> {
+fn full(rows: &[TableRow]) -> Vec<Vec<String>> {
     let columns = rows.iter().map(|row| row.cells.len()).max().unwrap_or(0);
     let has_notes = rows.iter().any(|row| !row.note.is_empty());
-    let filled = |row: &Row| {
+    let filled = |row: &TableRow| {
         let mut cells = row.cells.clone();
         cells.resize(columns, String::new());
         cells.extend(has_notes.then(|| row.note.clone()));
@@ -151,13 +151,16 @@ mod tests {
             ("a,\"b\"", "\"a,\"\"b\"\"\""),
         ] {
             assert_eq!(quoted(text), cell, "{text}");
-            assert_eq!(comma_separated(&[Row::labelled(text, ["1 000"])]), format!("{cell},1000\n"), "{text}");
+            assert_eq!(comma_separated(&[TableRow::labelled(text, ["1 000"])]), format!("{cell},1000\n"), "{text}");
         }
     }
 
     #[test]
     fn a_table_for_a_paper_has_numbers_as_mathematics_and_text_escaped() {
-        let rows = [Row::labelled("a_b", ["95 % from", "+-"]).noted("unit"), Row::labelled("x|y", ["-0.9e-4", "none"])];
+        let rows = [
+            TableRow::labelled("a_b", ["95 % from", "+-"]).noted("unit"),
+            TableRow::labelled("x|y", ["-0.9e-4", "none"]),
+        ];
         assert_eq!(
             markdown(&rows),
             "| a_b | 95 % from | +- | unit |\n|---|---:|---:|---:|\n| x\\|y | -0.9e-4 | none |  |\n"
@@ -172,9 +175,9 @@ mod tests {
     #[test]
     fn cells_stand_under_each_other_and_lines_end_without_spaces() {
         let rows = [
-            Row::labelled("name", ["value", "sd"]).noted("unit"),
-            Row::labelled("x", ["1.25", "±0.5"]).noted("µm"),
-            Row::labelled("longer", ["7"]),
+            TableRow::labelled("name", ["value", "sd"]).noted("unit"),
+            TableRow::labelled("x", ["1.25", "±0.5"]).noted("µm"),
+            TableRow::labelled("longer", ["7"]),
         ];
         let expected = "name    value    sd  unit\n\
                         x        1.25  ±0.5  µm\n\

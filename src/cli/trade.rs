@@ -5,7 +5,7 @@ use super::numbers::parse_duration;
 use super::overrides::settings;
 use super::plot::{self, Format};
 use super::progress::measuring;
-use super::trade_report::{self, Asked};
+use super::trade_report::{self, AskedPrices};
 use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -17,12 +17,12 @@ use stick_slip::figure::{self, Style, Subject};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store;
-use stick_slip::study::trade::{self, Limits, Prices, Trade as Measured, TradeError};
+use stick_slip::study::trade::{self, Limits, Prices, Trade, TradeError};
 
 /// Arguments of `mc trade`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/trade.txt"))]
-pub struct Trade {
+pub struct Arguments {
     /// The scenario: a TOML file, or the name of a shipped one
     scenario: PathBuf,
     /// How long to measure, e.g. 60s, 5m, 1h; a plain number is seconds
@@ -51,7 +51,7 @@ pub struct Trade {
     json: bool,
 }
 
-impl Trade {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut overrides = settings(&self.set)?;
         overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
@@ -66,7 +66,7 @@ impl Trade {
         let measure = |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
         let trade = measuring(self.budget, false, &stop, measure)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
-        let asked = Asked { scenario: &scenario, path: &self.scenario, shown };
+        let asked = AskedPrices { scenario: &scenario, path: &self.scenario, shown };
         if let Some(output) = &self.output {
             self.write(output, &scenario, &trade, shown)?;
         }
@@ -82,6 +82,7 @@ impl Trade {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
+        super::promise::check_hdf5(output)?;
         writable(output, self.force, inputs)?;
         pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }
@@ -90,7 +91,7 @@ impl Trade {
         &self,
         output: &Path,
         scenario: &Scenario,
-        trade: &Measured,
+        trade: &Trade,
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
         store::write_trade(output, &Provenance::of(scenario), trade, self.force)?;

@@ -2,10 +2,10 @@
 
 use super::numbers::{grouped, parse_duration, parse_share_in, significant};
 use super::overrides::settings;
-use super::{Failure, Row, aligned, measurements, note, print, writable};
+use super::{Failure, TableRow, aligned, measurements, note, print, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin as Made, twin, values};
+use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin, twin, values};
 use stick_slip::config::{Override, input_files, shipped_at};
 use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
@@ -14,7 +14,7 @@ use stick_slip::store;
 /// Arguments of `mc twin`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/twin.txt"))]
-pub struct Twin {
+pub struct Arguments {
     /// The scenario with the true parameters, a TOML file
     scenario: PathBuf,
     /// Seed of all random numbers
@@ -77,7 +77,7 @@ const EPOCH: &str = "2015-01-01T00:00:00Z";
 /// The most samples. A larger number is most likely a typing error.
 const MOST: f64 = 1e7;
 
-impl Twin {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let set = settings(&self.set)?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
@@ -108,7 +108,7 @@ impl Twin {
         let row = |quantity: &Quantity| {
             let value = truth[*quantity as usize];
             let value = if value.is_finite() { significant(value, 7) } else { "none".to_string() };
-            Row::labelled(quantity.key(), [quantity.symbol().to_string(), value])
+            TableRow::labelled(quantity.key(), [quantity.symbol().to_string(), value])
         };
         print(&aligned(&Quantity::ALL.iter().map(row).collect::<Vec<_>>(), "  "))?;
         let samples = grouped(made.times.len() as u64);
@@ -145,7 +145,7 @@ fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<
 
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in
 /// millimetres.
-fn csv(made: &Made, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
+fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String, Failure> {
     let out_of_calendar = || Failure::Run("the calendar does not reach so far".to_string());
     let start = start.or_else(|| Start::parse(EPOCH)).ok_or_else(out_of_calendar)?;
     // A measured temperature is in the file in degrees Celsius, whatever its unit was.

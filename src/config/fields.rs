@@ -4,9 +4,9 @@
 //! reading goes on and one pass finds all mistakes.
 
 use super::error::Fault;
-use super::keys::{self, Key, Range};
+use super::keys::{self, Allowed, Key};
 use super::source::{Place, Sources};
-use super::tree::{Entry, Node, Value};
+use super::tree::{KeyValue, Node, Value};
 use crate::excerpt::short;
 use crate::model::LARGEST;
 
@@ -25,7 +25,7 @@ pub(super) struct Fields<'a> {
     /// The place of the table; `None` for the root and for a missing table, which is read as an
     /// empty one.
     place: Option<Place>,
-    entries: &'a [Entry],
+    entries: &'a [KeyValue],
     /// Whether a fault in this table is reported already that may be the reason why a key is
     /// missing.
     is_misread: bool,
@@ -127,8 +127,8 @@ impl<'a> Fields<'a> {
             return Vec::new();
         };
         let table = Fields { sources: self.sources, path, place: Some(node.place), entries, is_misread: false };
-        let read = |entry: &Entry| {
-            let key = Key { name: "", symbol: "", meaning: "a parameter of the force", range: Range::Any };
+        let read = |entry: &KeyValue| {
+            let key = Key { name: "", symbol: "", meaning: "a parameter of the force", range: Allowed::Any };
             let value = self.sources.or_report(table.number_of(&entry.node, &entry.key, key)).unwrap_or(1.0);
             (entry.key.clone(), value, Some(entry.key_place))
         };
@@ -190,7 +190,7 @@ impl<'a> Fields<'a> {
             x if x.is_nan() => "is not a number".to_string(),
             x if x.is_infinite() => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
-            x if x.abs() > LARGEST && key.range != Range::Threshold => {
+            x if x.abs() > LARGEST && key.range != Allowed::Threshold => {
                 let remedy = format!("choose units in which it is closer to 1, or {remedy}");
                 return Err(self.fault(
                     node,

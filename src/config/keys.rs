@@ -5,7 +5,7 @@ use crate::scheme::TOLERANCES;
 
 /// The range of numbers that a key accepts. Infinities and NaN are never accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Range {
+pub(super) enum Allowed {
     /// The key holds no number.
     None,
     Any,
@@ -19,15 +19,15 @@ pub(super) enum Range {
     Tolerance,
 }
 
-impl Range {
+impl Allowed {
     pub fn holds(self, x: f64) -> bool {
         match self {
-            Range::None => false,
-            Range::Any => true,
-            Range::Positive => x > 0.0,
-            Range::NonNegative | Range::Threshold => x >= 0.0,
-            Range::Phase => x.abs() <= MAX_PHASE,
-            Range::Tolerance => TOLERANCES.contains(&x),
+            Allowed::None => false,
+            Allowed::Any => true,
+            Allowed::Positive => x > 0.0,
+            Allowed::NonNegative | Allowed::Threshold => x >= 0.0,
+            Allowed::Phase => x.abs() <= MAX_PHASE,
+            Allowed::Tolerance => TOLERANCES.contains(&x),
         }
     }
 
@@ -35,19 +35,19 @@ impl Range {
     /// on.
     pub fn stand_in(self) -> f64 {
         match self {
-            Range::Tolerance => *TOLERANCES.end(),
+            Allowed::Tolerance => *TOLERANCES.end(),
             _ => 1.0,
         }
     }
 
     pub fn words(self) -> &'static str {
         match self {
-            Range::None => "no number",
-            Range::Any => "a finite number",
-            Range::Positive => "a finite number above 0",
-            Range::NonNegative | Range::Threshold => "a finite number, 0 or above",
-            Range::Phase => "a phase from -1e13 to 1e13, beyond which it has lost its digits",
-            Range::Tolerance => "a number from 1e-9 to 0.1",
+            Allowed::None => "no number",
+            Allowed::Any => "a finite number",
+            Allowed::Positive => "a finite number above 0",
+            Allowed::NonNegative | Allowed::Threshold => "a finite number, 0 or above",
+            Allowed::Phase => "a phase from -1e13 to 1e13, beyond which it has lost its digits",
+            Allowed::Tolerance => "a number from 1e-9 to 0.1",
         }
     }
 }
@@ -58,17 +58,17 @@ pub(super) struct Key {
     pub name: &'static str,
     pub symbol: &'static str,
     pub meaning: &'static str,
-    pub range: Range,
+    pub range: Allowed,
 }
 
 /// A key that holds a number.
-const fn number(name: &'static str, symbol: &'static str, meaning: &'static str, range: Range) -> Key {
+const fn number(name: &'static str, symbol: &'static str, meaning: &'static str, range: Allowed) -> Key {
     Key { name, symbol, meaning, range }
 }
 
 /// A key that holds a text, a flag or a whole number.
 const fn other(name: &'static str, meaning: &'static str) -> Key {
-    Key { name, symbol: "", meaning, range: Range::None }
+    Key { name, symbol: "", meaning, range: Allowed::None }
 }
 
 /// A key that holds a table, or tables.
@@ -104,29 +104,29 @@ keys! {
         UNITS = table("units");
     }
     "oscillator" {
-        MASS = number("mass", "m", "mass", Range::Positive);
-        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", Range::NonNegative);
-        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'; below 0 it drives the body", Range::Any);
-        DILATATION = number("dilatation", "beta", "the rest position is beta T", Range::Any);
+        MASS = number("mass", "m", "mass", Allowed::Positive);
+        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", Allowed::NonNegative);
+        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'; below 0 it drives the body", Allowed::Any);
+        DILATATION = number("dilatation", "beta", "the rest position is beta T", Allowed::Any);
         FORCE_PER_TEMPERATURE = number(
-            "force_per_temperature", "c", "the force c T acts on the body, in place of a dilatation", Range::Any);
+            "force_per_temperature", "c", "the force c T acts on the body, in place of a dilatation", Allowed::Any);
     }
     "friction" {
-        STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Range::Threshold);
-        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Range::Threshold);
+        STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Allowed::Threshold);
+        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Allowed::Threshold);
     }
     "temperature" {
-        TEMPERATURE_OFFSET = number("offset", "", "a constant", Range::Any);
-        TREND = number("trend", "", "slope of a straight line: a belt, a pulled spring", Range::Any);
+        TEMPERATURE_OFFSET = number("offset", "", "a constant", Allowed::Any);
+        TREND = number("trend", "", "slope of a straight line: a belt, a pulled spring", Allowed::Any);
         HARMONICS = table("harmonics");
         SERIES = table("series");
         NOISE = table("noise");
     }
     "temperature.harmonics" {
-        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Range::Any);
+        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Allowed::Any);
         ANGULAR_FREQUENCY = number(
-            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Range::NonNegative);
-        PHASE = number("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Range::Phase);
+            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Allowed::NonNegative);
+        PHASE = number("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Allowed::Phase);
     }
     "temperature.series" {
         FILE = other("file", "relative to the folder of the scenario");
@@ -139,7 +139,7 @@ keys! {
         MISSING = other("missing", "marks of missing values");
         DECIMAL = other("decimal", "the decimal mark");
         OUTLIERS = other("outliers", "standard deviations beyond which a value is left out");
-        MAX_GAP = number("max_gap", "", "longest time between two samples", Range::Positive);
+        MAX_GAP = number("max_gap", "", "longest time between two samples", Allowed::Positive);
         START = other("start", "stamp of t = 0, as the samples say");
         HASH = other("hash", "of the samples");
     }
@@ -159,10 +159,10 @@ keys! {
         SENSOR_DECIMAL = DECIMAL;
     }
     "temperature.noise" {
-        INTENSITY = number("intensity", "rho", "weight of v in T", Range::NonNegative);
-        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Range::Positive);
-        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", Range::NonNegative);
-        INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Range::Any);
+        INTENSITY = number("intensity", "rho", "weight of v in T", Allowed::NonNegative);
+        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Allowed::Positive);
+        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", Allowed::NonNegative);
+        INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Allowed::Any);
         PINNED = other("pinned", "v is zero at every sample of the series");
     }
     "force" {
@@ -170,26 +170,26 @@ keys! {
         PARAMETERS = table("parameters");
     }
     "initial" {
-        DISPLACEMENT = number("displacement", "x0", "x(0)", Range::Any);
-        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Range::Any);
+        DISPLACEMENT = number("displacement", "x0", "x(0)", Allowed::Any);
+        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Allowed::Any);
     }
     "bearing" {
-        BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Range::Positive);
-        OFFSET = number("offset", "z0", "what the sensor shows at x = 0", Range::Any);
+        BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Allowed::Positive);
+        OFFSET = number("offset", "z0", "what the sensor shows at x = 0", Allowed::Any);
     }
     "time" {
-        END = number("end", "t_end", "duration", Range::NonNegative);
-        STEP = number("step", "h", "time step", Range::Positive);
-        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Range::Positive);
+        END = number("end", "t_end", "duration", Allowed::NonNegative);
+        STEP = number("step", "h", "time step", Allowed::Positive);
+        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Allowed::Positive);
     }
     "scheme" {
         KIND = other("kind", "the scheme");
-        TOLERANCE = number("tolerance", "", "relative error that discretisation may leave", Range::Tolerance);
+        TOLERANCE = number("tolerance", "", "relative error that discretisation may leave", Allowed::Tolerance);
     }
     "statistics" {
-        AFTER = number("after", "", "statistics count from this time on", Range::NonNegative);
-        LEVELS = number("levels", "", "distances from the start whose first passages are reported", Range::Positive);
-        COMPARED = number("period", "P", "x is compared at the times n P", Range::Positive);
+        AFTER = number("after", "", "statistics count from this time on", Allowed::NonNegative);
+        LEVELS = number("levels", "", "distances from the start whose first passages are reported", Allowed::Positive);
+        COMPARED = number("period", "P", "x is compared at the times n P", Allowed::Positive);
     }
     "ensemble" {
         PATHS = other("paths", "number of paths");
@@ -219,7 +219,7 @@ pub(super) fn of_name(dotted: &str) -> Option<Key> {
     let plain = dotted.split('.').map(str::trim).filter(is_name).collect::<Vec<_>>().join(".");
     let (table, name) = plain.rsplit_once('.')?;
     let (_, keys) = TABLES.iter().find(|(home, _)| *home == table)?;
-    keys.iter().find(|key| key.name == name && key.range != Range::None).copied()
+    keys.iter().find(|key| key.name == name && key.range != Allowed::None).copied()
 }
 
 /// The names of the keys of a table.

@@ -37,7 +37,7 @@ pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
 
 use crate::model::{Series, Temperature};
 use crate::scenario::Scenario;
-use source::{Samples, Sources};
+use source::{GivenSamples, Sources};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -216,7 +216,7 @@ impl Scenario {
         overrides: &[Override],
         stored: Option<&Arc<Series>>,
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, stored.map(Samples::Stored)))
+        parsed(&Sources::new(name, text, overrides, stored.map(GivenSamples::Stored)))
     }
 
     /// The same with given samples of a measured temperature in place of `[temperature.series]`,
@@ -228,7 +228,7 @@ impl Scenario {
         overrides: &[Override],
         samples: &Arc<Series>,
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, Some(Samples::Given(samples))))
+        parsed(&Sources::new(name, text, overrides, Some(GivenSamples::Given(samples))))
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.
@@ -242,7 +242,13 @@ impl Scenario {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn number_at(&self, key: &str) -> Option<f64> {
-        let mut spot = &toml::Value::Table(self.to_toml().parse().ok()?);
+        let whole = &toml::Value::Table(self.to_toml().parse().ok()?);
+        // A parameter of the force is a key by itself, as in an override.
+        let parameter = whole.get("force").and_then(|force| force.get("parameters")?.get(key)?.as_float());
+        if let (None, Some(value)) = (whole.get(key), parameter) {
+            return Some(value);
+        }
+        let mut spot = whole;
         for segment in key.split('.').map(str::trim) {
             spot = match spot {
                 toml::Value::Table(table) => table.get(segment)?,

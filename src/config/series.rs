@@ -4,7 +4,7 @@
 use super::error::Fault;
 use super::fields::Fields;
 use super::keys;
-use super::source::{Samples, Sources};
+use super::source::{GivenSamples, Sources};
 use crate::data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted};
 use crate::model::Series;
 use crate::scenario::Measured;
@@ -19,7 +19,7 @@ const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Read `[temperature.series]`, if it is there.
 pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<(Arc<Series>, Measured)>, Box<Fault>> {
-    if let Some(Samples::Given(samples)) = sources.samples {
+    if let Some(GivenSamples::Given(samples)) = sources.samples {
         return Ok(Some((samples.clone(), in_memory())));
     }
     let Some(table) = root.table("temperature").table_if_present("series") else { return Ok(None) };
@@ -42,7 +42,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     let hash = table.line_or(keys::HASH, "");
     let is_override = sources.is_override(place);
     let series = match sources.samples {
-        Some(Samples::Stored(stored)) if !is_override => stored.clone(),
+        Some(GivenSamples::Stored(stored)) if !is_override => stored.clone(),
         _ => Arc::new(read(sources, root, &table, &mut measured)?),
     };
     let found = format!("{:016x}", series.fingerprint());

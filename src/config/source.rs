@@ -38,7 +38,7 @@ pub(super) struct Sources<'a> {
     /// The overrides that are applied to it.
     pub overrides: &'a [Override],
     /// Samples of a measured temperature that come with the text, if any.
-    pub samples: Option<Samples<'a>>,
+    pub samples: Option<GivenSamples<'a>>,
     /// The shipped scenario whose text this is, with the data files that are built into the
     /// program. None for the text of a user, whose data files are read from the disk.
     shipped: Option<&'a Shipped>,
@@ -55,7 +55,7 @@ struct Faults {
 
 /// Samples of a measured temperature that come with a text.
 #[derive(Clone, Copy)]
-pub(super) enum Samples<'a> {
+pub(super) enum GivenSamples<'a> {
     /// The samples that its `[temperature.series]` describes, as stored in the file of a run.
     Stored(&'a Arc<Series>),
     /// Other samples, which replace its `[temperature.series]`.
@@ -63,7 +63,7 @@ pub(super) enum Samples<'a> {
 }
 
 impl<'a> Sources<'a> {
-    pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], samples: Option<Samples<'a>>) -> Self {
+    pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], samples: Option<GivenSamples<'a>>) -> Self {
         Sources { name, text, overrides, samples, shipped: None, faults: RefCell::default() }
     }
 

@@ -697,3 +697,15 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn a_parameter_of_the_force_is_a_key_by_itself_and_numbers_may_begin_with_a_point() {
+    let text = shipped("duffing").unwrap().text;
+    let with = |sets: &[&str]| {
+        let sets: Vec<Override> = sets.iter().map(|set| Override::set(set).unwrap()).collect();
+        Scenario::parse("x", text, &sets).unwrap()
+    };
+    assert_eq!(with(&["k3=.5"]), with(&["force.parameters.k3=0.5"]));
+    assert_eq!(with(&["k3=-.5"]).number_at("k3"), Some(-0.5));
+    assert!(Scenario::parse("x", text, &[Override::set("nothing=.5").unwrap()]).is_err());
+}

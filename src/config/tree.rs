@@ -1,7 +1,9 @@
 //! TOML with the place of every value: the file as a tree, and the overrides applied to it.
 
 use super::error::Fault;
+use super::keys;
 use super::source::{Place, Sources};
+use std::borrow::Cow;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
@@ -22,12 +24,12 @@ pub(super) enum Value {
     Boolean(bool),
     Datetime,
     Array(Vec<Node>),
-    Table(Vec<Entry>),
+    Table(Vec<KeyValue>),
 }
 
 /// A key of a table, with its value.
 #[derive(Clone, Debug)]
-pub(super) struct Entry {
+pub(super) struct KeyValue {
     pub key: String,
     pub key_place: Place,
     pub node: Node,
@@ -44,7 +46,7 @@ impl Node {
     }
 }
 
-impl Entry {
+impl KeyValue {
     fn texts_at(&self, key: &str) -> Vec<(Place, &str)> {
         match &self.node.value {
             Value::Text(text) if self.key == key => vec![(self.node.place, text)],
@@ -99,12 +101,12 @@ fn node(value: Spanned<DeValue<'_>>, text: usize) -> Node {
 }
 
 fn table(entries: DeTable<'_>, text: usize) -> Value {
-    let mut entries: Vec<Entry> = entries
+    let mut entries: Vec<KeyValue> = entries
         .into_iter()
         .map(|(key, value)| {
             let span = key.span();
             let key_place = Place { text, start: span.start, end: span.end };
-            Entry { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
+            KeyValue { key: key.into_inner().into_owned(), key_place, node: node(value, text) }
         })
         .collect();
     // Entries are in the order of the file, so that the first mistake in it is reported first.
@@ -118,9 +120,11 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let place = Place { text: i + 1, start: 0, end: 0 };
     let wrong = |problem: String, remedy: String| sources.fault(Some(place), problem, remedy);
 
+    let is_parameter = !keys::of_table("").contains(&this.key.as_str()) && has_parameter(root, &this.key);
+    let key = if is_parameter { format!("{FORCE_PARAMETERS}.{}", this.key) } else { this.key.clone() };
     let mut spot = root;
     let mut walked = String::new();
-    for segment in this.key.split('.') {
+    for segment in key.split('.') {
         let segment = segment.trim();
         if segment.is_empty() {
             return Err(wrong(
@@ -132,7 +136,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
             Value::Table(entries) => {
                 let at = entries.iter().position(|entry| entry.key == segment).unwrap_or_else(|| {
                     let empty = Node { place, value: Value::Table(Vec::new()) };
-                    entries.push(Entry { key: segment.to_string(), key_place: place, node: empty });
+                    entries.push(KeyValue { key: segment.to_string(), key_place: place, node: empty });
                     entries.len() - 1
                 });
                 &mut entries[at].node
@@ -160,7 +164,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         walked.push_str(segment);
     }
 
-    let text = this.value.trim();
+    let text = &whole(this.value.trim());
     let is_quoted = text.starts_with(['"', '\'']);
     spot.value = match DeValue::parse(text) {
         // An expression needs no quotes on a command line, where a shell would take them away.
@@ -175,6 +179,26 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     };
     relocate(spot, place);
     Ok(())
+}
+
+/// Whether the force of a scenario has a parameter of this name, which is then a key by itself.
+fn has_parameter(root: &Node, name: &str) -> bool {
+    let mut path = FORCE_PARAMETERS.split('.').chain([name]);
+    let innermost = path.try_fold(root, |node, key| match &node.value {
+        Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
+        _ => None,
+    });
+    innermost.is_some()
+}
+
+/// The table of these parameters.
+const FORCE_PARAMETERS: &str = "force.parameters";
+
+/// A number such as .5 with the zero that TOML wants.
+fn whole(text: &str) -> Cow<'_, str> {
+    let digits = text.trim_start_matches(['-', '+']);
+    let begins = digits.starts_with('.') && digits[1..].starts_with(|c: char| c.is_ascii_digit());
+    if begins { Cow::Owned(text.replacen('.', "0.", 1)) } else { Cow::Borrowed(text) }
 }
 
 /// The key whose value is an expression.

@@ -3,7 +3,7 @@
 use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
 use super::stamp::{self, Stamp};
-use super::unit::{self, Unit};
+use super::unit::{self, InputUnit};
 use jiff::civil::DateTime;
 use jiff::fmt::temporal::DateTimeParser;
 use jiff::tz::{AmbiguousOffset, TimeZone};
@@ -61,7 +61,7 @@ impl fmt::Display for Start {
 #[derive(Clone, Copy, Debug, PartialEq)]
 enum Kind {
     /// Numbers. They are converted to seconds if their unit is known.
-    Numbers { unit: Option<Unit> },
+    Numbers { unit: Option<InputUnit> },
     /// Dates.
     Stamps,
     /// Dates as whole numbers of so many digits, such as 2025010123.
@@ -290,7 +290,7 @@ impl Clock {
 }
 
 /// What the cells of a column are, from the first of them.
-fn kind(column: &str, unit: Option<Unit>, layout: &Layout, first: &str) -> Result<Kind, ProblemAndRemedy> {
+fn kind(column: &str, unit: Option<InputUnit>, layout: &Layout, first: &str) -> Result<Kind, ProblemAndRemedy> {
     let in_hours = column.rsplit(',').next().is_some_and(|name| name.trim().to_lowercase().starts_with('h'));
     let in_hours = in_hours && !column.to_lowercase().ends_with("hhmm");
     if column.contains(',') && stamp::day_of_year(first, in_hours).is_some() {

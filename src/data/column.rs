@@ -5,7 +5,7 @@ use super::marks::Marks;
 use super::outliers::{odd, spikes};
 use super::query::{Layout, Wanted, Wording};
 use super::repairs::{ColumnRepairs, Repairs};
-use super::unit::{self, ColumnQuantity, Unit};
+use super::unit::{self, ColumnQuantity, InputUnit};
 use crate::numbers::short;
 
 /// One column: times in ascending order, with their values.
@@ -45,7 +45,7 @@ pub(super) struct Column<'a> {
     name: String,
     wanted: &'a Wanted<'a>,
     /// The unit, and whether it is known.
-    unit: Unit,
+    unit: InputUnit,
     is_known: bool,
     /// Time, value in the unit of the cells, and the place of the row.
     pub samples: Vec<(f64, f64, u32)>,
@@ -66,7 +66,7 @@ impl<'a> Column<'a> {
         Ok(Column {
             name: name.to_string(),
             wanted,
-            unit: unit.unwrap_or(Unit::AS_GIVEN),
+            unit: unit.unwrap_or(InputUnit::AS_GIVEN),
             is_known,
             samples: Vec::new(),
             said,

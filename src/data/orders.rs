@@ -6,7 +6,7 @@ use jiff::civil::DateTime;
 
 /// How the dates of a column look in one order.
 #[derive(Clone, Copy, Debug)]
-struct Reading {
+struct OrderFit {
     order: DateOrder,
     /// Whether each of them is a date.
     is_possible: bool,
@@ -21,7 +21,7 @@ struct Reading {
 /// The dates of a column in every order.
 #[derive(Clone, Debug)]
 pub(super) struct Orders {
-    readings: [Reading; 3],
+    readings: [OrderFit; 3],
     /// Whether two orders make different dates of the same text.
     differ: bool,
 }
@@ -32,7 +32,7 @@ const DETOUR: f64 = 10.0;
 impl Orders {
     /// The orders before the first date.
     pub fn new() -> Self {
-        let of = |(_, order)| Reading { order, is_possible: true, last: None, up: 0, down: 0, path: 0.0 };
+        let of = |(_, order)| OrderFit { order, is_possible: true, last: None, up: 0, down: 0, path: 0.0 };
         Orders { readings: DateOrder::WORDS.map(of), differ: false }
     }
 
@@ -60,13 +60,13 @@ impl Orders {
     /// possible it is the one in which the fewest rows are out of order. Where dates have years of
     /// two digits in front or at the end, one of the two ways from row to row is far longer, too.
     pub fn told(&self) -> Option<(DateOrder, &'static str)> {
-        let possible: Vec<&Reading> = self.readings.iter().filter(|reading| reading.is_possible).collect();
+        let possible: Vec<&OrderFit> = self.readings.iter().filter(|reading| reading.is_possible).collect();
         if let [only] = possible[..] {
             return Some((only.order, "the only order in which all of them are dates"));
         }
-        let disorder = |reading: &Reading| reading.up.min(reading.down);
+        let disorder = |reading: &OrderFit| reading.up.min(reading.down);
         let least = possible.iter().map(|reading| disorder(reading)).min()?;
-        let mut likely: Vec<&Reading> = possible.into_iter().filter(|reading| disorder(reading) == least).collect();
+        let mut likely: Vec<&OrderFit> = possible.into_iter().filter(|reading| disorder(reading) == least).collect();
         if likely.iter().any(|reading| reading.order == DateOrder::YearMonthDay) {
             let shortest = likely.iter().map(|reading| reading.path).fold(f64::INFINITY, f64::min);
             likely.retain(|reading| reading.path < DETOUR * shortest || reading.path == shortest);

@@ -31,7 +31,7 @@ impl ColumnQuantity {
     }
 
     /// The unit that is called so, if there is one.
-    pub(super) fn unit(self, name: &str) -> Option<Unit> {
+    pub(super) fn unit(self, name: &str) -> Option<InputUnit> {
         match self {
             ColumnQuantity::Temperature => temperature(name),
             ColumnQuantity::Displacement => displacement(name),
@@ -42,7 +42,7 @@ impl ColumnQuantity {
 /// A unit: value = times (cell - origin) / over. The scale is kept as a ratio of two numbers, so
 /// that 2.5 mm becomes the double nearest to 0.0025.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Unit {
+pub(super) struct InputUnit {
     times: f64,
     over: f64,
     origin: f64,
@@ -50,15 +50,15 @@ pub(super) struct Unit {
     pub least: f64,
 }
 
-impl Unit {
-    pub const AS_GIVEN: Unit = Unit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY };
+impl InputUnit {
+    pub const AS_GIVEN: InputUnit = InputUnit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY };
 
-    fn larger(times: f64) -> Unit {
-        Unit { times, ..Self::AS_GIVEN }
+    fn larger(times: f64) -> InputUnit {
+        InputUnit { times, ..Self::AS_GIVEN }
     }
 
-    fn smaller(over: f64) -> Unit {
-        Unit { over, ..Self::AS_GIVEN }
+    fn smaller(over: f64) -> InputUnit {
+        InputUnit { over, ..Self::AS_GIVEN }
     }
 
     /// The value of a cell in the unit of the results.
@@ -68,53 +68,55 @@ impl Unit {
 }
 
 /// A unit of temperature, which may have a scale: `degC`, `°F`, `mK`, `0.1degC`, `degrees Celsius`.
-fn temperature(name: &str) -> Option<Unit> {
+fn temperature(name: &str) -> Option<InputUnit> {
     let name = name.replace('\u{2103}', "C").replace('\u{2109}', "F");
     let name: String = name.chars().filter(|c| !c.is_whitespace() && !"_*\u{ba}\u{b0}".contains(*c)).collect();
     let name = name.trim_end_matches('.');
     let number = name.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
     let (scale, name) = match name[..number].parse::<f64>() {
         // A scale of 0.1 is kept as one over 10, so that 155 tenths are the double nearest to 15.5.
-        Ok(scale) if scale > 0.0 && scale < 1.0 => (Unit::smaller((1.0 / scale).round()), &name[number..]),
-        Ok(scale) if scale > 0.0 => (Unit::larger(scale), &name[number..]),
-        _ if name == "mK" => (Unit::smaller(1e3), "K"),
+        Ok(scale) if scale > 0.0 && scale < 1.0 => (InputUnit::smaller((1.0 / scale).round()), &name[number..]),
+        Ok(scale) if scale > 0.0 => (InputUnit::larger(scale), &name[number..]),
+        _ if name == "mK" => (InputUnit::smaller(1e3), "K"),
         _ if number > 0 => return None,
-        _ => (Unit::AS_GIVEN, name),
+        _ => (InputUnit::AS_GIVEN, name),
     };
     let lower = name.to_lowercase();
     let bare =
         ["degrees", "degree", "degs", "deg"].iter().find_map(|prefix| lower.strip_prefix(prefix)).unwrap_or(&lower);
     let (unit, least) = match bare {
-        "c" | "celsius" | "centigrade" => (Unit::AS_GIVEN, -273.15),
-        "k" | "kelvin" | "kelvins" => (Unit::AS_GIVEN, 0.0),
-        "f" | "fahrenheit" => (Unit { over: 1.8, origin: 32.0, ..Unit::AS_GIVEN }, -459.67),
-        "r" | "rankine" => (Unit::smaller(1.8), 0.0),
+        "c" | "celsius" | "centigrade" => (InputUnit::AS_GIVEN, -273.15),
+        "k" | "kelvin" | "kelvins" => (InputUnit::AS_GIVEN, 0.0),
+        "f" | "fahrenheit" => (InputUnit { over: 1.8, origin: 32.0, ..InputUnit::AS_GIVEN }, -459.67),
+        "r" | "rankine" => (InputUnit::smaller(1.8), 0.0),
         _ => return None,
     };
     // (cell scale - origin) / over, with the scale taken into the origin and the ratio.
     let of_scale = scale.times / scale.over;
     let origin = unit.origin / of_scale;
-    Some(Unit { times: scale.times, over: unit.over * scale.over, origin, least: least / of_scale })
+    Some(InputUnit { times: scale.times, over: unit.over * scale.over, origin, least: least / of_scale })
 }
 
-fn displacement(name: &str) -> Option<Unit> {
+fn displacement(name: &str) -> Option<InputUnit> {
     match name.to_lowercase().as_str() {
-        "m" | "metre" | "metres" | "meter" | "meters" => Some(Unit::AS_GIVEN),
-        "cm" => Some(Unit::smaller(1e2)),
-        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => Some(Unit::smaller(1e3)),
-        "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometre" | "micrometer" => Some(Unit::smaller(1e6)),
+        "m" | "metre" | "metres" | "meter" | "meters" => Some(InputUnit::AS_GIVEN),
+        "cm" => Some(InputUnit::smaller(1e2)),
+        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => Some(InputUnit::smaller(1e3)),
+        "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometre" | "micrometer" => {
+            Some(InputUnit::smaller(1e6))
+        }
         _ => None,
     }
 }
 
 /// A unit of time, converted to seconds.
-pub(super) fn time(name: &str) -> Option<Unit> {
+pub(super) fn time(name: &str) -> Option<InputUnit> {
     match name.to_lowercase().as_str() {
-        "ms" => Some(Unit::smaller(1e3)),
-        "s" | "sec" | "second" | "seconds" => Some(Unit::AS_GIVEN),
-        "min" | "minute" | "minutes" => Some(Unit::larger(60.0)),
-        "h" | "hour" | "hours" => Some(Unit::larger(3600.0)),
-        "d" | "day" | "days" => Some(Unit::larger(86_400.0)),
+        "ms" => Some(InputUnit::smaller(1e3)),
+        "s" | "sec" | "second" | "seconds" => Some(InputUnit::AS_GIVEN),
+        "min" | "minute" | "minutes" => Some(InputUnit::larger(60.0)),
+        "h" | "hour" | "hours" => Some(InputUnit::larger(3600.0)),
+        "d" | "day" | "days" => Some(InputUnit::larger(86_400.0)),
         _ => None,
     }
 }
@@ -128,10 +130,10 @@ fn bracketed(name: &str) -> impl Iterator<Item = &str> {
 /// The units in a name. A unit is one of its parts between blanks, underscores and commas, up to
 /// three parts together as in `0.1 deg C`, or a capital at the end of a part as in `tempF` and
 /// `AirTC`. The first part is the noun, and no unit by itself.
-fn words(quantity: ColumnQuantity, name: &str) -> Vec<Unit> {
+fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
     let parts: Vec<&str> =
         name.split([' ', '_', ',', ';', '\t', '-', '/', '[', ']', '(', ')']).filter(|part| !part.is_empty()).collect();
-    let mut found: Vec<Unit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
+    let mut found: Vec<InputUnit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
     let mut at = 1;
     while at < parts.len() {
         let most = 3.min(parts.len() - at);
@@ -168,8 +170,8 @@ fn is_note(text: &str) -> bool {
 }
 
 /// The unit that the name of a column gives; an error if it gives two, or one that is not known.
-pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<Unit>, ProblemAndRemedy> {
-    let mut found: Option<Unit> = None;
+pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<InputUnit>, ProblemAndRemedy> {
+    let mut found: Option<InputUnit> = None;
     let mut unknown = None;
     for text in bracketed(column) {
         match quantity.unit(text).or_else(|| text.split([' ', ',', ';']).find_map(|word| quantity.unit(word))) {
@@ -201,7 +203,7 @@ fn two(column: &str) -> ProblemAndRemedy {
 
 /// The conversion to seconds for a column of numeric times; `None` if the name of the column gives
 /// no unit.
-pub(super) fn of_time(column: &str) -> Option<Unit> {
+pub(super) fn of_time(column: &str) -> Option<InputUnit> {
     let suffix = column.rsplit_once('_').map(|(_, unit)| unit);
     let last = column.rsplit_once([' ', ',']).map(|(_, unit)| unit);
     bracketed(column).chain(suffix).chain(last).find_map(time)

@@ -1,7 +1,7 @@
 //! Where a data set is written and from where it is read back, be it a file or memory.
 
 use super::layout::Described;
-use super::{Column, ColumnView, Element, Kind};
+use super::{Column, ColumnView, Element, ElementType};
 use crate::engine::other_program;
 use crate::stats::Units;
 use crate::stats::column::values_of;
@@ -142,7 +142,7 @@ pub(crate) trait Source {
     type Error: From<String>;
 
     /// The values of a variable; none if there is no such variable.
-    fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>, Self::Error>;
+    fn column(&self, variable: &Described, kind: ElementType) -> Result<Option<Column>, Self::Error>;
 
     /// Whether there is a variable of this name.
     fn has(&self, name: &str) -> bool;

@@ -23,14 +23,14 @@ pub(super) use table;
 
 /// A variable with the ends of its intervals.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Measured {
+pub(crate) struct WithInterval {
     pub value: Variable,
     pub low: Variable,
     pub high: Variable,
 }
 
-impl Measured {
-    const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> Measured {
+impl WithInterval {
+    const fn with(mut self, attributes: &'static [(&'static str, &'static str)]) -> WithInterval {
         self.value = self.value.with(attributes);
         self
     }
@@ -42,7 +42,7 @@ macro_rules! measured {
         measured!($name, $axes, $unit, $what, ends of the $what)
     };
     ($name:expr, $axes:expr, $unit:expr, $what:expr, ends of the $of:expr) => {
-        Measured {
+        WithInterval {
             value: variable($name, $axes, $unit, $what),
             low: variable(
                 concat!($name, "_low"),
@@ -176,7 +176,7 @@ table! {
 }
 
 table! {
-    ALL_MEASURED: Measured;
+    ALL_MEASURED: WithInterval;
 
     STATIC_PROBABILITY = measured!("static_probability", &["time"], Unit::ONE,
         "probability of being in a static phase");
@@ -222,8 +222,8 @@ pub(crate) struct LawLayout {
     pub bin_lower: Variable,
     pub count: Variable,
     pub censored_count: Variable,
-    pub survival: Measured,
-    pub quantile: Measured,
+    pub survival: WithInterval,
+    pub quantile: WithInterval,
     pub completed: Variable,
     pub censored: Variable,
 }
@@ -321,17 +321,17 @@ impl LawLayout {
 }
 
 /// Mean, standard deviation and quantiles of a quantity on the output grid.
-pub(crate) const DISPLACEMENT: [Measured; 3] = [
+pub(crate) const DISPLACEMENT: [WithInterval; 3] = [
     measured!("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement"),
     measured!("displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement"),
     measured!("displacement_quantile", &["quantile", "time"], Unit::LENGTH, "quantiles of the displacement"),
 ];
-pub(crate) const VELOCITY: [Measured; 3] = [
+pub(crate) const VELOCITY: [WithInterval; 3] = [
     measured!("velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity"),
     measured!("velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity"),
     measured!("velocity_quantile", &["quantile", "time"], Unit::VELOCITY, "quantiles of the velocity"),
 ];
-pub(crate) const TEMPERATURE: [Measured; 3] = [
+pub(crate) const TEMPERATURE: [WithInterval; 3] = [
     measured!("temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature"),
     measured!("temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature"),
     measured!("temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE, "quantiles of the temperature"),

@@ -1,9 +1,9 @@
 //! A data set in memory.
 
 use super::layout::Described;
-use super::rows::{self, Rows, Table};
+use super::rows::{self, RowTable, Rows};
 use super::{
-    Attribute, Column, ColumnView, Destination, Kind, Source, StoredCalibration, StoredSweep, StoredTrade,
+    Attribute, Column, ColumnView, Destination, ElementType, Source, StoredCalibration, StoredSweep, StoredTrade,
     attributes_of, calibration, forecast, run, series, summary, sweep, trade, twin,
 };
 use crate::bearing::calibration::{self as bearing, Twin};
@@ -182,7 +182,7 @@ impl Dataset {
     }
 
     /// Add rows to the variables of a table. Variables that are not there yet are created.
-    pub(super) fn grow(&mut self, table: &Table) -> Result<(), Infallible> {
+    pub(super) fn grow(&mut self, table: &RowTable) -> Result<(), Infallible> {
         for (variable, values) in table.variables {
             match self.entries.iter_mut().find(|entry| entry.name == variable.name) {
                 Some(entry) => entry.column.extend(*values),
@@ -234,7 +234,7 @@ impl Destination for Dataset {
 impl Source for Dataset {
     type Error = String;
 
-    fn column(&self, variable: &Described, _: Kind) -> Result<Option<Column>, String> {
+    fn column(&self, variable: &Described, _: ElementType) -> Result<Option<Column>, String> {
         let Some(entry) = self.entry(variable.name) else { return Ok(None) };
         let known = |axis: &&str| self.entry(axis).map(|coordinate| coordinate.column.len());
         let length = variable.axes.iter().map(known).product::<Option<usize>>();

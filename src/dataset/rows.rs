@@ -36,26 +36,26 @@ impl<'a> From<&'a BlockResult> for Rows<'a> {
 
 /// The dimension along which the variables of a table grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Along {
+pub(crate) enum RowAxis {
     Path,
     Event,
     Trajectory,
 }
 
-impl Along {
+impl RowAxis {
     /// The name of the dimension.
     pub(crate) fn axis(self) -> &'static str {
         match self {
-            Along::Path => "path",
-            Along::Event => "event",
-            Along::Trajectory => "trajectory",
+            RowAxis::Path => "path",
+            RowAxis::Event => "event",
+            RowAxis::Trajectory => "trajectory",
         }
     }
 }
 
 /// Some rows of the variables that grow along one dimension.
-pub(crate) struct Table<'a> {
-    pub along: Along,
+pub(crate) struct RowTable<'a> {
+    pub along: RowAxis,
     pub rows: usize,
     pub variables: &'a [(&'static Variable, ColumnView<'a>)],
 }
@@ -64,7 +64,7 @@ pub(crate) struct Table<'a> {
 pub(crate) fn empty_tables<E>(
     record: &Record,
     header: &Provenance,
-    visit: impl FnMut(Table) -> Result<(), E>,
+    visit: impl FnMut(RowTable) -> Result<(), E>,
 ) -> Result<(), E> {
     let (columns, events, trajectories) = Default::default();
     let rows = Rows {
@@ -81,7 +81,7 @@ pub(crate) fn empty_tables<E>(
 pub(crate) fn tables<E>(
     rows: &Rows,
     bearing: Option<SensorBearing>,
-    mut visit: impl FnMut(Table) -> Result<(), E>,
+    mut visit: impl FnMut(RowTable) -> Result<(), E>,
 ) -> Result<(), E> {
     let Rows { first_path, paths, path_columns, events, trajectories } = *rows;
     let (mut numbers, mut shown) = (Vec::new(), Vec::new());
@@ -99,11 +99,11 @@ pub(crate) fn tables<E>(
         shown.extend(places.map(|(&x, &friction)| bearing.displacement(x, friction)));
         variables.push((&layout::TRAJECTORY_BEARING, (&shown).into()));
     }
-    for along in [Along::Path, Along::Event, Along::Trajectory] {
+    for along in [RowAxis::Path, RowAxis::Event, RowAxis::Trajectory] {
         let of_table = variables.iter().filter(|(variable, _)| variable.axes[0] == along.axis());
         let variables: Vec<_> = of_table.copied().collect();
         if let Some((_, first)) = variables.first() {
-            visit(Table { along, rows: first.len(), variables: &variables })?;
+            visit(RowTable { along, rows: first.len(), variables: &variables })?;
         }
     }
     Ok(())

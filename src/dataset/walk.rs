@@ -2,7 +2,7 @@
 //! writes to a destination or reads from a source, so that each variable is named once.
 
 use super::form::AttributeValue;
-use super::layout::{Described, Measured};
+use super::layout::{Described, WithInterval};
 use super::{Attribute, ColumnView, Destination, Element, Source, read_attribute, read_or_empty, read_scalar};
 use crate::sums::Ends;
 
@@ -64,7 +64,7 @@ pub(crate) trait Walk {
     /// The values of a curve with the ends of their intervals.
     fn curve<T: Element>(
         &mut self,
-        Measured { value, low, high }: &Measured,
+        WithInterval { value, low, high }: &WithInterval,
         values: &mut Vec<T>,
         ends: &mut Ends,
     ) -> Result<(), Self::Error> {
@@ -74,7 +74,12 @@ pub(crate) trait Walk {
     }
 
     /// A number with the ends of its interval.
-    fn number<T: Element>(&mut self, of: &Measured, number: &mut T, ends: &mut [f64; 2]) -> Result<(), Self::Error> {
+    fn number<T: Element>(
+        &mut self,
+        of: &WithInterval,
+        number: &mut T,
+        ends: &mut [f64; 2],
+    ) -> Result<(), Self::Error> {
         self.scalar(&of.value, number)?;
         self.scalar(&of.low, &mut ends[0])?;
         self.scalar(&of.high, &mut ends[1])

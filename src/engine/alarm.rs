@@ -42,7 +42,7 @@ impl<'a> Alarm<'a> {
             // If no thread can be created, nothing is given up, and the run ends only at the end of
             // a block.
             let _ = watch;
-            let _over = Over(self);
+            let _over = AlarmOver(self);
             work()
         })
     }
@@ -69,9 +69,9 @@ impl<'a> Alarm<'a> {
 }
 
 /// Ends the watch when the work is over, also if it has panicked.
-struct Over<'a>(&'a Alarm<'a>);
+struct AlarmOver<'a>(&'a Alarm<'a>);
 
-impl Drop for Over<'_> {
+impl Drop for AlarmOver<'_> {
     fn drop(&mut self) {
         *self.0.is_over.lock().unwrap_or_else(PoisonError::into_inner) = true;
         self.0.over.notify_all();

@@ -1,7 +1,7 @@
 //! A run while it is simulated: blocks are passed to the sinks, summed and judged, until all are
 //! done or something ends the run earlier.
 
-use super::ending::{Endings, Look};
+use super::ending::{Endings, Judgement};
 use super::{Asked, EndedBy, Moment, Outcome, Progress, RunError, Sink, SinkError};
 use crate::ensemble::{BLOCK_SIZE, Delivered};
 use crate::stats::RunTotals;
@@ -12,14 +12,14 @@ use std::time::{Duration, Instant};
 
 /// The wall-clock time of a run, together with that of the processes that began it.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Clock {
+pub(super) struct Elapsed {
     before: Duration,
     start: Instant,
 }
 
-impl Clock {
+impl Elapsed {
     pub fn after(before: Duration) -> Self {
-        Clock { before, start: Instant::now() }
+        Elapsed { before, start: Instant::now() }
     }
 
     pub fn spent(&self) -> Duration {
@@ -33,7 +33,7 @@ pub(super) struct Course<'r, 's, X> {
     endings: &'r Endings,
     /// Makes the threads give up their unfinished blocks.
     halt: &'r AtomicBool,
-    clock: Clock,
+    clock: Elapsed,
     progress: &'r mut dyn Progress,
     sinks: Vec<&'s mut dyn Sink>,
     pub totals: RunTotals<X>,
@@ -50,7 +50,7 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         asked: &'r Asked,
         endings: &'r Endings,
         halt: &'r AtomicBool,
-        clock: Clock,
+        clock: Elapsed,
         progress: &'r mut dyn Progress,
         sinks: Vec<&'s mut dyn Sink>,
         totals: RunTotals<X>,
@@ -64,7 +64,7 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         let Range { start, end } = self.asked.blocks();
         let first = self.done();
         match self.look(first) {
-            Look::Stop(reason) if first > start => {
+            Judgement::Stop(reason) if first > start => {
                 self.ended_by = Some(reason);
                 first..first
             }
@@ -79,10 +79,12 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
     }
 
     /// Whether the run ends after this many blocks.
-    fn look(&self, blocks: u64) -> Look {
+    fn look(&self, blocks: u64) -> Judgement {
         match self.endings.look(blocks, &self.totals, self.clock.spent()) {
             // A run of which all blocks are done needs no more time.
-            Look::Stop(EndedBy::TimeLimit { blocks }) if blocks == self.asked.blocks().end => Look::GoOn(None),
+            Judgement::Stop(EndedBy::TimeLimit { blocks }) if blocks == self.asked.blocks().end => {
+                Judgement::GoOn(None)
+            }
             look => look,
         }
     }
@@ -114,12 +116,12 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
             self.progress.estimate(&self.totals.estimate(statistic));
         }
         Ok(match self.look(end) {
-            Look::GoOn(needed) => {
+            Judgement::GoOn(needed) => {
                 let all = self.asked.own_paths();
                 self.progress.paths(self.paths_before(end), needed.unwrap_or(all).min(all));
                 ControlFlow::Continue(())
             }
-            Look::Stop(reason) => {
+            Judgement::Stop(reason) => {
                 self.ended_by = Some(reason);
                 self.stop()
             }

@@ -14,12 +14,12 @@ const SAME: f64 = 1e-6;
 
 /// What is seen of the path: its events, and its motion between them.
 #[derive(Default)]
-struct Seen {
+struct CycleWatch {
     events: Vec<Event>,
     glides: Vec<Glide>,
 }
 
-impl Observer for Seen {
+impl Observer for CycleWatch {
     fn event(&mut self, _: usize, event: Event) {
         self.events.push(event);
     }
@@ -45,7 +45,7 @@ impl LimitCycle {
         }
         let timeline = scenario.timeline();
         let plan = scenario.plan();
-        let mut both = (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0]), Seen::default());
+        let mut both = (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0]), CycleWatch::default());
         if !plan.simulation.simulate(plan.seed, &[0], &mut both).is_empty() {
             return None;
         }
@@ -105,7 +105,7 @@ const PLACES: u32 = 8;
 /// Halvings until such a zero has all its digits.
 const HALVINGS: usize = 52;
 
-impl Seen {
+impl CycleWatch {
     /// Half the range of x - drift t between two times. It is largest and smallest at events, or
     /// inside a glide where x' is the drift.
     fn amplitude(&self, [from, to]: [f64; 2], drift: f64) -> f64 {

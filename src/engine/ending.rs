@@ -125,7 +125,7 @@ impl MissedGoal {
 
 /// What follows from the blocks so far.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) enum Look {
+pub(super) enum Judgement {
     /// Go on. If it can be estimated, the number is how many paths the run will need in all.
     GoOn(Option<u64>),
     /// End the run.
@@ -135,16 +135,16 @@ pub(super) enum Look {
 impl Endings {
     /// Judge the goals and the time limit after the first `blocks` blocks, with their totals and
     /// the time spent on them.
-    pub fn look<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>, spent: Duration) -> Look {
+    pub fn look<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>, spent: Duration) -> Judgement {
         match (self.judge(blocks, totals), self.time) {
-            (Look::GoOn(_), Some(limit)) if spent >= limit => Look::Stop(EndedBy::TimeLimit { blocks }),
+            (Judgement::GoOn(_), Some(limit)) if spent >= limit => Judgement::Stop(EndedBy::TimeLimit { blocks }),
             (goals, _) => goals,
         }
     }
 
-    fn judge<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Look {
+    fn judge<X: Merge + Clone>(&self, blocks: u64, totals: &RunTotals<X>) -> Judgement {
         if self.goals.is_empty() || blocks < FIRST_LOOK {
-            return Look::GoOn(None);
+            return Judgement::GoOn(None);
         }
         let paths = blocks * BLOCK_SIZE;
         let is_patient = blocks < PATIENCE;
@@ -165,21 +165,21 @@ impl Endings {
                 Verdict::Missing => Some(Hopeless::Missing { statistic: goal.statistic, paths }),
             };
             if let Some(hopeless) = hopeless.filter(|_| !is_patient) {
-                return Look::Stop(EndedBy::Hopeless(hopeless));
+                return Judgement::Stop(EndedBy::Hopeless(hopeless));
             }
             is_open = true;
         }
         if !is_open {
-            return Look::Stop(EndedBy::Goals { goals: self.goals.clone(), blocks });
+            return Judgement::Stop(EndedBy::Goals { goals: self.goals.clone(), blocks });
         }
-        let Some((times, goal)) = farthest else { return Look::GoOn(None) };
+        let Some((times, goal)) = farthest else { return Judgement::GoOn(None) };
         let needed = paths as f64 * times;
         if !is_patient && needed > MOST_PATHS as f64 {
             let least_error =
                 totals.estimate(goal.statistic).standard_error * (paths as f64 / MOST_PATHS as f64).sqrt();
-            return Look::Stop(EndedBy::Hopeless(Hopeless::TooFar { goal, needed, least_error }));
+            return Judgement::Stop(EndedBy::Hopeless(Hopeless::TooFar { goal, needed, least_error }));
         }
-        Look::GoOn(Some(needed as u64))
+        Judgement::GoOn(Some(needed as u64))
     }
 
     /// The goals that a run with this number of paths has not reached.
@@ -233,7 +233,7 @@ mod tests {
             let mut totals = RunTotals::empty(plan.model(), plan.timeline());
             let blocks = (1..=400).find(|&blocks| {
                 totals.push(blocks - 1, plan.block(blocks - 1).totals).expect("once");
-                matches!(endings.look(blocks, &totals, Duration::ZERO), Look::Stop(EndedBy::Goals { .. }))
+                matches!(endings.look(blocks, &totals, Duration::ZERO), Judgement::Stop(EndedBy::Goals { .. }))
             });
             lengths.push(blocks.expect("the goal is near"));
             let e = totals.estimate(statistic);

@@ -2,7 +2,7 @@
 //! happens in between.
 
 use super::alarm::Alarm;
-use super::course::{Clock, Course};
+use super::course::{Course, Elapsed};
 use super::ending::Endings;
 use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink, Status};
 use crate::bias::NoBias;
@@ -166,7 +166,7 @@ impl<'a> Run<'a> {
         spent: Duration,
     ) -> Result<Outcome<C::Sums>, RunError> {
         check_threads(self.threads)?;
-        let (clock, endings, never, mut nobody) = (Clock::after(spent), self.endings(), AtomicBool::new(false), ());
+        let (clock, endings, never, mut nobody) = (Elapsed::after(spent), self.endings(), AtomicBool::new(false), ());
         let (stop, progress) = (self.stop.unwrap_or(&never), self.progress.take().unwrap_or(&mut nobody));
         let left = [endings.time, self.asked.max_time].map(|limit| limit.map(|limit| limit.saturating_sub(spent)));
         let alarm = Alarm::new(stop, left);

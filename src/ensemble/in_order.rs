@@ -37,9 +37,9 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
     mut deliver: impl FnMut(R) -> Result<ControlFlow<()>, E> + Send,
 ) -> Result<u64, E> {
     let workers = threads.min(count.try_into().unwrap_or(usize::MAX)).clamp(1, MOST_THREADS);
-    let queue = Queue { state: Mutex::new(State::new(&mut deliver)), moved: Condvar::new() };
+    let queue = OrderedQueue { state: Mutex::new(Delivery::new(&mut deliver)), moved: Condvar::new() };
     let work = || {
-        let _watch = Watch(&queue);
+        let _watch = LeaveOnPanic(&queue);
         while let Some(index) = queue.take(count, workers as u64 * PIECES_AHEAD, stop) {
             match make(index) {
                 Some(piece) => queue.put(index, piece),
@@ -63,12 +63,12 @@ pub(crate) fn in_order_while<R: Send, E: Send>(
 /// Finished pieces that wait for their turn to be delivered. The thread that finishes the next
 /// piece in order delivers it and those that wait for it, also those that other threads finish
 /// meanwhile. No thread is there only for delivery, and none waits for a delivery to end.
-struct Queue<'a, R, E> {
-    state: Mutex<State<'a, R, E>>,
+struct OrderedQueue<'a, R, E> {
+    state: Mutex<Delivery<'a, R, E>>,
     moved: Condvar,
 }
 
-struct State<'a, R, E> {
+struct Delivery<'a, R, E> {
     /// The number of the next piece to make.
     next: u64,
     /// Number of delivered pieces, which is also the number of the piece to deliver next.
@@ -81,14 +81,14 @@ struct State<'a, R, E> {
     end: Option<Result<(), E>>,
 }
 
-impl<'a, R, E> State<'a, R, E> {
+impl<'a, R, E> Delivery<'a, R, E> {
     fn new(deliver: &'a mut (dyn FnMut(R) -> Result<ControlFlow<()>, E> + Send)) -> Self {
-        State { next: 0, delivered: 0, waiting: BTreeMap::new(), deliver: Some(deliver), end: None }
+        Delivery { next: 0, delivered: 0, waiting: BTreeMap::new(), deliver: Some(deliver), end: None }
     }
 }
 
-impl<'a, R, E> Queue<'a, R, E> {
-    fn lock(&self) -> MutexGuard<'_, State<'a, R, E>> {
+impl<'a, R, E> OrderedQueue<'a, R, E> {
+    fn lock(&self) -> MutexGuard<'_, Delivery<'a, R, E>> {
         // A panic of another thread reaches the caller in any case.
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
@@ -142,9 +142,9 @@ impl<'a, R, E> Queue<'a, R, E> {
 
 /// Gives up when its thread panics. Otherwise the other threads would wait for ever for the piece
 /// of that thread, and the panic would not reach the caller.
-struct Watch<'a, 'b, R, E>(&'b Queue<'a, R, E>);
+struct LeaveOnPanic<'a, 'b, R, E>(&'b OrderedQueue<'a, R, E>);
 
-impl<R, E> Drop for Watch<'_, '_, R, E> {
+impl<R, E> Drop for LeaveOnPanic<'_, '_, R, E> {
     fn drop(&mut self) {
         if std::thread::panicking() {
             self.0.give_up();

@@ -283,7 +283,18 @@ pub fn minus(text: &str) -> String {
 
 /// A number with two significant digits, or as a product with a power of ten.
 pub fn plain(x: f64) -> Label {
-    let text = crate::numbers::significant(x, 2);
+    written(x, 2)
+}
+
+/// The ends of an interval, with two significant digits of its width.
+pub fn between([low, high]: [f64; 2]) -> Label {
+    let ratio = low.abs().max(high.abs()) / (high - low);
+    let digits = if ratio > 1.0 && ratio.is_finite() { 2 + ratio.log10().ceil() as usize } else { 2 };
+    written(low, digits).and(Label::verbatim(" to ")).and(written(high, digits))
+}
+
+fn written(x: f64, digits: usize) -> Label {
+    let text = crate::numbers::significant(x, digits);
     match text.split_once('e') {
         None => Label::verbatim(&minus(&text)),
         Some(("1", power)) => Label::new(&format!("10^{{{}}}", minus(power))),
@@ -311,7 +322,14 @@ pub fn unit(label: &str) -> Label {
 mod tests {
     use super::*;
 
-    fn written(axis: &Axis, length: f64) -> Vec<String> {
+    #[test]
+    fn the_ends_of_an_interval_have_the_digits_that_its_width_needs() {
+        assert_eq!(between([0.49992, 0.50032]).words(), "0.49992 to 0.50032");
+        assert_eq!(between([-0.011, 0.31]).words(), "\u{2212}0.011 to 0.31");
+        assert_eq!(between([0.1, 0.1]).words(), "0.1 to 0.1");
+    }
+
+    fn labels(axis: &Axis, length: f64) -> Vec<String> {
         axis.ticks(length, 20.0).into_iter().filter_map(|tick| tick.label).map(|label| label.words()).collect()
     }
 
@@ -321,15 +339,15 @@ mod tests {
 
     #[test]
     fn numbers_are_round_and_have_a_true_minus() {
-        assert_eq!(written(&axis(-7.0, 7.0), 100.0), ["−5", "0", "5"]);
-        assert_eq!(written(&axis(0.0, 1.0), 100.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
-        assert_eq!(written(&axis(0.0, 1.0), 80.0), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
-        assert_eq!(written(&axis(0.1, 0.3), 60.0), ["0.1", "0.2", "0.3"]);
+        assert_eq!(labels(&axis(-7.0, 7.0), 100.0), ["−5", "0", "5"]);
+        assert_eq!(labels(&axis(0.0, 1.0), 100.0), ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        assert_eq!(labels(&axis(0.0, 1.0), 80.0), ["0.00", "0.25", "0.50", "0.75", "1.00"]);
+        assert_eq!(labels(&axis(0.1, 0.3), 60.0), ["0.1", "0.2", "0.3"]);
     }
 
     #[test]
     fn large_and_small_numbers_share_a_power_of_ten() {
-        assert_eq!(written(&axis(0.0, 3.1e7), 100.0), ["0", "1", "2", "3"]);
+        assert_eq!(labels(&axis(0.0, 3.1e7), 100.0), ["0", "1", "2", "3"]);
         assert_eq!(axis(0.0, 3.1e7).title().words(), "t (107 s)");
         assert_eq!(axis(0.0, 2e-6).title().words(), "t (10−6 s)");
         assert_eq!(axis(0.0, 20.0).title().words(), "t (s)");
@@ -338,9 +356,9 @@ mod tests {
     #[test]
     fn powers_of_ten_are_written_alike_and_not_too_close() {
         let log = |low, high| Axis::log([low, high], Label::new("D"), "");
-        assert_eq!(written(&log(1e-5, 1e-1), 200.0), ["10−5", "10−4", "10−3", "10−2", "10−1"]);
-        assert_eq!(written(&log(1e-8, 1e8), 100.0).len(), 5);
-        assert_eq!(written(&log(0.02, 0.6), 100.0), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
+        assert_eq!(labels(&log(1e-5, 1e-1), 200.0), ["10−5", "10−4", "10−3", "10−2", "10−1"]);
+        assert_eq!(labels(&log(1e-8, 1e8), 100.0).len(), 5);
+        assert_eq!(labels(&log(0.02, 0.6), 100.0), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
         assert!(log(1e-5, 1e-1).ticks(200.0, 20.0).iter().any(|tick| tick.label.is_none()));
         assert_eq!((log(1.0, 100.0).place(10.0), log(1.0, 100.0).place(0.0)), (0.5, -FAR));
     }

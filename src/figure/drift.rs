@@ -1,7 +1,7 @@
 //! Whether the motion has settled: mean and variance of x at whole periods, with the slopes
 //! that the statistics report.
 
-use super::axis::plain;
+use super::axis::between;
 use super::theme::{DASHES, LINE};
 use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::stats::{Dimension, Statistic, Summary};
@@ -73,7 +73,8 @@ fn sloped(time: &[f64], values: &[f64], slope: f64, after: f64) -> Option<[[f64;
 fn reported(summary: &Summary) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);
-        let range = || plain(e.low).and(Label::verbatim(" to ")).and(plain(e.high));
+        let is_known = e.low.is_finite() && e.high.is_finite();
+        let range = || if is_known { between([e.low, e.high]) } else { Label::verbatim("of unknown interval") };
         e.estimate.is_finite().then(|| Label::verbatim(name).and(range()))
     };
     let few = summary.counted_periods() < 3;

@@ -2,8 +2,8 @@
 
 use super::sticks::survival;
 use super::words::grouped;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
-use crate::stats::{Distribution, PhaseLaw};
+use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use crate::stats::{Distribution, PhaseLaw, QUANTILE_LEVELS};
 
 /// The figure.
 pub const FIGURE: Figure =
@@ -26,6 +26,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let palette = style.palette();
     let mut panels = Vec::new();
+    let (mut has_curve, mut has_quantiles) = (false, false);
     let mut ended = Vec::new();
     for (law, title) in DRAWN {
         let Some(distribution) = summary.law(law).filter(|distribution| distribution.completed > 0) else { continue };
@@ -36,20 +37,45 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             true => (Axis::log_around([range_of(shares())[0], 1.0], Label::new("share beyond"), ""), title),
             false => (Axis::from_zero(1.0, Label::new("share beyond"), ""), title),
         };
-        let mut panel = Panel::new(Axis::log([least, most], Label::new(title), &unit), vertical, 60.0);
-        survival(distribution).draw(palette, &mut panel);
-        panels.push(panel);
+        if is_narrow(distribution) {
+            let axis = Axis::around(distribution.quantiles.iter().copied(), Label::new(title), &unit);
+            let mut panel = Panel::new(axis, vertical, 60.0);
+            for (i, (level, value)) in QUANTILE_LEVELS.into_iter().zip(&distribution.quantiles).enumerate() {
+                panel.interval_across(1.0 - level, distribution.quantile_ends.at(i), palette.first);
+                panel.mark([*value, 1.0 - level], Mark::Disc, palette.first);
+            }
+            panels.push(panel);
+            has_quantiles = true;
+        } else {
+            let mut panel = Panel::new(Axis::log([least, most], Label::new(title), &unit), vertical, 60.0);
+            survival(distribution).draw(palette, &mut panel);
+            panels.push(panel);
+            has_curve = true;
+        }
         ended.push(grouped(distribution.completed));
     }
     if panels.is_empty() {
         return Err(Absent::Nothing("no slip was completed"));
     }
-    let legend = [
-        LegendEntry::words(Label::verbatim(&format!("{} values", ended.join(", ")))),
-        LegendEntry::line(solid(palette.first), "Kaplan\u{2013}Meier"),
-        LegendEntry::area(palette.narrow, "95 % interval"),
-    ];
+    let mut legend = vec![LegendEntry::words(Label::verbatim(&format!("{} values", ended.join(", "))))];
+    if has_curve {
+        legend.push(LegendEntry::line(solid(palette.first), "Kaplan\u{2013}Meier"));
+        legend.push(LegendEntry::area(palette.narrow, "95 % interval"));
+    }
+    if has_quantiles {
+        legend.push(LegendEntry::mark(Mark::Disc, palette.first, "quantile, with 95 % interval"));
+    }
     Ok(sheet(&format!("Laws: {}", scenario.title), legend, panels))
+}
+
+/// Bins that are filled up to here tell nothing of the shape of a law.
+const NARROW: usize = 3;
+
+/// Whether a law is hardly wider than the bins of its survival curve. It is drawn as its quantiles.
+fn is_narrow(of: &Distribution) -> bool {
+    let is_filled = |count: &u64| *count > 0;
+    let ends = of.histogram.counts.iter().position(is_filled).zip(of.histogram.counts.iter().rposition(is_filled));
+    ends.is_some_and(|(first, last)| last - first < NARROW)
 }
 
 /// From where all but next to none of the values lie, to the largest one.

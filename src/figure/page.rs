@@ -83,7 +83,7 @@ pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
 
 /// Figures below each other.
 #[derive(Default)]
-struct Column {
+struct FigureColumn {
     sheets: Vec<Sheet>,
     /// The height, and the part of it that frames take.
     height: f64,
@@ -91,7 +91,7 @@ struct Column {
 }
 
 /// The figures in the two columns that are most alike in height, or a single figure in one.
-fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<Column> {
+fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<FigureColumn> {
     let height = |sheet: &Sheet| sheet.draw(style, Some(0), 1.0).height + GAP;
     let heights: Vec<f64> = sheets.iter().map(height).collect();
     let is_second = |choice: u32, number: usize| choice >> number & 1 == 1;
@@ -104,7 +104,7 @@ fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<Column> {
     };
     let choices = (0..1u32 << sheets.len()).filter(|choice| choice & 1 == 0);
     let best = choices.min_by(|one, other| longest(one).total_cmp(&longest(other))).unwrap_or(0);
-    let mut columns = [Column::default(), Column::default()];
+    let mut columns = [FigureColumn::default(), FigureColumn::default()];
     for (number, (sheet, height)) in sheets.into_iter().zip(&heights).enumerate() {
         let column = &mut columns[usize::from(is_second(best, number))];
         column.height += height;

@@ -130,14 +130,18 @@ impl Panel {
         self.layers.push(Layer::Bars { corners, fill });
     }
 
-    /// Adds a vertical interval.
+    /// Adds a vertical interval; nothing where an end is not known.
     pub fn interval(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
-        self.layers.push(Layer::Interval { at, ends, is_across: false, colour });
+        if ends.iter().all(|end| end.is_finite()) {
+            self.layers.push(Layer::Interval { at, ends, is_across: false, colour });
+        }
     }
 
-    /// Adds a horizontal interval.
+    /// Adds a horizontal interval, likewise.
     pub fn interval_across(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
-        self.layers.push(Layer::Interval { at, ends, is_across: true, colour });
+        if ends.iter().all(|end| end.is_finite()) {
+            self.layers.push(Layer::Interval { at, ends, is_across: true, colour });
+        }
     }
 
     /// Adds a mark. It is never clipped at the frame.

@@ -22,7 +22,7 @@ pub const FIGURE: Figure =
 
 /// The state of a path at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Sample {
+struct StateAt {
     time: f64,
     displacement: f64,
     velocity: f64,
@@ -32,13 +32,13 @@ struct Sample {
 
 /// A stick, or a sub-phase of a slip, from its first instant to its last.
 #[derive(Clone, Debug, PartialEq)]
-struct Piece {
+struct Phase {
     /// The number k of the sub-phase, from 1 on, and its direction; none in a stick.
     slip: Option<(usize, f64)>,
-    samples: Vec<Sample>,
+    samples: Vec<StateAt>,
 }
 
-impl Piece {
+impl Phase {
     fn begin(&self) -> f64 {
         self.samples.first().map_or(f64::NAN, |sample| sample.time)
     }
@@ -50,8 +50,8 @@ impl Piece {
 
 /// An event of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
 #[derive(Clone, Debug, PartialEq)]
-struct Moment {
-    at: Sample,
+struct LabelledEvent {
+    at: StateAt,
     name: String,
     /// Whether the event lies between two sub-phases.
     is_turn: bool,
@@ -60,18 +60,18 @@ struct Moment {
 /// A path, cut into pieces at its events.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PathTrace {
-    pieces: Vec<Piece>,
-    moments: Vec<Moment>,
+    pieces: Vec<Phase>,
+    moments: Vec<LabelledEvent>,
 }
 
 /// How many sticks a path had so far, and how many sub-phases its slip.
 #[derive(Default)]
-struct Count {
+struct EventNumbers {
     sticks: usize,
     sub_phases: usize,
 }
 
-impl Count {
+impl EventNumbers {
     /// Counts an event of this kind, and gives it its name.
     fn name(&mut self, kind: i8) -> String {
         match kind {
@@ -100,26 +100,26 @@ impl PathTrace {
             // Where there is a force of the user's own, the whole of b is shown.
             let moved = if model.force.is_some() { velocity } else { 0.0 };
             let spring = model.total_force(time[i], rows.temperature[i], displacement, moved);
-            Sample { time: time[i], displacement, velocity, spring }
+            StateAt { time: time[i], displacement, velocity, spring }
         };
         let end = time.len().min(rows.displacement.len());
         let mut next_row = 0;
-        let mut piece = Piece { slip: None, samples: Vec::new() };
+        let mut piece = Phase { slip: None, samples: Vec::new() };
         let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
-        let mut count = Count::default();
+        let mut count = EventNumbers::default();
         for i in 0..events.time.len() {
             // The velocity is zero at an event, so the force b is that of the spring alone.
             let [time, displacement, spring] = [events.time[i], events.displacement[i], events.force[i]];
-            let at = Sample { time, displacement, velocity: 0.0, spring };
+            let at = StateAt { time, displacement, velocity: 0.0, spring };
             while next_row < end && row(next_row).time < at.time {
                 piece.samples.push(row(next_row));
                 next_row += 1;
             }
             piece.samples.push(at);
             let name = count.name(events.kind[i]);
-            trace.moments.push(Moment { at, name, is_turn: events.kind[i] == 2 });
+            trace.moments.push(LabelledEvent { at, name, is_turn: events.kind[i] == 2 });
             let slip = (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i])));
-            let before = std::mem::replace(&mut piece, Piece { slip, samples: vec![at] });
+            let before = std::mem::replace(&mut piece, Phase { slip, samples: vec![at] });
             trace.pieces.push(before);
         }
         piece.samples.extend((next_row..end).map(row));
@@ -128,13 +128,13 @@ impl PathTrace {
             trace.pieces.iter().find_map(|piece| piece.samples.first()).filter(|first| first.time == 0.0)
             && trace.moments.first().is_none_or(|moment| moment.at.time > 0.0)
         {
-            trace.moments.insert(0, Moment { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
+            trace.moments.insert(0, LabelledEvent { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
         }
         Some(trace)
     }
 
     /// Draws the pieces as curves through a point for each sample, in the order of time.
-    fn draw(&self, point: impl Fn(&Sample) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
+    fn draw(&self, point: impl Fn(&StateAt) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
         for piece in &self.pieces {
             panel.line(piece.samples.iter().map(&point).collect(), stroke(piece, palette));
         }
@@ -158,12 +158,12 @@ impl PathTrace {
     }
 
     /// The time from an event to the nearest other event.
-    fn distance(&self, moment: &Moment) -> f64 {
+    fn distance(&self, moment: &LabelledEvent) -> f64 {
         let others = self.moments.iter().filter(|other| *other != moment);
         others.map(|other| (other.at.time - moment.at.time).abs()).fold(f64::INFINITY, f64::min)
     }
 
-    fn samples(&self) -> impl Iterator<Item = &Sample> {
+    fn samples(&self) -> impl Iterator<Item = &StateAt> {
         self.pieces.iter().flat_map(|piece| &piece.samples)
     }
 
@@ -208,7 +208,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
 
     let displacement = over_time(&trace, palette, time(), &length_unit);
 
-    let size = |values: &dyn Fn(&Sample) -> f64| trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
+    let size = |values: &dyn Fn(&StateAt) -> f64| trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
     let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
     let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
     let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
@@ -273,7 +273,7 @@ fn of_sub_phase(k: usize, palette: &Palette) -> Colour {
     }
 }
 
-fn stroke(piece: &Piece, palette: &Palette) -> Stroke {
+fn stroke(piece: &Phase, palette: &Palette) -> Stroke {
     match piece.slip {
         None => Stroke::dashed(palette.ink, LINE, &DASH_DOT),
         Some((k, _)) => solid(of_sub_phase(k, palette)),
@@ -303,7 +303,7 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
     }
     // The events with most space around them are named first, so that as many as possible have a
     // name.
-    let mut moments: Vec<(f64, &Moment)> =
+    let mut moments: Vec<(f64, &LabelledEvent)> =
         trace.moments.iter().map(|moment| (trace.distance(moment), moment)).collect();
     moments.sort_by(|one, other| other.0.total_cmp(&one.0));
     for (_, moment) in moments {
@@ -320,7 +320,7 @@ const OVER: [Beside; 6] =
 const SIDES: [Beside; 6] =
     [Beside::Right, Beside::Left, Beside::AboveRight, Beside::BelowRight, Beside::AboveLeft, Beside::BelowLeft];
 
-impl Moment {
+impl LabelledEvent {
     fn mark(&self) -> Mark {
         if self.is_turn { Mark::Circle } else { Mark::Disc }
     }
@@ -336,7 +336,7 @@ fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
 /// direction of motion.
 fn friction_force(trace: &PathTrace, dynamic: f64) -> Vec<[f64; 2]> {
-    let force = |piece: &Piece, s: &Sample| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
+    let force = |piece: &Phase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
     trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
 }
 
@@ -360,7 +360,7 @@ fn phase_plane(
         panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
     }
     let full = trace.in_full();
-    let points = |piece: &Piece| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
+    let points = |piece: &Phase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
     let others = trace.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
     for (_, piece) in others {
         panel.line(points(piece), Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4));

@@ -16,7 +16,7 @@ const NEXT_TO_NONE: f64 = 5e-3;
 /// The share of the completed sticks in one bin, divided by the width of the bin in decades, with
 /// its interval.
 #[derive(Clone, Copy, Debug, PartialEq)]
-struct Bin {
+struct DrawnBin {
     /// The durations at which the bin begins and ends.
     edges: [f64; 2],
     count: u64,
@@ -73,7 +73,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
 /// The bins of the file. Where durations are multiples of a step, the edges of a bin are moved to
 /// half a step beyond the multiples in it, and a bin without a multiple becomes part of its
 /// neighbours.
-fn bins(sticks: &Distribution) -> Vec<Bin> {
+fn bins(sticks: &Distribution) -> Vec<DrawnBin> {
     let edges = &sticks.histogram.edges;
     let mut out = Vec::new();
     for (i, &count) in sticks.histogram.counts.iter().enumerate() {
@@ -92,14 +92,14 @@ fn bins(sticks: &Distribution) -> Vec<Bin> {
             continue;
         }
         let per_decade = |n: f64| n / sticks.completed.max(1) as f64 / (edges[1] / edges[0]).log10();
-        out.push(Bin { edges, count, density: per_decade(count as f64) });
+        out.push(DrawnBin { edges, count, density: per_decade(count as f64) });
     }
     out
 }
 
 /// The bins that are drawn, and the number of sticks shorter than they show. They begin where a
 /// share of `NEXT_TO_NONE` of the sticks is shorter, and end at the longest stick.
-fn drawn(bins: &[Bin]) -> (&[Bin], u64) {
+fn drawn(bins: &[DrawnBin]) -> (&[DrawnBin], u64) {
     let total: u64 = bins.iter().map(|bin| bin.count).sum();
     let below = |end: usize| bins[..end].iter().map(|bin| bin.count).sum::<u64>();
     let first = (0..bins.len()).rev().find(|end| below(*end) as f64 <= NEXT_TO_NONE * total as f64).unwrap_or(0);
@@ -115,15 +115,15 @@ pub(super) fn range(sticks: &Distribution) -> Option<[f64; 2]> {
 }
 
 /// A survival curve at the edges of the bins: shares, and their intervals, against durations.
-pub(super) struct Survival {
+pub(super) struct SurvivalCurve {
     shares: Vec<[f64; 2]>,
     ends: Vec<[f64; 3]>,
 }
 
 /// The survival curve of the file.
-pub(super) fn survival(sticks: &Distribution) -> Survival {
+pub(super) fn survival(sticks: &Distribution) -> SurvivalCurve {
     let edges = &sticks.histogram.edges;
-    let mut curve = Survival { shares: Vec::new(), ends: Vec::new() };
+    let mut curve = SurvivalCurve { shares: Vec::new(), ends: Vec::new() };
     let mut put = |edge: f64, share: f64, [low, high]: [f64; 2]| {
         curve.shares.push([edge, share]);
         curve.ends.push([edge, low, high]);
@@ -142,7 +142,7 @@ pub(super) fn survival(sticks: &Distribution) -> Survival {
     curve
 }
 
-impl Survival {
+impl SurvivalCurve {
     pub(super) fn draw(self, palette: &Palette, panel: &mut Panel) {
         panel.band(self.ends, palette.narrow);
         panel.line(self.shares, solid(palette.first));

@@ -48,8 +48,8 @@ use arithmetic;
 /// Marks functions `#[inline(always)]`, so that they are compiled for the instruction set of the
 /// caller.
 macro_rules! inlined {
-    ($(fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? $body:block)*) => {
-        $(#[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? $body)*
+    ($($(#[$about:meta])* fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? $body:block)*) => {
+        $($(#[$about])* #[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? $body)*
     };
 }
 use inlined;
@@ -323,8 +323,10 @@ impl InstructionSet {
     pub fn run_paired(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 if self.is_available() => x86::run_avx512(program),
+            #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 if self.is_available() => x86::run_avx2_paired(program),
-            _ => self.run(program),
+            _ => program.run::<Portable>(),
         }
     }
 }

@@ -14,6 +14,14 @@ use super::{KEY_SHIFT, LaneProgram, Lanes, LookupTable, ROW, Row};
 use std::arch::x86_64::*;
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
+/// Functions of intrinsics, compiled for the instruction set of the caller.
+macro_rules! intrinsics {
+    ($($(#[$about:meta])* fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? { $($body:tt)* })*) => {
+        // SAFETY: see the head of this file.
+        $($(#[$about])* #[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? { unsafe { $($body)* } })*
+    };
+}
+
 pub(super) fn run_avx512(program: &mut impl LaneProgram) {
     #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,popcnt")]
     fn widened(program: &mut impl LaneProgram) {
@@ -65,207 +73,108 @@ impl Lanes for Avx512 {
     type Bits = __m512i;
     type Mask = __mmask8;
 
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        unsafe { Avx512(_mm512_set1_pd(value)) }
-    }
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        unsafe { Avx512(_mm512_loadu_pd(from[..8].as_ptr())) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        unsafe { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
-    }
-    #[inline(always)]
-    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
-        assert_in(table, rows);
-        // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
-        // 64 bytes.
-        unsafe {
-            let c = transposed([
-                _mm512_load_pd(table.get_unchecked(rows[0] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[1] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[2] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[3] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[4] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[5] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[6] as usize).0.as_ptr()),
-                _mm512_load_pd(table.get_unchecked(rows[7] as usize).0.as_ptr()),
-            ]);
-            [
-                Avx512(c[0]),
-                Avx512(c[1]),
-                Avx512(c[2]),
-                Avx512(c[3]),
-                Avx512(c[4]),
-                Avx512(c[5]),
-                Avx512(c[6]),
-                Avx512(c[7]),
-            ]
-        }
-    }
-    #[inline(always)]
-    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
-        assert_in(table, rows);
-        // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
-        // 64 bytes.
-        unsafe {
-            let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[0] as usize).0.as_mut_ptr(), lanes[0]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[1] as usize).0.as_mut_ptr(), lanes[1]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[2] as usize).0.as_mut_ptr(), lanes[2]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[3] as usize).0.as_mut_ptr(), lanes[3]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[4] as usize).0.as_mut_ptr(), lanes[4]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[5] as usize).0.as_mut_ptr(), lanes[5]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[6] as usize).0.as_mut_ptr(), lanes[6]);
-            _mm512_store_pd(table.get_unchecked_mut(rows[7] as usize).0.as_mut_ptr(), lanes[7]);
-        }
-    }
-    #[inline(always)]
-    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
-        let mut all = [0; ROW];
-        unsafe {
-            let entries = _mm256_loadu_si256(entries.as_ptr().cast());
-            _mm256_storeu_si256(all.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(lanes as __mmask8, entries));
-        }
-        all
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        unsafe { Avx512(_mm512_sqrt_pd(self.0)) }
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        unsafe { Avx512(_mm512_abs_pd(self.0)) }
-    }
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        unsafe { Avx512(_mm512_fmadd_pd(self.0, factor.0, term.0)) }
-    }
-    #[inline(always)]
-    fn gt(self, other: Self) -> Self::Mask {
-        unsafe { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn lt(self, other: Self) -> Self::Mask {
-        unsafe { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn ge(self, other: Self) -> Self::Mask {
-        unsafe { _mm512_cmp_pd_mask::<_CMP_GE_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn le(self, other: Self) -> Self::Mask {
-        unsafe { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
-        unsafe { Avx512(_mm512_mask_blend_pd(mask, b.0, a.0)) }
-    }
-    #[inline(always)]
-    fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
-        unsafe { Avx512(_mm512_mask_mov_pd(_mm512_maskz_mov_pd(down, b.0), up, a.0)) }
-    }
-    #[inline(always)]
-    fn where_zero(self, zero: Self, other: Self) -> Self {
-        unsafe {
+    intrinsics! {
+        fn splat(value: f64) -> Self { Avx512(_mm512_set1_pd(value)) }
+        fn load(from: &[f64]) -> Self { Avx512(_mm512_loadu_pd(from[..8].as_ptr())) }
+        fn store(self, to: &mut [f64]) { _mm512_storeu_pd(to[..8].as_mut_ptr(), self.0) }
+        fn sqrt(self) -> Self { Avx512(_mm512_sqrt_pd(self.0)) }
+        fn abs(self) -> Self { Avx512(_mm512_abs_pd(self.0)) }
+        fn mul_add(self, factor: Self, term: Self) -> Self { Avx512(_mm512_fmadd_pd(self.0, factor.0, term.0)) }
+        fn gt(self, other: Self) -> Self::Mask { _mm512_cmp_pd_mask::<_CMP_GT_OQ>(self.0, other.0) }
+        fn lt(self, other: Self) -> Self::Mask { _mm512_cmp_pd_mask::<_CMP_LT_OQ>(self.0, other.0) }
+        fn ge(self, other: Self) -> Self::Mask { _mm512_cmp_pd_mask::<_CMP_GE_OQ>(self.0, other.0) }
+        fn le(self, other: Self) -> Self::Mask { _mm512_cmp_pd_mask::<_CMP_LE_OQ>(self.0, other.0) }
+        fn select(mask: Self::Mask, a: Self, b: Self) -> Self { Avx512(_mm512_mask_blend_pd(mask, b.0, a.0)) }
+        fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self { Avx512(_mm512_mask_mov_pd(_mm512_maskz_mov_pd(down, b.0), up, a.0)) }
+        fn where_zero(self, zero: Self, other: Self) -> Self {
             let is_zero = _mm512_cmp_pd_mask::<_CMP_EQ_OQ>(self.0, _mm512_setzero_pd());
             Avx512(_mm512_mask_blend_pd(is_zero, other.0, zero.0))
         }
-    }
-    #[inline(always)]
-    fn add_where(self, other: Self, keep: Self::Mask) -> Self {
-        unsafe { Avx512(_mm512_maskz_add_pd(keep, self.0, other.0)) }
-    }
-    #[inline(always)]
-    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        a | b
-    }
-    #[inline(always)]
-    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        a & b
-    }
-    #[inline(always)]
-    fn not(mask: Self::Mask) -> Self::Mask {
-        !mask
-    }
-    #[inline(always)]
-    fn always() -> Self::Mask {
-        0xFF
-    }
-    #[inline(always)]
-    fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
-        unsafe {
+        fn add_where(self, other: Self, keep: Self::Mask) -> Self { Avx512(_mm512_maskz_add_pd(keep, self.0, other.0)) }
+        fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
             let among = _mm512_mask_cmp_pd_mask::<_CMP_NLT_UQ>(among, self.0, least.0);
             _mm512_mask_cmp_pd_mask::<_CMP_NGT_UQ>(among, self.0, most.0)
         }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<KEY_SHIFT>(key), table.as_ptr().cast()) }
+        fn to_bits(self) -> Self::Bits { _mm512_castpd_si512(self.0) }
+        fn from_bits(bits: Self::Bits) -> Self { Avx512(_mm512_castsi512_pd(bits)) }
+        fn splat_bits(value: u64) -> Self::Bits { _mm512_set1_epi64(value as i64) }
+        fn load_bits(from: &[u64]) -> Self::Bits { _mm512_loadu_si512(from[..8].as_ptr().cast()) }
+        fn store_bits(bits: Self::Bits, to: &mut [u64]) { _mm512_storeu_si512(to[..8].as_mut_ptr().cast(), bits) }
+        fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits { _mm512_add_epi64(a, b) }
+        fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits { _mm512_mullo_epi64(a, b) }
+        fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits { _mm512_xor_si512(a, b) }
+        fn from_integers(bits: Self::Bits) -> Self { Avx512(_mm512_cvtepi64_pd(bits)) }
+        fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits { _mm512_srli_epi64::<N>(bits) }
+        fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits { _mm512_slli_epi64::<N>(bits) }
+        fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits { _mm512_rol_epi64::<N>(bits) }
     }
-    #[inline(always)]
-    fn bitmask(mask: Self::Mask) -> u32 {
-        u32::from(mask)
-    }
-    #[inline(always)]
-    fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<KEY_SHIFT>(key), table.as_ptr().cast()) }
-    }
-    #[inline(always)]
-    fn to_bits(self) -> Self::Bits {
-        unsafe { _mm512_castpd_si512(self.0) }
-    }
-    #[inline(always)]
-    fn from_bits(bits: Self::Bits) -> Self {
-        unsafe { Avx512(_mm512_castsi512_pd(bits)) }
-    }
-    #[inline(always)]
-    fn splat_bits(value: u64) -> Self::Bits {
-        unsafe { _mm512_set1_epi64(value as i64) }
-    }
-    #[inline(always)]
-    fn load_bits(from: &[u64]) -> Self::Bits {
-        unsafe { _mm512_loadu_si512(from[..8].as_ptr().cast()) }
-    }
-    #[inline(always)]
-    fn store_bits(bits: Self::Bits, to: &mut [u64]) {
-        unsafe { _mm512_storeu_si512(to[..8].as_mut_ptr().cast(), bits) }
-    }
-    #[inline(always)]
-    fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_add_epi64(a, b) }
-    }
-    #[inline(always)]
-    fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_mullo_epi64(a, b) }
-    }
-    #[inline(always)]
-    fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_xor_si512(a, b) }
-    }
-    #[inline(always)]
-    fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
-        // 0xEA is the truth table of (a & b) | c.
-        unsafe { _mm512_ternarylogic_epi64::<0xEA>(bits, Self::splat_bits(keep), Self::splat_bits(set)) }
-    }
-    #[inline(always)]
-    fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
-        // 0x96 is the truth table of a ^ b ^ c.
-        unsafe { _mm512_ternarylogic_epi64::<0x96>(a, b, c) }
-    }
-    #[inline(always)]
-    fn from_integers(bits: Self::Bits) -> Self {
-        unsafe { Avx512(_mm512_cvtepi64_pd(bits)) }
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_srli_epi64::<N>(bits) }
-    }
-    #[inline(always)]
-    fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_slli_epi64::<N>(bits) }
-    }
-    #[inline(always)]
-    fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm512_rol_epi64::<N>(bits) }
+
+    super::inlined! {
+        fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+            assert_in(table, rows);
+            // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
+            // 64 bytes.
+            unsafe {
+                let c = transposed([
+                    _mm512_load_pd(table.get_unchecked(rows[0] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[1] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[2] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[3] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[4] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[5] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[6] as usize).0.as_ptr()),
+                    _mm512_load_pd(table.get_unchecked(rows[7] as usize).0.as_ptr()),
+                ]);
+                [
+                    Avx512(c[0]),
+                    Avx512(c[1]),
+                    Avx512(c[2]),
+                    Avx512(c[3]),
+                    Avx512(c[4]),
+                    Avx512(c[5]),
+                    Avx512(c[6]),
+                    Avx512(c[7]),
+                ]
+            }
+        }
+        fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
+            assert_in(table, rows);
+            // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
+            // 64 bytes.
+            unsafe {
+                let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[0] as usize).0.as_mut_ptr(), lanes[0]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[1] as usize).0.as_mut_ptr(), lanes[1]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[2] as usize).0.as_mut_ptr(), lanes[2]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[3] as usize).0.as_mut_ptr(), lanes[3]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[4] as usize).0.as_mut_ptr(), lanes[4]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[5] as usize).0.as_mut_ptr(), lanes[5]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[6] as usize).0.as_mut_ptr(), lanes[6]);
+                _mm512_store_pd(table.get_unchecked_mut(rows[7] as usize).0.as_mut_ptr(), lanes[7]);
+            }
+        }
+        fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+            let mut all = [0; ROW];
+            unsafe {
+                let entries = _mm256_loadu_si256(entries.as_ptr().cast());
+                _mm256_storeu_si256(all.as_mut_ptr().cast(), _mm256_maskz_compress_epi32(lanes as __mmask8, entries));
+            }
+            all
+        }
+        fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask { a | b }
+        fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask { a & b }
+        fn not(mask: Self::Mask) -> Self::Mask { !mask }
+        fn always() -> Self::Mask { 0xFF }
+        fn bitmask(mask: Self::Mask) -> u32 { u32::from(mask) }
+        fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
+            // 0xEA is the truth table of (a & b) | c.
+            unsafe { _mm512_ternarylogic_epi64::<0xEA>(bits, Self::splat_bits(keep), Self::splat_bits(set)) }
+        }
+        fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
+            // 0x96 is the truth table of a ^ b ^ c.
+            unsafe { _mm512_ternarylogic_epi64::<0x96>(a, b, c) }
+        }
     }
 }
 
@@ -351,215 +260,114 @@ impl Lanes for Avx2 {
     type Bits = __m256i;
     type Mask = __m256d;
 
-    #[inline(always)]
-    fn splat(value: f64) -> Self {
-        unsafe { Avx2(_mm256_set1_pd(value)) }
-    }
-    #[inline(always)]
-    fn load(from: &[f64]) -> Self {
-        unsafe { Avx2(_mm256_loadu_pd(from[..4].as_ptr())) }
-    }
-    #[inline(always)]
-    fn store(self, to: &mut [f64]) {
-        unsafe { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
-    }
-    #[inline(always)]
-    fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
-        let rows = [
-            &table[rows[0] as usize].0,
-            &table[rows[1] as usize].0,
-            &table[rows[2] as usize].0,
-            &table[rows[3] as usize].0,
-        ];
-        let low = transposed4([
-            Self::load(&rows[0][..4]),
-            Self::load(&rows[1][..4]),
-            Self::load(&rows[2][..4]),
-            Self::load(&rows[3][..4]),
-        ]);
-        let high = transposed4([
-            Self::load(&rows[0][4..]),
-            Self::load(&rows[1][4..]),
-            Self::load(&rows[2][4..]),
-            Self::load(&rows[3][4..]),
-        ]);
-        [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
-    }
-    #[inline(always)]
-    fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
-        let (low, high) = (transposed4([c[0], c[1], c[2], c[3]]), transposed4([c[4], c[5], c[6], c[7]]));
-        let rows = &rows[..4];
-        let mut i = 0;
-        while i < 4 {
-            let row = &mut table[rows[i] as usize].0;
-            low[i].store(&mut row[..4]);
-            high[i].store(&mut row[4..]);
-            i += 1;
-        }
-    }
-    #[inline(always)]
-    fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
-        let mut all = [0; ROW];
-        unsafe {
-            let places = _mm256_loadu_si256(PACKED[lanes as usize & 0xFF].as_ptr().cast());
-            let packed = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(entries.as_ptr().cast()), places);
-            _mm256_storeu_si256(all.as_mut_ptr().cast(), packed);
-        }
-        all
-    }
-    #[inline(always)]
-    fn sqrt(self) -> Self {
-        unsafe { Avx2(_mm256_sqrt_pd(self.0)) }
-    }
-    #[inline(always)]
-    fn abs(self) -> Self {
-        unsafe { Avx2(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
-    }
-    #[inline(always)]
-    fn mul_add(self, factor: Self, term: Self) -> Self {
-        unsafe { Avx2(_mm256_fmadd_pd(self.0, factor.0, term.0)) }
-    }
-    #[inline(always)]
-    fn gt(self, other: Self) -> Self::Mask {
-        unsafe { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn lt(self, other: Self) -> Self::Mask {
-        unsafe { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn ge(self, other: Self) -> Self::Mask {
-        unsafe { _mm256_cmp_pd::<_CMP_GE_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn le(self, other: Self) -> Self::Mask {
-        unsafe { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) }
-    }
-    #[inline(always)]
-    fn select(mask: Self::Mask, a: Self, b: Self) -> Self {
-        unsafe { Avx2(_mm256_blendv_pd(b.0, a.0, mask)) }
-    }
-    #[inline(always)]
-    fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self {
-        unsafe { Avx2(_mm256_or_pd(_mm256_and_pd(up, a.0), _mm256_and_pd(down, b.0))) }
-    }
-    #[inline(always)]
-    fn where_zero(self, zero: Self, other: Self) -> Self {
-        unsafe {
+    intrinsics! {
+        fn splat(value: f64) -> Self { Avx2(_mm256_set1_pd(value)) }
+        fn load(from: &[f64]) -> Self { Avx2(_mm256_loadu_pd(from[..4].as_ptr())) }
+        fn store(self, to: &mut [f64]) { _mm256_storeu_pd(to[..4].as_mut_ptr(), self.0) }
+        fn sqrt(self) -> Self { Avx2(_mm256_sqrt_pd(self.0)) }
+        fn abs(self) -> Self { Avx2(_mm256_andnot_pd(_mm256_set1_pd(-0.0), self.0)) }
+        fn mul_add(self, factor: Self, term: Self) -> Self { Avx2(_mm256_fmadd_pd(self.0, factor.0, term.0)) }
+        fn gt(self, other: Self) -> Self::Mask { _mm256_cmp_pd::<_CMP_GT_OQ>(self.0, other.0) }
+        fn lt(self, other: Self) -> Self::Mask { _mm256_cmp_pd::<_CMP_LT_OQ>(self.0, other.0) }
+        fn ge(self, other: Self) -> Self::Mask { _mm256_cmp_pd::<_CMP_GE_OQ>(self.0, other.0) }
+        fn le(self, other: Self) -> Self::Mask { _mm256_cmp_pd::<_CMP_LE_OQ>(self.0, other.0) }
+        fn select(mask: Self::Mask, a: Self, b: Self) -> Self { Avx2(_mm256_blendv_pd(b.0, a.0, mask)) }
+        fn either(up: Self::Mask, a: Self, down: Self::Mask, b: Self) -> Self { Avx2(_mm256_or_pd(_mm256_and_pd(up, a.0), _mm256_and_pd(down, b.0))) }
+        fn where_zero(self, zero: Self, other: Self) -> Self {
             let is_zero = _mm256_cmp_pd::<_CMP_EQ_OQ>(self.0, _mm256_setzero_pd());
             Avx2(_mm256_blendv_pd(other.0, zero.0, is_zero))
         }
-    }
-    #[inline(always)]
-    fn add_where(self, other: Self, keep: Self::Mask) -> Self {
-        unsafe { Avx2(_mm256_and_pd(_mm256_add_pd(self.0, other.0), keep)) }
-    }
-    #[inline(always)]
-    fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        unsafe { _mm256_or_pd(a, b) }
-    }
-    #[inline(always)]
-    fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask {
-        unsafe { _mm256_and_pd(a, b) }
-    }
-    #[inline(always)]
-    fn not(mask: Self::Mask) -> Self::Mask {
-        unsafe { _mm256_andnot_pd(mask, Self::always()) }
-    }
-    #[inline(always)]
-    fn always() -> Self::Mask {
-        unsafe { _mm256_castsi256_pd(_mm256_set1_epi64x(-1)) }
-    }
-    #[inline(always)]
-    fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
-        unsafe {
+        fn add_where(self, other: Self, keep: Self::Mask) -> Self { Avx2(_mm256_and_pd(_mm256_add_pd(self.0, other.0), keep)) }
+        fn or(a: Self::Mask, b: Self::Mask) -> Self::Mask { _mm256_or_pd(a, b) }
+        fn and(a: Self::Mask, b: Self::Mask) -> Self::Mask { _mm256_and_pd(a, b) }
+        fn not(mask: Self::Mask) -> Self::Mask { _mm256_andnot_pd(mask, Self::always()) }
+        fn always() -> Self::Mask { _mm256_castsi256_pd(_mm256_set1_epi64x(-1)) }
+        fn not_beyond(self, least: Self, most: Self, among: Self::Mask) -> Self::Mask {
             let above = _mm256_and_pd(among, _mm256_cmp_pd::<_CMP_NLT_UQ>(self.0, least.0));
             _mm256_and_pd(above, _mm256_cmp_pd::<_CMP_NGT_UQ>(self.0, most.0))
         }
-    }
-    #[inline(always)]
-    fn bitmask(mask: Self::Mask) -> u32 {
-        unsafe { _mm256_movemask_pd(mask) as u32 }
-    }
-    #[inline(always)]
-    fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
-    }
-    #[inline(always)]
-    fn to_bits(self) -> Self::Bits {
-        unsafe { _mm256_castpd_si256(self.0) }
-    }
-    #[inline(always)]
-    fn from_bits(bits: Self::Bits) -> Self {
-        unsafe { Avx2(_mm256_castsi256_pd(bits)) }
-    }
-    #[inline(always)]
-    fn splat_bits(value: u64) -> Self::Bits {
-        unsafe { _mm256_set1_epi64x(value as i64) }
-    }
-    #[inline(always)]
-    fn load_bits(from: &[u64]) -> Self::Bits {
-        unsafe { _mm256_loadu_si256(from[..4].as_ptr().cast()) }
-    }
-    #[inline(always)]
-    fn store_bits(bits: Self::Bits, to: &mut [u64]) {
-        unsafe { _mm256_storeu_si256(to[..4].as_mut_ptr().cast(), bits) }
-    }
-    #[inline(always)]
-    fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_add_epi64(a, b) }
-    }
-    /// The 64-bit product, composed of products of 32-bit halves.
-    #[inline(always)]
-    fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
-        unsafe {
+        fn bitmask(mask: Self::Mask) -> u32 { _mm256_movemask_pd(mask) as u32 }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
+        fn to_bits(self) -> Self::Bits { _mm256_castpd_si256(self.0) }
+        fn from_bits(bits: Self::Bits) -> Self { Avx2(_mm256_castsi256_pd(bits)) }
+        fn splat_bits(value: u64) -> Self::Bits { _mm256_set1_epi64x(value as i64) }
+        fn load_bits(from: &[u64]) -> Self::Bits { _mm256_loadu_si256(from[..4].as_ptr().cast()) }
+        fn store_bits(bits: Self::Bits, to: &mut [u64]) { _mm256_storeu_si256(to[..4].as_mut_ptr().cast(), bits) }
+        fn add_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits { _mm256_add_epi64(a, b) }
+        /// The 64-bit product, composed of products of 32-bit halves.
+        fn mul_bits(a: Self::Bits, b: Self::Bits) -> Self::Bits {
             let low = _mm256_mul_epu32(a, b);
             let crossed = _mm256_mullo_epi32(a, _mm256_shuffle_epi32::<0xB1>(b));
             let crossed = _mm256_add_epi32(_mm256_slli_epi64::<32>(crossed), crossed);
             _mm256_add_epi64(low, Self::keep_and_set(crossed, 0xFFFF_FFFF_0000_0000, 0))
         }
-    }
-    #[inline(always)]
-    fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_xor_si256(a, b) }
-    }
-    #[inline(always)]
-    fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits {
-        unsafe { _mm256_or_si256(_mm256_and_si256(bits, Self::splat_bits(keep)), Self::splat_bits(set)) }
-    }
-    #[inline(always)]
-    fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits {
-        Self::xor(Self::xor(a, b), c)
-    }
-    /// AVX2 has no instruction for this conversion. The upper 16 bits, signed, are added to the
-    /// mantissa of 3 2^67, at the place that is worth 2^48, and the lower 48 bits become the
-    /// mantissa of 2^52. Subtracting both constants from the former is exact, so only the last
-    /// addition rounds.
-    #[inline(always)]
-    fn from_integers(bits: Self::Bits) -> Self {
-        const UPPER: f64 = 442_721_857_769_029_238_784.0; // 3 2^67
-        const LOWER: f64 = 4_503_599_627_370_496.0; // 2^52
-        unsafe {
-            let upper = _mm256_blend_epi16::<0x33>(_mm256_srai_epi32::<16>(bits), _mm256_setzero_si256());
-            let upper = Self::add_bits(upper, _mm256_castpd_si256(_mm256_set1_pd(UPPER)));
-            let lower = _mm256_blend_epi16::<0x88>(bits, _mm256_castpd_si256(_mm256_set1_pd(LOWER)));
-            let upper = _mm256_sub_pd(_mm256_castsi256_pd(upper), _mm256_set1_pd(UPPER + LOWER));
-            Avx2(_mm256_add_pd(upper, _mm256_castsi256_pd(lower)))
-        }
-    }
-    #[inline(always)]
-    fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
-    }
-    #[inline(always)]
-    fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits {
-        unsafe { _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
-    }
-    #[inline(always)]
-    fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
-        unsafe {
+        fn xor(a: Self::Bits, b: Self::Bits) -> Self::Bits { _mm256_xor_si256(a, b) }
+        fn keep_and_set(bits: Self::Bits, keep: u64, set: u64) -> Self::Bits { _mm256_or_si256(_mm256_and_si256(bits, Self::splat_bits(keep)), Self::splat_bits(set)) }
+        fn shr<const N: u32>(bits: Self::Bits) -> Self::Bits { _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
+        fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits { _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N))) }
+        fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits {
             let left = _mm256_sll_epi64(bits, _mm_cvtsi64_si128(i64::from(N)));
             _mm256_or_si256(left, _mm256_srl_epi64(bits, _mm_cvtsi64_si128(i64::from(64 - N))))
+        }
+    }
+
+    super::inlined! {
+        fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+            let rows = [
+                &table[rows[0] as usize].0,
+                &table[rows[1] as usize].0,
+                &table[rows[2] as usize].0,
+                &table[rows[3] as usize].0,
+            ];
+            let low = transposed4([
+                Self::load(&rows[0][..4]),
+                Self::load(&rows[1][..4]),
+                Self::load(&rows[2][..4]),
+                Self::load(&rows[3][..4]),
+            ]);
+            let high = transposed4([
+                Self::load(&rows[0][4..]),
+                Self::load(&rows[1][4..]),
+                Self::load(&rows[2][4..]),
+                Self::load(&rows[3][4..]),
+            ]);
+            [low[0], low[1], low[2], low[3], high[0], high[1], high[2], high[3]]
+        }
+        fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
+            let (low, high) = (transposed4([c[0], c[1], c[2], c[3]]), transposed4([c[4], c[5], c[6], c[7]]));
+            let rows = &rows[..4];
+            let mut i = 0;
+            while i < 4 {
+                let row = &mut table[rows[i] as usize].0;
+                low[i].store(&mut row[..4]);
+                high[i].store(&mut row[4..]);
+                i += 1;
+            }
+        }
+        fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {
+            let mut all = [0; ROW];
+            unsafe {
+                let places = _mm256_loadu_si256(PACKED[lanes as usize & 0xFF].as_ptr().cast());
+                let packed = _mm256_permutevar8x32_epi32(_mm256_loadu_si256(entries.as_ptr().cast()), places);
+                _mm256_storeu_si256(all.as_mut_ptr().cast(), packed);
+            }
+            all
+        }
+        fn xor3(a: Self::Bits, b: Self::Bits, c: Self::Bits) -> Self::Bits { Self::xor(Self::xor(a, b), c) }
+        /// AVX2 has no instruction for this conversion. The upper 16 bits, signed, are added to the
+        /// mantissa of 3 2^67, at the place that is worth 2^48, and the lower 48 bits become the
+        /// mantissa of 2^52. Subtracting both constants from the former is exact, so only the last
+        /// addition rounds.
+        fn from_integers(bits: Self::Bits) -> Self {
+            const UPPER: f64 = 442_721_857_769_029_238_784.0; // 3 2^67
+            const LOWER: f64 = 4_503_599_627_370_496.0; // 2^52
+            unsafe {
+                let upper = _mm256_blend_epi16::<0x33>(_mm256_srai_epi32::<16>(bits), _mm256_setzero_si256());
+                let upper = Self::add_bits(upper, _mm256_castpd_si256(_mm256_set1_pd(UPPER)));
+                let lower = _mm256_blend_epi16::<0x88>(bits, _mm256_castpd_si256(_mm256_set1_pd(LOWER)));
+                let upper = _mm256_sub_pd(_mm256_castsi256_pd(upper), _mm256_set1_pd(UPPER + LOWER));
+                Avx2(_mm256_add_pd(upper, _mm256_castsi256_pd(lower)))
+            }
         }
     }
 }

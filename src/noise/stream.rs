@@ -119,11 +119,6 @@ impl LaneStreams {
         LaneStreams { words, flips, is_second: vec![false; lanes] }
     }
 
-    /// Whether any of the streams is that of a mirror image.
-    pub fn are_mirrored(&self) -> bool {
-        self.flips.iter().any(|&flip| flip != 0)
-    }
-
     /// The next `steps` standard normals of each lane, `[step][lane]`.
     pub fn normals(&mut self, steps: usize, instructions: InstructionSet) -> Vec<f64> {
         let mut normals = vec![0.0; steps * self.is_second.len()];
@@ -134,14 +129,12 @@ impl LaneStreams {
     /// A copy of the streams of `R` registers of lanes, beginning at `lane`, to draw from.
     /// [`LaneStreams::put`] writes their state back.
     #[inline(always)]
-    pub fn take<L: Lanes, const R: usize, const MIRRORED: bool>(&self, lane: usize) -> LaneNormals<L, R, MIRRORED> {
+    pub fn take<L: Lanes, const R: usize>(&self, lane: usize) -> LaneNormals<L, R> {
         let zero = L::splat_bits(0);
         let is_second = self.is_second[lane];
         let mut taken = LaneNormals { words: [[zero; 4]; R], flips: [zero; R], is_second, cells: cells() };
         for r in 0..R {
-            if MIRRORED {
-                taken.flips[r] = L::load_bits(&self.flips[lane + r * L::WIDTH..]);
-            }
+            taken.flips[r] = L::load_bits(&self.flips[lane + r * L::WIDTH..]);
             for i in 0..4 {
                 taken.words[r][i] = L::load_bits(&self.words[i][lane + r * L::WIDTH..]);
             }
@@ -151,11 +144,7 @@ impl LaneStreams {
 
     /// Writes back the state of the streams that were taken at `lane`.
     #[inline(always)]
-    pub fn put<L: Lanes, const R: usize, const MIRRORED: bool>(
-        &mut self,
-        lane: usize,
-        taken: &LaneNormals<L, R, MIRRORED>,
-    ) {
+    pub fn put<L: Lanes, const R: usize>(&mut self, lane: usize, taken: &LaneNormals<L, R>) {
         for r in 0..R {
             for i in 0..4 {
                 L::store_bits(taken.words[r][i], &mut self.words[i][lane + r * L::WIDTH..]);
@@ -166,26 +155,22 @@ impl LaneStreams {
 }
 
 /// The streams of `R` registers of lanes. They give normals divided by sqrt(2), in pairs as
-/// [`Stream::normal_pair`] draws them. Streams of mirror images are only allowed where `MIRRORED`
-/// is true.
+/// [`Stream::normal_pair`] draws them.
 #[derive(Clone, Copy)]
-pub struct LaneNormals<L: Lanes, const R: usize, const MIRRORED: bool> {
+pub struct LaneNormals<L: Lanes, const R: usize> {
     words: [[L::Bits; 4]; R],
     flips: [L::Bits; R],
     is_second: bool,
     cells: &'static LookupTable,
 }
 
-impl<L: Lanes, const R: usize, const MIRRORED: bool> LaneNormals<L, R, MIRRORED> {
+impl<L: Lanes, const R: usize> LaneNormals<L, R> {
     /// The next normal of each lane, divided by sqrt(2).
     #[inline(always)]
     pub fn draw(&mut self) -> [L; R] {
         let mut normals = [L::splat(0.0); R];
         for ((normal, words), flip) in normals.iter_mut().zip(&mut self.words).zip(&self.flips) {
-            let mut draw = output::<L>(words);
-            if MIRRORED {
-                draw = L::xor(draw, *flip);
-            }
+            let mut draw = L::xor(output::<L>(words), *flip);
             if self.is_second {
                 draw = L::rotate_left::<32>(draw);
                 *words = step::<L>(*words);
@@ -207,7 +192,7 @@ impl LaneProgram for Fill<'_> {
     fn run<L: Lanes>(&mut self) {
         let lanes = self.streams.is_second.len();
         for lane in (0..lanes).step_by(L::WIDTH) {
-            let mut taken = self.streams.take::<L, 1, true>(lane);
+            let mut taken = self.streams.take::<L, 1>(lane);
             for row in self.normals.chunks_exact_mut(lanes) {
                 taken.draw()[0].mul(L::splat(SQRT_2)).store(&mut row[lane..]);
             }

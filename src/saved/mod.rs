@@ -17,7 +17,7 @@ mod parts;
 mod rows;
 mod state;
 
-pub use again::{Again, Difference, Sample, again_in_memory, drawn};
+pub use again::{Again, BlocksAgain, Difference, again_in_memory, drawn};
 pub use error::SavedError;
 pub use part::PartRecorder;
 pub use parts::{Parts, PartsError};

@@ -5,7 +5,7 @@ use super::SavedError;
 use super::rows::{OwnedRows, Position};
 use super::state::{RunQuestion, State, of_bytes};
 use crate::dataset::layout::Variable;
-use crate::dataset::{Column, Dataset, Kind};
+use crate::dataset::{Column, Dataset, ElementType};
 use crate::engine::SoFar;
 use crate::ensemble::BLOCK_SIZE;
 use crate::scenario::Scenario;
@@ -183,13 +183,13 @@ pub(crate) trait RowSource {
     type Error: From<String>;
 
     /// Some rows of a variable. Fewer rows than these are an error.
-    fn rows(&self, variable: &Variable, kind: Kind, rows: &Range<usize>) -> Result<Column, Self::Error>;
+    fn rows(&self, variable: &Variable, kind: ElementType, rows: &Range<usize>) -> Result<Column, Self::Error>;
 }
 
 impl RowSource for Dataset {
     type Error = String;
 
-    fn rows(&self, variable: &Variable, _: Kind, rows: &Range<usize>) -> Result<Column, String> {
+    fn rows(&self, variable: &Variable, _: ElementType, rows: &Range<usize>) -> Result<Column, String> {
         let name = variable.name;
         let entry = self.entry(name).ok_or_else(|| format!("{name} is missing"))?;
         let width = self.shape(entry).iter().skip(1).product::<usize>();
@@ -200,7 +200,7 @@ impl RowSource for Dataset {
 /// Read the events of some paths. `first` is the row of their first event; the row after their last
 /// event is returned with them.
 fn events<S: RowSource>(from: &S, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize), S::Error> {
-    let count: Vec<u32> = values_of(&EVENT_COUNT, from.rows(&EVENT_COUNT, Kind::U32, rows)?)?;
+    let count: Vec<u32> = values_of(&EVENT_COUNT, from.rows(&EVENT_COUNT, ElementType::U32, rows)?)?;
     let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
     if next == first {
         return Ok((EventColumns { count, ..EventColumns::default() }, next));

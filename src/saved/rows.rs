@@ -1,7 +1,7 @@
 //! The rows of single paths as bytes: those of a block, and the checksum over many of them.
 
 use super::checksum::checksum;
-use crate::dataset::{Kind, Rows};
+use crate::dataset::{ElementType, Rows};
 use crate::stats::column::Columns;
 use crate::stats::{EventColumns, PathColumns, TrajectoryRows};
 use crate::sums::{Codec, Damaged, Reader};
@@ -65,7 +65,7 @@ fn read_table<T: Columns>(from: &mut Reader<'_>) -> Result<Option<T>, Damaged> {
     let mut is_there = 0_u64;
     is_there.read(from)?;
     let column =
-        |_: &_, kind: Kind| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
+        |_: &_, kind: ElementType| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
     if is_there == 0 { Ok(None) } else { T::read::<String>(column).map(Some).map_err(|_| Damaged) }
 }
 

@@ -11,7 +11,7 @@ pub(super) const LOST: Seen = (f64::NAN, f64::NAN, f64::NAN, false);
 
 /// The state of every path at one time, one entry a lane.
 #[derive(Clone, Debug)]
-pub(super) struct Columns {
+pub(super) struct StateColumns {
     lanes: usize,
     displacement: Vec<f64>,
     velocity: Vec<f64>,
@@ -19,12 +19,12 @@ pub(super) struct Columns {
     is_static: Vec<bool>,
 }
 
-impl Columns {
+impl StateColumns {
     /// Buffers for `lanes` lanes.
     pub(super) fn new(lanes: usize) -> Self {
         // There is room for a whole register at the end.
         let zeros = vec![0.0; lanes + ROW];
-        Columns {
+        StateColumns {
             lanes,
             displacement: zeros.clone(),
             velocity: zeros.clone(),

@@ -40,7 +40,7 @@
 //! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
 //! is false because the temperature moved on, the stick that begins there is empty.
 
-use super::columns::{Columns, Seen};
+use super::columns::{Seen, StateColumns};
 use super::event_driven::{
     self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated, StepLadder,
     StepRules, UnfeltNoise, Unresolved, WITHOUT_NOISE, Watch, WatchedPiece, Watching, WorkLeft, cell_length,
@@ -251,7 +251,7 @@ impl QuasiStaticSimulation {
     /// Computes the one path that there is without noise, and reports it to the observer for every
     /// lane. If the path cannot be resolved, all lanes are lost.
     fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let (mut columns, observer) = (Columns::new(lanes), Watching::new(observer));
+        let (mut columns, observer) = (StateColumns::new(lanes), Watching::new(observer));
         let is_stopped = || observer.borrow().is_stopped();
         let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
         let mut x = self.model.initial_displacement;

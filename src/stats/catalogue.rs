@@ -8,7 +8,7 @@ use super::need::Need;
 use crate::sums::range::Range;
 
 /// What is known of a statistic before any path is simulated.
-pub(crate) struct Row {
+pub(crate) struct CatalogueRow {
     /// Its name in tables, JSON and HDF5.
     name: &'static str,
     /// Its name at an axis.
@@ -93,11 +93,11 @@ macro_rules! catalogue {
             pub const ALL: [Statistic; ROWS.len()] = [$(Statistic::$statistic,)*];
         }
 
-        static ROWS: [Row; [$(Statistic::$statistic,)*].len()] = [$($row,)*];
+        static ROWS: [CatalogueRow; [$(Statistic::$statistic,)*].len()] = [$($row,)*];
     };
 }
 
-const OF_PATHS: Row = Row {
+const OF_PATHS: CatalogueRow = CatalogueRow {
     name: "",
     words: "",
     meaning: "",
@@ -110,7 +110,7 @@ const OF_PATHS: Row = Row {
     median_of: None,
     asked_by: None,
 };
-const OF_STICKS: Row = Row {
+const OF_STICKS: CatalogueRow = CatalogueRow {
     dimension: Dimension::TIME,
     range: Range::NOT_NEGATIVE,
     over: Over::Sticks,
@@ -118,8 +118,9 @@ const OF_STICKS: Row = Row {
     needs: &[Need::Stick],
     ..OF_PATHS
 };
-const OF_SLIPS: Row = Row { over: Over::Slips, step_error: StepError::Root, needs: &[Need::Slip], ..OF_PATHS };
-const COUNTED: Row = Row {
+const OF_SLIPS: CatalogueRow =
+    CatalogueRow { over: Over::Slips, step_error: StepError::Root, needs: &[Need::Slip], ..OF_PATHS };
+const COUNTED: CatalogueRow = CatalogueRow {
     dimension: Dimension::ONE,
     range: Range::NOT_NEGATIVE,
     over: Over::CountsOfPaths,
@@ -128,26 +129,27 @@ const COUNTED: Row = Row {
     ..OF_PATHS
 };
 /// Energy over the counted time, on request.
-const OF_ENERGY: Row = Row { dimension: Dimension::WORK, asked_by: Some(Extra::Energy), ..OF_PATHS };
+const OF_ENERGY: CatalogueRow = CatalogueRow { dimension: Dimension::WORK, asked_by: Some(Extra::Energy), ..OF_PATHS };
 /// A number of the largest displacements or speeds, on request.
-const OF_EXTREMES: Row = Row { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Levels), ..OF_PATHS };
+const OF_EXTREMES: CatalogueRow =
+    CatalogueRow { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Levels), ..OF_PATHS };
 /// A number of durations of slips, sizes of jumps or times from slip to slip, on request.
-const OF_LAWS: Row = Row { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Laws), ..OF_SLIPS };
-const OF_SLIP_DURATIONS: Row = Row { dimension: Dimension::TIME, ..OF_LAWS };
-const OF_RECURRENCE: Row =
-    Row { dimension: Dimension::TIME, over: Over::Recurrences, needs: &[Need::Recurrence], ..OF_LAWS };
-const OF_PERIODS: Row = Row { needs: &[Need::Period], ..OF_PATHS };
+const OF_LAWS: CatalogueRow = CatalogueRow { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Laws), ..OF_SLIPS };
+const OF_SLIP_DURATIONS: CatalogueRow = CatalogueRow { dimension: Dimension::TIME, ..OF_LAWS };
+const OF_RECURRENCE: CatalogueRow =
+    CatalogueRow { dimension: Dimension::TIME, over: Over::Recurrences, needs: &[Need::Recurrence], ..OF_LAWS };
+const OF_PERIODS: CatalogueRow = CatalogueRow { needs: &[Need::Period], ..OF_PATHS };
 
 catalogue! {
     /// Mean stick duration D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
-    StickDurationMean: Row {
+    StickDurationMean: CatalogueRow {
         name: "stick_duration_mean",
         words: "mean stick duration",
         meaning: "mean duration of the completed sticks",
         ..OF_STICKS
     },
     /// Standard deviation of the stick duration D_j over completed sticks, j >= 1.
-    StickDurationSd: Row {
+    StickDurationSd: CatalogueRow {
         name: "stick_duration_sd",
         words: "sd of stick durations",
         meaning: "standard deviation of the durations of the completed sticks",
@@ -156,7 +158,7 @@ catalogue! {
         ..OF_STICKS
     },
     /// Median stick duration D_j over completed sticks, j >= 1.
-    StickDurationMedian: Row {
+    StickDurationMedian: CatalogueRow {
         name: "stick_duration_median",
         words: "median stick duration",
         meaning: "median duration of the completed sticks",
@@ -165,7 +167,7 @@ catalogue! {
         ..OF_STICKS
     },
     /// Mean duration D_0 of the first stick over the paths in which it ended.
-    FirstStickDurationMean: Row {
+    FirstStickDurationMean: CatalogueRow {
         name: "first_stick_duration_mean",
         words: "mean first stick",
         meaning: "mean duration of the first sticks that ended",
@@ -175,21 +177,21 @@ catalogue! {
         ..OF_STICKS
     },
     /// Number of completed sticks, j >= 1, per path.
-    SticksPerPath: Row {
+    SticksPerPath: CatalogueRow {
         name: "sticks_per_path",
         words: "sticks per path",
         meaning: "completed sticks per path, the first left out",
         ..COUNTED
     },
     /// Number of completed dynamic phases per path.
-    SlipsPerPath: Row {
+    SlipsPerPath: CatalogueRow {
         name: "slips_per_path",
         words: "slips per path",
         meaning: "completed dynamic phases per path",
         ..COUNTED
     },
     /// Mean number k(j) of sub-phases over completed dynamic phases.
-    SubPhasesMean: Row {
+    SubPhasesMean: CatalogueRow {
         name: "sub_phases_mean",
         words: "mean number of sub-phases",
         meaning: "mean number of sub-phases of a dynamic phase",
@@ -198,7 +200,7 @@ catalogue! {
         ..OF_SLIPS
     },
     /// Share of completed dynamic phases with several sub-phases, k(j) >= 2.
-    SubPhasesMultipleShare: Row {
+    SubPhasesMultipleShare: CatalogueRow {
         name: "sub_phases_multiple_share",
         words: "share of slips with sub-phases",
         meaning: "share of dynamic phases with two or more sub-phases",
@@ -208,7 +210,7 @@ catalogue! {
     },
     /// Share of the counted time, [after, t_end], that is spent static, the first and the last
     /// stick included.
-    StickingFraction: Row {
+    StickingFraction: CatalogueRow {
         name: "sticking_fraction",
         words: "share of time spent static",
         meaning: "share of the time spent in static phases",
@@ -220,14 +222,14 @@ catalogue! {
         ..OF_PATHS
     },
     /// Mean displacement at the end, x(t_end).
-    DisplacementEndMean: Row {
+    DisplacementEndMean: CatalogueRow {
         name: "displacement_end_mean",
         words: "mean final displacement",
         meaning: "mean displacement at the end",
         ..OF_PATHS
     },
     /// Standard deviation of the displacement at the end, x(t_end).
-    DisplacementEndSd: Row {
+    DisplacementEndSd: CatalogueRow {
         name: "displacement_end_sd",
         words: "sd of final displacement",
         meaning: "standard deviation of the displacement at the end",
@@ -237,7 +239,7 @@ catalogue! {
     },
     /// Drift velocity: slope of the mean of x(nP) over the whole periods n >= 1 from
     /// `after` on.
-    DriftVelocity: Row {
+    DriftVelocity: CatalogueRow {
         name: "drift_velocity",
         words: "drift velocity",
         meaning: "slope of the mean displacement over whole periods",
@@ -246,7 +248,7 @@ catalogue! {
     },
     /// Diffusion coefficient: half the slope of the variance of x(nP) over the whole
     /// periods n >= 1 from `after` on.
-    DiffusionCoefficient: Row {
+    DiffusionCoefficient: CatalogueRow {
         name: "diffusion_coefficient",
         words: "diffusion coefficient",
         meaning: "half the slope of the variance of the displacement over whole periods",
@@ -256,14 +258,14 @@ catalogue! {
     },
     /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole periods n >= 1 from
     /// `after` on.
-    PeriodDisplacementMean: Row {
+    PeriodDisplacementMean: CatalogueRow {
         name: "period_displacement_mean",
         words: "mean displacement per period",
         meaning: "mean displacement from one period to the next",
         ..OF_PERIODS
     },
     /// Standard deviation of u_n over the same paths and periods.
-    PeriodDisplacementSd: Row {
+    PeriodDisplacementSd: CatalogueRow {
         name: "period_displacement_sd",
         words: "sd of displacement per period",
         meaning: "standard deviation of the displacement from one period to the next",
@@ -272,7 +274,7 @@ catalogue! {
         ..OF_PATHS
     },
     /// Correlation of u_n and u_{n+1}, over the same paths and periods.
-    PeriodDisplacementCorrelation: Row {
+    PeriodDisplacementCorrelation: CatalogueRow {
         name: "period_displacement_correlation",
         words: "correlation of successive periods",
         meaning: "correlation of the displacements in successive periods",
@@ -283,7 +285,7 @@ catalogue! {
     },
     /// Standard deviation of x(nP) over paths, as the root mean square over the whole
     /// periods n >= 1 from `after` on.
-    PhaseDisplacementSd: Row {
+    PhaseDisplacementSd: CatalogueRow {
         name: "phase_displacement_sd",
         words: "sd of displacement at one phase",
         meaning: "standard deviation of the displacement at one phase",
@@ -292,14 +294,14 @@ catalogue! {
         ..OF_PATHS
     },
     /// Mean jump of the displacement, x_{j+1} - x_j, over completed dynamic phases.
-    JumpMean: Row {
+    JumpMean: CatalogueRow {
         name: "jump_mean",
         words: "mean jump",
         meaning: "mean jump of the displacement in a dynamic phase",
         ..OF_SLIPS
     },
     /// Mean size of that jump, |x_{j+1} - x_j|, over completed dynamic phases.
-    JumpAbsMean: Row {
+    JumpAbsMean: CatalogueRow {
         name: "jump_abs_mean",
         words: "mean size of a jump",
         meaning: "mean size of the jump of the displacement in a dynamic phase",
@@ -307,7 +309,7 @@ catalogue! {
         ..OF_SLIPS
     },
     /// Mean over paths of the friction work, the integral of f_d |x'| dt over [after, t_end].
-    FrictionWorkMean: Row {
+    FrictionWorkMean: CatalogueRow {
         name: "friction_work_mean",
         words: "mean friction work",
         meaning: "mean work done against dynamic friction",
@@ -318,7 +320,7 @@ catalogue! {
     },
     /// Mean over paths of the sliding path, the integral of |x'| dt over [after, t_end], divided by
     /// that time.
-    SlidingPathRate: Row {
+    SlidingPathRate: CatalogueRow {
         name: "sliding_path_rate",
         words: "sliding path per time",
         meaning: "mean sliding path per unit of time",
@@ -328,7 +330,7 @@ catalogue! {
         ..OF_PATHS
     },
     /// Coefficient of variation of the stick duration D_j over completed sticks, j >= 1.
-    StickDurationCv: Row {
+    StickDurationCv: CatalogueRow {
         name: "stick_duration_cv",
         words: "variation of stick durations",
         meaning: "coefficient of variation of the durations of the completed sticks",
@@ -339,14 +341,14 @@ catalogue! {
         ..OF_STICKS
     },
     /// Mean duration tau_{j+1} - tau_{j+1/2} over completed dynamic phases.
-    SlipDurationMean: Row {
+    SlipDurationMean: CatalogueRow {
         name: "slip_duration_mean",
         words: "mean slip duration",
         meaning: "mean duration of the completed dynamic phases",
         ..OF_SLIP_DURATIONS
     },
     /// Standard deviation of these durations.
-    SlipDurationSd: Row {
+    SlipDurationSd: CatalogueRow {
         name: "slip_duration_sd",
         words: "sd of slip durations",
         meaning: "standard deviation of the durations of the completed dynamic phases",
@@ -354,7 +356,7 @@ catalogue! {
         ..OF_SLIP_DURATIONS
     },
     /// Median of these durations.
-    SlipDurationMedian: Row {
+    SlipDurationMedian: CatalogueRow {
         name: "slip_duration_median",
         words: "median slip duration",
         meaning: "median duration of the completed dynamic phases",
@@ -363,7 +365,7 @@ catalogue! {
         ..OF_SLIP_DURATIONS
     },
     /// Coefficient of variation of these durations.
-    SlipDurationCv: Row {
+    SlipDurationCv: CatalogueRow {
         name: "slip_duration_cv",
         words: "variation of slip durations",
         meaning: "coefficient of variation of the durations of the completed dynamic phases",
@@ -372,7 +374,7 @@ catalogue! {
         ..OF_SLIP_DURATIONS
     },
     /// Standard deviation of the jump x_{j+1} - x_j over completed dynamic phases.
-    JumpSd: Row {
+    JumpSd: CatalogueRow {
         name: "jump_sd",
         words: "sd of jumps",
         meaning: "standard deviation of the jump of the displacement in a dynamic phase",
@@ -380,7 +382,7 @@ catalogue! {
         ..OF_LAWS
     },
     /// Standard deviation of its size |x_{j+1} - x_j|.
-    JumpAbsSd: Row {
+    JumpAbsSd: CatalogueRow {
         name: "jump_abs_sd",
         words: "sd of sizes of jumps",
         meaning: "standard deviation of the size of the jump in a dynamic phase",
@@ -388,7 +390,7 @@ catalogue! {
         ..OF_LAWS
     },
     /// Median of its size.
-    JumpAbsMedian: Row {
+    JumpAbsMedian: CatalogueRow {
         name: "jump_abs_median",
         words: "median size of a jump",
         meaning: "median size of the jump in a dynamic phase",
@@ -396,7 +398,7 @@ catalogue! {
         ..OF_LAWS
     },
     /// Coefficient of variation of its size.
-    JumpAbsCv: Row {
+    JumpAbsCv: CatalogueRow {
         name: "jump_abs_cv",
         words: "variation of sizes of jumps",
         meaning: "coefficient of variation of the size of the jump in a dynamic phase",
@@ -406,14 +408,14 @@ catalogue! {
     },
     /// Mean time tau_{j+3/2} - tau_{j+1/2} from the beginning of a dynamic phase to that of the
     /// next.
-    RecurrenceTimeMean: Row {
+    RecurrenceTimeMean: CatalogueRow {
         name: "recurrence_time_mean",
         words: "mean time from slip to slip",
         meaning: "mean time from the beginning of a dynamic phase to that of the next",
         ..OF_RECURRENCE
     },
     /// Standard deviation of this time.
-    RecurrenceTimeSd: Row {
+    RecurrenceTimeSd: CatalogueRow {
         name: "recurrence_time_sd",
         words: "sd of times from slip to slip",
         meaning: "standard deviation of the time from a dynamic phase to the next",
@@ -421,7 +423,7 @@ catalogue! {
         ..OF_RECURRENCE
     },
     /// Median of this time.
-    RecurrenceTimeMedian: Row {
+    RecurrenceTimeMedian: CatalogueRow {
         name: "recurrence_time_median",
         words: "median time from slip to slip",
         meaning: "median time from the beginning of a dynamic phase to that of the next",
@@ -430,7 +432,7 @@ catalogue! {
         ..OF_RECURRENCE
     },
     /// Coefficient of variation of this time.
-    RecurrenceTimeCv: Row {
+    RecurrenceTimeCv: CatalogueRow {
         name: "recurrence_time_cv",
         words: "variation of times from slip to slip",
         meaning: "coefficient of variation of the time from a dynamic phase to the next",
@@ -440,42 +442,42 @@ catalogue! {
     },
     /// Mean over paths of the work of the temperature, the integral of c T x' dt over [after,
     /// t_end].
-    TemperatureWorkMean: Row {
+    TemperatureWorkMean: CatalogueRow {
         name: "temperature_work_mean",
         words: "mean work of the temperature",
         meaning: "mean work of the temperature on the body",
         ..OF_ENERGY
     },
     /// Mean over paths of the work of a force of the user's own, the integral of g x' dt.
-    OwnForceWorkMean: Row {
+    OwnForceWorkMean: CatalogueRow {
         name: "own_force_work_mean",
         words: "mean work of the own force",
         meaning: "mean work of the force of your own on the body",
         ..OF_ENERGY
     },
     /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
-    DampingWorkMean: Row {
+    DampingWorkMean: CatalogueRow {
         name: "damping_work_mean",
         words: "mean work of damping",
         meaning: "mean work done against damping",
         ..OF_ENERGY
     },
     /// Mean over paths of the change of m x'^2/2 + K x^2/2.
-    StoredEnergyMean: Row {
+    StoredEnergyMean: CatalogueRow {
         name: "stored_energy_change_mean",
         words: "mean change of stored energy",
         meaning: "mean change of kinetic energy and of that of the spring",
         ..OF_ENERGY
     },
     /// Mean over paths of what is left of the energy balance.
-    EnergyResidualMean: Row {
+    EnergyResidualMean: CatalogueRow {
         name: "energy_residual_mean",
         words: "mean residual of the energy",
         meaning: "mean of what is left of the energy balance, an error of its integrals",
         ..OF_ENERGY
     },
     /// Standard deviation over paths of what is left of the energy balance.
-    EnergyResidualSd: Row {
+    EnergyResidualSd: CatalogueRow {
         name: "energy_residual_sd",
         words: "sd of the residual of the energy",
         meaning: "standard deviation of what is left of the energy balance",
@@ -484,14 +486,14 @@ catalogue! {
         ..OF_ENERGY
     },
     /// Mean over paths of the largest |x - x0| over [0, t_end].
-    LargestDisplacementMean: Row {
+    LargestDisplacementMean: CatalogueRow {
         name: "largest_displacement_mean",
         words: "mean largest displacement",
         meaning: "mean of the largest distance from the initial displacement",
         ..OF_EXTREMES
     },
     /// Standard deviation over paths of the largest |x - x0|.
-    LargestDisplacementSd: Row {
+    LargestDisplacementSd: CatalogueRow {
         name: "largest_displacement_sd",
         words: "sd of the largest displacement",
         meaning: "standard deviation of the largest distance from the initial displacement",
@@ -499,7 +501,7 @@ catalogue! {
         ..OF_EXTREMES
     },
     /// Mean over paths of the largest |x'| over [0, t_end].
-    LargestSpeedMean: Row {
+    LargestSpeedMean: CatalogueRow {
         name: "largest_speed_mean",
         words: "mean largest speed",
         meaning: "mean of the largest speed",
@@ -507,7 +509,7 @@ catalogue! {
         ..OF_EXTREMES
     },
     /// Standard deviation over paths of the largest |x'|.
-    LargestSpeedSd: Row {
+    LargestSpeedSd: CatalogueRow {
         name: "largest_speed_sd",
         words: "sd of the largest speed",
         meaning: "standard deviation of the largest speed",
@@ -528,7 +530,7 @@ impl Statistic {
         Statistic::ALL.into_iter().find(|statistic| statistic.name() == name)
     }
 
-    pub(crate) fn row(self) -> &'static Row {
+    pub(crate) fn row(self) -> &'static CatalogueRow {
         &ROWS[self.index()]
     }
 

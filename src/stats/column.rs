@@ -91,7 +91,7 @@ pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a ne
 /// A type that the values of a variable may have.
 pub(crate) trait Element: Clone {
     /// Which type this is.
-    const KIND: Kind;
+    const KIND: ElementType;
     /// The value that means "missing".
     const MISSING: Self;
     /// These values, tagged with their type.
@@ -106,7 +106,7 @@ macro_rules! kinds {
     ($($kind:ident($type:ty), missing $missing:expr, $meaning:literal;)*) => {
         /// Types of values.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(crate) enum Kind {
+        pub(crate) enum ElementType {
             $(#[doc = $meaning] $kind,)*
         }
 
@@ -131,9 +131,9 @@ macro_rules! kinds {
             }
 
             /// The type of the values.
-            pub(crate) fn kind(&self) -> Kind {
+            pub(crate) fn kind(&self) -> ElementType {
                 match self {
-                    $(ColumnView::$kind(_) => Kind::$kind,)*
+                    $(ColumnView::$kind(_) => ElementType::$kind,)*
                 }
             }
 
@@ -198,7 +198,7 @@ macro_rules! kinds {
         }
 
         impl Element for $type {
-            const KIND: Kind = Kind::$kind;
+            const KIND: ElementType = ElementType::$kind;
             const MISSING: Self = $missing;
 
             fn values(values: &[Self]) -> ColumnView<'_> {
@@ -291,14 +291,14 @@ fn first<T: Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> boo
     Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
 }
 
-impl Kind {
+impl ElementType {
     /// The number of bytes of a value. Texts have no fixed number.
     pub(crate) const fn size(self) -> usize {
         match self {
-            Kind::F64 | Kind::U64 => 8,
-            Kind::U32 => 4,
-            Kind::I8 | Kind::U8 => 1,
-            Kind::Text => 0,
+            ElementType::F64 | ElementType::U64 => 8,
+            ElementType::U32 => 4,
+            ElementType::I8 | ElementType::U8 => 1,
+            ElementType::Text => 0,
         }
     }
 
@@ -306,12 +306,18 @@ impl Kind {
     pub(crate) fn read(self, length: usize, from: &mut Reader<'_>) -> Result<Column, Damaged> {
         let bytes = from.take(length.checked_mul(self.size()).ok_or(Damaged)?)?;
         Ok(match self {
-            Kind::F64 => Column::F64(bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect()),
-            Kind::U64 => Column::U64(bytes.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect()),
-            Kind::U32 => Column::U32(bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect()),
-            Kind::I8 => Column::I8(bytes.iter().map(|byte| byte.cast_signed()).collect()),
-            Kind::U8 => Column::U8(bytes.to_vec()),
-            Kind::Text => return Err(Damaged),
+            ElementType::F64 => {
+                Column::F64(bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
+            }
+            ElementType::U64 => {
+                Column::U64(bytes.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect())
+            }
+            ElementType::U32 => {
+                Column::U32(bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect())
+            }
+            ElementType::I8 => Column::I8(bytes.iter().map(|byte| byte.cast_signed()).collect()),
+            ElementType::U8 => Column::U8(bytes.to_vec()),
+            ElementType::Text => return Err(Damaged),
         })
     }
 }
@@ -324,7 +330,7 @@ pub(crate) trait Columns: Default {
     /// A row of which nothing is known.
     const MISSING: Self::Row;
     /// Every column in the order of the table, with the type of its values.
-    const VARIABLES: &'static [(Variable, Kind)];
+    const VARIABLES: &'static [(Variable, ElementType)];
 
     /// The values of every column.
     fn views(&self) -> Vec<ColumnView<'_>>;
@@ -342,7 +348,9 @@ pub(crate) trait Columns: Default {
     fn of(columns: Vec<Column>) -> Result<Self, String>;
 
     /// The table with the columns that `read` returns.
-    fn read<E: From<String>>(mut read: impl FnMut(&'static Variable, Kind) -> Result<Column, E>) -> Result<Self, E> {
+    fn read<E: From<String>>(
+        mut read: impl FnMut(&'static Variable, ElementType) -> Result<Column, E>,
+    ) -> Result<Self, E> {
         let columns = Self::VARIABLES.iter().map(|(variable, kind)| read(variable, *kind));
         Ok(Self::of(columns.collect::<Result<_, E>>()?)?)
     }
@@ -396,7 +404,7 @@ macro_rules! columns {
         impl Columns for $table {
             type Row = $row;
             const MISSING: $row = $row { $($cell: <$cell_type>::MISSING,)* };
-            const VARIABLES: &'static [(Variable, Kind)] = &[
+            const VARIABLES: &'static [(Variable, ElementType)] = &[
                 $(($head_variable, <$head_type>::KIND),)*
                 $(($cell_variable, <$cell_type>::KIND),)*
             ];
@@ -432,7 +440,7 @@ pub(super) use columns;
 
 /// The values of the next column.
 pub(super) fn next_values<T: Element>(
-    columns: &mut impl Iterator<Item = (&'static (Variable, Kind), Column)>,
+    columns: &mut impl Iterator<Item = (&'static (Variable, ElementType), Column)>,
 ) -> Result<Vec<T>, String> {
     let ((variable, _), column) = columns.next().ok_or("a column is missing")?;
     values_of(variable, column)

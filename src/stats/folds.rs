@@ -5,7 +5,7 @@ use super::Record;
 use super::law::PhaseLaw;
 use super::laws::LawFold;
 use super::motion::MotionFold;
-use super::path::{Censored, Completed, PathFold};
+use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodSums;
 use super::totals::PhaseSums;
 use crate::model::{Event, Model};
@@ -40,7 +40,7 @@ impl PathFolds {
     /// Add an event. Returns the counted phase that it completes; `law` receives the completed
     /// values of the laws.
     #[inline]
-    pub fn event(&mut self, lane: usize, event: &Event, law: impl FnMut(PhaseLaw, f64)) -> Option<Completed> {
+    pub fn event(&mut self, lane: usize, event: &Event, law: impl FnMut(PhaseLaw, f64)) -> Option<EndedPhase> {
         if let Some(laws) = &mut self.laws {
             laws[lane].event(event, law);
         }

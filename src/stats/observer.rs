@@ -4,7 +4,7 @@
 use super::column::Columns as _;
 use super::density::DensityFold;
 use super::folds::PathFolds;
-use super::path::{Censored, Completed, PathFold};
+use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
 use super::spectrum::SpectrumFold;
@@ -155,9 +155,9 @@ impl Observer for BlockObserver {
             }
         });
         match completed {
-            Some(Completed::FirstStick) => self.totals.counts.first_completed += 1,
-            Some(Completed::Stick(duration)) => self.totals.counts.sticks.completed(unit, duration),
-            Some(Completed::Slip(sub_phases)) => self.totals.counts.sub_phases.completed(unit, sub_phases),
+            Some(EndedPhase::FirstStick) => self.totals.counts.first_completed += 1,
+            Some(EndedPhase::Stick(duration)) => self.totals.counts.sticks.completed(unit, duration),
+            Some(EndedPhase::Slip(sub_phases)) => self.totals.counts.sub_phases.completed(unit, sub_phases),
             None => {}
         }
         if let Some(density) = &mut self.density {

@@ -74,7 +74,7 @@ enum Now {
 
 /// A counted phase that an event has completed.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Completed {
+pub(super) enum EndedPhase {
     /// The first static phase.
     FirstStick,
     /// A static phase, j >= 1, with its duration D_j.
@@ -138,7 +138,7 @@ impl PathFold {
 
     /// Add the next event. Returns the counted phase that it completes, if it completes one.
     #[inline]
-    pub fn event(&mut self, event: &Event) -> Option<Completed> {
+    pub fn event(&mut self, event: &Event) -> Option<EndedPhase> {
         let completed = match event.kind {
             EventKind::SlipStarted(direction) => {
                 self.direction = direction;
@@ -163,15 +163,15 @@ impl PathFold {
         (time - self.stick_entered.max(self.after)).max(0.0)
     }
 
-    fn start_slip(&mut self, event: &Event) -> Option<Completed> {
+    fn start_slip(&mut self, event: &Event) -> Option<EndedPhase> {
         let duration = event.time - self.stick_entered;
         self.stick_time += self.counted_time(event.time);
         let completed = if self.now == Now::FirstStick {
             self.first_duration = Some(duration);
-            Some(Completed::FirstStick)
+            Some(EndedPhase::FirstStick)
         } else if self.is_counted {
             self.sticks.add(duration);
-            Some(Completed::Stick(duration))
+            Some(EndedPhase::Stick(duration))
         } else {
             self.early_sticks += 1;
             None
@@ -183,7 +183,7 @@ impl PathFold {
         completed
     }
 
-    fn enter_stick(&mut self, event: &Event) -> Option<Completed> {
+    fn enter_stick(&mut self, event: &Event) -> Option<EndedPhase> {
         self.travel += (event.displacement - self.last_displacement).abs();
         let completed = if self.is_counted {
             let jump = event.displacement - self.slip_origin;
@@ -192,7 +192,7 @@ impl PathFold {
             self.slips += 1;
             self.sub_phases += self.running_sub_phases;
             self.multiple += u32::from(self.running_sub_phases >= 2);
-            Some(Completed::Slip(self.running_sub_phases))
+            Some(EndedPhase::Slip(self.running_sub_phases))
         } else {
             self.early_slips += 1;
             None
@@ -242,7 +242,7 @@ mod tests {
             path.event(&event(EventKind::SubPhaseBoundary(Positive), 6.425_170_197_520_969, -9.743_812_675_160_928));
         let stick = path.event(&event(EventKind::StickEntered, 12.276_691_944_097_36, 6.341_054_759_946_978));
         let end = path.end(13.0, 6.341_054_759_946_978);
-        assert_eq!((slip, turn, stick), (Some(Completed::FirstStick), None, Some(Completed::Slip(2))));
+        assert_eq!((slip, turn, stick), (Some(EndedPhase::FirstStick), None, Some(EndedPhase::Slip(2))));
         assert_eq!(end, Some(Censored::Stick(13.0 - 12.276_691_944_097_36)));
         assert_eq!((path.sticks.count, path.slips, path.sub_phases, path.multiple), (0, 1, 2, 1));
         assert_eq!(path.first_duration, Some(1.287_002_217_586_568_8));
@@ -296,7 +296,7 @@ mod tests {
         let ended = path.event(&event(EventKind::SlipStarted(Negative), 13.0, 1.0));
         path.event(&event(EventKind::StickEntered, 14.0, -1.0));
         path.event(&event(EventKind::SlipStarted(Negative), 17.0, -1.0));
-        assert_eq!(ended, Some(Completed::Stick(2.0)));
+        assert_eq!(ended, Some(EndedPhase::Stick(2.0)));
         assert_eq!(path.sticks, Folded { count: 2, sum: 5.0, squares: 13.0 });
         assert_eq!((path.jump, path.jump_abs), (-1.0, 3.0));
     }
@@ -310,7 +310,7 @@ mod tests {
             path.event(&event(EventKind::StickEntered, 2.0, 1.0)),
             path.event(&event(EventKind::SlipStarted(Positive), 4.0, 1.0)),
         ];
-        assert_eq!(seen, [Some(Completed::FirstStick), None, None]);
+        assert_eq!(seen, [Some(EndedPhase::FirstStick), None, None]);
         path.count_from_here(1.5);
         let seen = [
             path.event(&event(EventKind::StickEntered, 6.0, 3.0)),
@@ -321,7 +321,8 @@ mod tests {
         ];
         // The slip from 4 to 6 began before the end of the burn-in. It is in no count and no jump,
         // but its distance from 1.5 on is in the travel.
-        let counted = [None, Some(Completed::Stick(3.0)), None, Some(Completed::Slip(2)), Some(Completed::Stick(1.0))];
+        let counted =
+            [None, Some(EndedPhase::Stick(3.0)), None, Some(EndedPhase::Slip(2)), Some(EndedPhase::Stick(1.0))];
         assert_eq!(seen, counted);
         assert_eq!(path.end(14.0, 5.0), Some(Censored::Slip));
         assert_eq!((path.first_duration, path.early_sticks, path.early_slips), (Some(1.0), 1, 2));
@@ -343,7 +344,7 @@ mod tests {
         };
         let mut ended = sticking();
         assert_eq!(ended.event(&event(EventKind::SlipStarted(Negative), 8.0, 1.0)), None);
-        assert_eq!(ended.event(&event(EventKind::StickEntered, 9.0, 0.0)), Some(Completed::Slip(1)));
+        assert_eq!(ended.event(&event(EventKind::StickEntered, 9.0, 0.0)), Some(EndedPhase::Slip(1)));
         assert_eq!(ended.end(10.0, 0.0), Some(Censored::Stick(1.0)));
         assert_eq!((ended.sticks.count, ended.early_sticks, ended.stick_time, ended.travel), (0, 1, 4.0, 1.0));
         let mut cut = sticking();
@@ -358,6 +359,6 @@ mod tests {
         at_once.event(&event(EventKind::StickEntered, 5.0, 2.0));
         at_once.count_from_here(2.0);
         let ended = at_once.event(&event(EventKind::SlipStarted(Positive), 7.0, 2.0));
-        assert_eq!((ended, at_once.stick_time, at_once.travel), (Some(Completed::Stick(2.0)), 2.0, 0.0));
+        assert_eq!((ended, at_once.stick_time, at_once.travel), (Some(EndedPhase::Stick(2.0)), 2.0, 0.0));
     }
 }

@@ -1,7 +1,9 @@
 //! What a run keeps of single paths, on request.
 
 use super::Totals;
-use super::column::{Column, ColumnView, Columns, Element, Kind, Unit, Variable, columns, next_values, variable};
+use super::column::{
+    Column, ColumnView, Columns, Element, ElementType, Unit, Variable, columns, next_values, variable,
+};
 use crate::model::{Event, EventKind, Sign};
 
 columns! {

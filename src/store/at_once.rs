@@ -3,7 +3,7 @@
 use super::StoreError;
 use super::draft::Draft;
 use super::folder::RESULTS;
-use super::variable::Place;
+use super::variable::OpenFile;
 use super::workshop::Workshop;
 use crate::stats::Units;
 use std::path::Path;
@@ -14,7 +14,7 @@ pub(super) fn write_at_once(
     target: &Path,
     units: Units,
     force: bool,
-    fill: impl FnOnce(&mut Place) -> hdf5::Result<()>,
+    fill: impl FnOnce(&mut OpenFile) -> hdf5::Result<()>,
 ) -> Result<(), StoreError> {
     let workshop = Workshop::open(target, force)?;
     let mut draft = Draft::create(&workshop.path(RESULTS), units)?;

@@ -11,26 +11,26 @@ use std::path::Path;
 
 /// From one list: the kinds of files, with the name of the format of each, and their contents.
 macro_rules! kinds {
-    ($($(#[$doc:meta])* $Kind:ident: $format:ident, $read:ident -> $Content:ident;)+) => {
+    ($($(#[$doc:meta])* $ElementType:ident: $format:ident, $read:ident -> $Content:ident;)+) => {
         /// What a file of this program holds.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum FileKind {
-            $($(#[$doc])* $Kind,)+
+            $($(#[$doc])* $ElementType,)+
         }
 
-        const FORMATS: &[(&str, FileKind)] = &[$(($format, FileKind::$Kind),)+];
+        const FORMATS: &[(&str, FileKind)] = &[$(($format, FileKind::$ElementType),)+];
 
         /// The content of a file of any kind.
         #[derive(Debug)]
         pub enum Content {
-            $($(#[$doc])* $Kind(Box<$Content>),)+
+            $($(#[$doc])* $ElementType(Box<$Content>),)+
         }
 
         impl FileKind {
             /// Read a file of this kind.
             pub(super) fn read(self, path: &Path) -> Result<Content, StoreError> {
                 match self {
-                    $(FileKind::$Kind => Ok(Content::$Kind(Box::new($read(path)?))),)+
+                    $(FileKind::$ElementType => Ok(Content::$ElementType(Box::new($read(path)?))),)+
                 }
             }
         }

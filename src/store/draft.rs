@@ -15,11 +15,11 @@
 //! again. Closing such a file crashes some versions of the library, and others report success.
 
 use super::error::cause;
-use super::failure::Failure;
+use super::failure::WriteFailure;
 use super::ledger::Ledger;
 use super::read_back::compare;
 use super::superblock::superblock;
-use super::variable::Place;
+use super::variable::OpenFile;
 use super::{StoreError, seal};
 use crate::stats::Units;
 use hdf5::File;
@@ -33,7 +33,7 @@ use std::path::{Path, PathBuf};
 pub(super) struct Draft {
     path: PathBuf,
     /// The open file; `None` after a failure.
-    place: Option<Place>,
+    place: Option<OpenFile>,
 }
 
 impl Draft {
@@ -41,12 +41,12 @@ impl Draft {
     pub fn create(path: &Path, units: Units) -> Result<Draft, StoreError> {
         let file =
             create(path).map_err(|error| StoreError::NotCreated { partial: path.to_owned(), cause: cause(&error) })?;
-        Ok(Draft { path: path.to_owned(), place: Some(Place::new(file, units)) })
+        Ok(Draft { path: path.to_owned(), place: Some(OpenFile::new(file, units)) })
     }
 
     /// Do something with the file. After the first failure nothing is done any more.
-    pub fn write(&mut self, work: impl FnOnce(&mut Place) -> hdf5::Result<()>) -> Result<(), Failure> {
-        let closed = || Failure { cause: "the file is closed".into(), full: false };
+    pub fn write(&mut self, work: impl FnOnce(&mut OpenFile) -> hdf5::Result<()>) -> Result<(), WriteFailure> {
+        let closed = || WriteFailure { cause: "the file is closed".into(), full: false };
         let done = work(self.place.as_mut().ok_or_else(closed)?);
         done.map_err(|error| {
             std::mem::forget(self.place.take());
@@ -56,7 +56,7 @@ impl Draft {
 
     /// Close the file, of which every variable must be flushed, compare it with what was to be
     /// written, and seal it.
-    pub fn finish(mut self) -> Result<(), Failure> {
+    pub fn finish(mut self) -> Result<(), WriteFailure> {
         let mut ledger = Ledger::default();
         self.write(|place| {
             place.file.flush()?;
@@ -65,7 +65,7 @@ impl Draft {
         })?;
         drop(self.place.take());
         if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open) {
-            return Err(Failure { cause: "HDF5 could not close the file".into(), full: false });
+            return Err(WriteFailure { cause: "HDF5 could not close the file".into(), full: false });
         }
         compare(&ledger, &self.path)?;
         // Some file systems report only at this point that they are full.
@@ -107,7 +107,7 @@ fn create(path: &Path) -> hdf5::Result<File> {
 mod tests {
     use super::*;
     use crate::dataset::Destination as _;
-    use crate::dataset::Kind;
+    use crate::dataset::ElementType;
     use crate::dataset::layout;
     use crate::store::ledger::Sum;
 
@@ -118,12 +118,12 @@ mod tests {
             |_| (),
             |ledger| {
                 ledger.variable("quantile", {
-                    let mut sum = Sum::of(Kind::F64);
+                    let mut sum = Sum::of(ElementType::F64);
                     sum.add((&[0.5, 0.25]).into());
                     sum
                 })
             },
-            |ledger| ledger.variable("lost", Sum::of(Kind::F64)),
+            |ledger| ledger.variable("lost", Sum::of(ElementType::F64)),
             |ledger| ledger.attribute("", "title", "another".into()),
             |ledger| ledger.attribute("quantile", "long_name", "another".into()),
         ];

@@ -5,21 +5,21 @@ use std::io;
 
 /// Why a file could not be written.
 #[derive(Clone, Debug)]
-pub(super) struct Failure {
+pub(super) struct WriteFailure {
     /// What the system or HDF5 says.
     pub cause: String,
     /// Whether there was no room left.
     pub full: bool,
 }
 
-impl From<hdf5::Error> for Failure {
+impl From<hdf5::Error> for WriteFailure {
     fn from(error: hdf5::Error) -> Self {
-        Failure { cause: cause(&error), full: system_error(&error).is_some_and(|system| is_full(&system)) }
+        WriteFailure { cause: cause(&error), full: system_error(&error).is_some_and(|system| is_full(&system)) }
     }
 }
 
-impl From<io::Error> for Failure {
+impl From<io::Error> for WriteFailure {
     fn from(error: io::Error) -> Self {
-        Failure { full: is_full(&error), cause: error.to_string() }
+        WriteFailure { full: is_full(&error), cause: error.to_string() }
     }
 }

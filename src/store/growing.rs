@@ -4,9 +4,9 @@
 //! would be rewritten many times, so rows wait in memory until they fill one.
 
 use super::ledger::{Ledger, Sum};
-use super::variable::{Element, Growth, Place};
+use super::variable::{Growth, OpenFile, Storable};
 use crate::dataset::layout::{self, Variable};
-use crate::dataset::rows::{Along, Table};
+use crate::dataset::rows::{RowAxis, RowTable};
 use crate::dataset::{Column, ColumnView};
 use hdf5::{Dataset, Result};
 use ndarray::{ArrayView1, ArrayView2, s};
@@ -41,10 +41,10 @@ pub(super) struct GrowingTable {
 impl GrowingTable {
     /// Create the variables with no rows. The first variable is the coordinate of the dimension;
     /// only the dimension of events has no coordinate and gets a bare dimension instead.
-    pub(super) fn define(place: &mut Place, table: &Table, growth: Growth) -> Result<GrowingTable> {
+    pub(super) fn define(place: &mut OpenFile, table: &RowTable, growth: Growth) -> Result<GrowingTable> {
         let bare_dimension = match table.along {
-            Along::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
-            Along::Path | Along::Trajectory => None,
+            RowAxis::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
+            RowAxis::Path | RowAxis::Trajectory => None,
         };
         let mut define =
             |(variable, values): &(&Variable, ColumnView)| GrowingVariable::define(place, variable, *values, growth);
@@ -54,7 +54,7 @@ impl GrowingTable {
 
     /// Add rows, with the variables in the order given to `define`, and write every chunk that is
     /// now full.
-    pub(super) fn push(&mut self, Table { rows, variables, .. }: &Table) -> Result<()> {
+    pub(super) fn push(&mut self, RowTable { rows, variables, .. }: &RowTable) -> Result<()> {
         if !self.columns.iter().map(|column| column.name).eq(variables.iter().map(|(variable, _)| variable.name)) {
             return Err("a block holds other variables than the file records".into());
         }
@@ -98,7 +98,12 @@ impl GrowingTable {
 }
 
 impl GrowingVariable {
-    fn define(place: &mut Place, variable: &Variable, values: ColumnView, growth: Growth) -> Result<GrowingVariable> {
+    fn define(
+        place: &mut OpenFile,
+        variable: &Variable,
+        values: ColumnView,
+        growth: Growth,
+    ) -> Result<GrowingVariable> {
         let dataset = match values {
             ColumnView::F64(_) => place.define_growing::<f64>(variable, growth)?,
             ColumnView::U64(_) => place.define_growing::<u64>(variable, growth)?,
@@ -127,7 +132,7 @@ impl GrowingVariable {
 
 /// Write the first waiting rows to rows `start..end` of the file, and remove them from the waiting
 /// ones.
-fn write_rows<T: Element>(
+fn write_rows<T: Storable>(
     dataset: &Dataset,
     width: usize,
     waiting: &mut Vec<T>,

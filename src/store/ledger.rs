@@ -2,7 +2,7 @@
 //!
 //! Values are kept as checksums, so that a ledger is small however large the file is.
 
-use crate::dataset::{Attribute, ColumnView, Kind};
+use crate::dataset::{Attribute, ColumnView, ElementType};
 use crate::saved::checksum;
 use std::collections::BTreeMap;
 
@@ -10,14 +10,14 @@ use std::collections::BTreeMap;
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Sum {
     /// The type of the values.
-    pub kind: Kind,
+    pub kind: ElementType,
     values: usize,
     checksum: u32,
 }
 
 impl Sum {
     /// The sum of no values of this type.
-    pub fn of(kind: Kind) -> Self {
+    pub fn of(kind: ElementType) -> Self {
         Sum { kind, values: 0, checksum: 0 }
     }
 

@@ -67,7 +67,7 @@ impl Log {
 }
 
 /// A log that is read block by block.
-struct Reading<'a> {
+struct LogReading<'a> {
     path: &'a Path,
     file: BufReader<File>,
     /// The position after what was read.
@@ -77,7 +77,7 @@ struct Reading<'a> {
     bytes: Vec<u8>,
 }
 
-impl<'a> Reading<'a> {
+impl<'a> LogReading<'a> {
     fn open(path: &'a Path, end: Position) -> Result<Self, StoreError> {
         let failed = |source| StoreError::NotOpened { path: path.to_owned(), source };
         let file = own::open(path, File::options().read(true)).map_err(failed)?;
@@ -86,7 +86,7 @@ impl<'a> Reading<'a> {
             return Err(SavedError::Damaged { path: path.to_owned() }.into());
         }
         let file = BufReader::with_capacity(BUFFER, file);
-        Ok(Reading { path, file, at: Position::default(), end, bytes: Vec::new() })
+        Ok(LogReading { path, file, at: Position::default(), end, bytes: Vec::new() })
     }
 
     /// Return the next block. Damage is an error.
@@ -132,7 +132,7 @@ pub(super) fn read(
     end: Position,
     mut visit: impl FnMut(OwnedRows) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
-    let mut log = Reading::open(path, end)?;
+    let mut log = LogReading::open(path, end)?;
     while log.at.length < end.length {
         visit(log.block()?)?;
     }

@@ -47,7 +47,7 @@ impl Parts {
     /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
     /// it.
     pub fn sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
-        Merge { parts: &self.parts, question: &self.question, target: target.to_owned(), force, workshop: None }
+        PartsSink { parts: &self.parts, question: &self.question, target: target.to_owned(), force, workshop: None }
     }
 }
 
@@ -74,7 +74,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
 
 /// The sink of a run that is joined from parts. It copies the rows of the parts when the run is
 /// finished.
-struct Merge<'a> {
+struct PartsSink<'a> {
     parts: &'a [(PathBuf, State)],
     question: &'a RunQuestion,
     target: PathBuf,
@@ -82,7 +82,7 @@ struct Merge<'a> {
     workshop: Option<Workshop>,
 }
 
-impl Sink for Merge<'_> {
+impl Sink for PartsSink<'_> {
     fn begin(&mut self, scenario: &Scenario, _: &Asked) -> Result<(), SinkError> {
         check_space(&parent(&self.target), scenario.derived().output_bytes as u64)?;
         self.workshop = Some(Workshop::open(&self.target, self.force)?);

@@ -1,10 +1,10 @@
 //! Comparing a file, once it is opened anew, with what was to be written to it.
 
-use super::failure::Failure;
+use super::failure::WriteFailure;
 use super::ledger::{Ledger, Sum};
 use super::rows::some_rows;
 use super::variable::read_attribute;
-use crate::dataset::Kind;
+use crate::dataset::ElementType;
 use hdf5::{Dataset, File, Location};
 use std::ops::Range;
 use std::path::Path;
@@ -13,9 +13,9 @@ use std::path::Path;
 const PIECE: usize = 1 << 17;
 
 /// Compare everything in a ledger with the file at `path`. The first difference is a failure.
-pub(super) fn compare(ledger: &Ledger, path: &Path) -> Result<(), Failure> {
+pub(super) fn compare(ledger: &Ledger, path: &Path) -> Result<(), WriteFailure> {
     let file = File::open(path)?;
-    let lost = |name: &str| Err(Failure { cause: format!("{name} was not written as it is"), full: false });
+    let lost = |name: &str| Err(WriteFailure { cause: format!("{name} was not written as it is"), full: false });
     for (name, sum) in ledger.variables() {
         let dataset = file.dataset(name)?;
         if sum_of(&dataset, sum.kind)? != *sum || !attributes_are_in(ledger, name, &dataset)? {
@@ -38,7 +38,7 @@ fn attributes_are_in(ledger: &Ledger, variable: &str, location: &Location) -> hd
 }
 
 /// The sum of all values of a variable in a file.
-pub(super) fn sum_of(dataset: &Dataset, kind: Kind) -> hdf5::Result<Sum> {
+pub(super) fn sum_of(dataset: &Dataset, kind: ElementType) -> hdf5::Result<Sum> {
     let mut sum = Sum::of(kind);
     let shape = dataset.shape();
     let (rows, width) = match shape[..] {

@@ -4,7 +4,7 @@ use super::StoreError;
 use super::reader::read_from;
 use super::variable::readable;
 use crate::dataset::layout;
-use crate::dataset::{Column, Kind};
+use crate::dataset::{Column, ElementType};
 use crate::saved::RowSource;
 use crate::stats::PathColumns;
 use crate::stats::column::Columns as _;
@@ -49,20 +49,20 @@ fn dataset(file: &File, variable: &layout::Variable, rows: &Range<usize>) -> Res
 impl RowSource for File {
     type Error = hdf5::Error;
 
-    fn rows(&self, variable: &layout::Variable, kind: Kind, rows: &Range<usize>) -> Result<Column> {
+    fn rows(&self, variable: &layout::Variable, kind: ElementType, rows: &Range<usize>) -> Result<Column> {
         some_rows(&dataset(self, variable, rows)?, kind, rows)
     }
 }
 
 /// Read some rows of a variable as values of this type, row by row.
-pub(super) fn some_rows(dataset: &Dataset, kind: Kind, rows: &Range<usize>) -> Result<Column> {
+pub(super) fn some_rows(dataset: &Dataset, kind: ElementType, rows: &Range<usize>) -> Result<Column> {
     Ok(match kind {
-        Kind::F64 => Column::F64(slice(dataset, rows)?),
-        Kind::U64 => Column::U64(slice(dataset, rows)?),
-        Kind::U32 => Column::U32(slice(dataset, rows)?),
-        Kind::I8 => Column::I8(slice(dataset, rows)?),
-        Kind::U8 => Column::U8(slice(dataset, rows)?),
-        Kind::Text => Column::Text(
+        ElementType::F64 => Column::F64(slice(dataset, rows)?),
+        ElementType::U64 => Column::U64(slice(dataset, rows)?),
+        ElementType::U32 => Column::U32(slice(dataset, rows)?),
+        ElementType::I8 => Column::I8(slice(dataset, rows)?),
+        ElementType::U8 => Column::U8(slice(dataset, rows)?),
+        ElementType::Text => Column::Text(
             slice::<hdf5::types::VarLenUnicode>(dataset, rows)?
                 .iter()
                 .map(|text| readable(text))

@@ -4,7 +4,7 @@
 use super::ledger::{Ledger, Sum};
 use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
-use crate::dataset::{Attribute, Column, ColumnView, Destination, Kind, Source, attributes_of};
+use crate::dataset::{Attribute, Column, ColumnView, Destination, ElementType, Source, attributes_of};
 use crate::stats::Units;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, Dataset, Error, Extent, File, H5Type, Location, Result};
@@ -23,7 +23,7 @@ pub(super) struct Growth {
 
 /// An HDF5 file as a destination for netCDF variables.
 #[derive(Debug)]
-pub(super) struct Place {
+pub(super) struct OpenFile {
     /// The coordinates that variables have been attached to. They are kept open, because most
     /// variables share a few. They come first, so that they are closed before the file.
     coordinates: RefCell<BTreeMap<String, Dataset>>,
@@ -35,10 +35,10 @@ pub(super) struct Place {
     pub ledger: Ledger,
 }
 
-impl Place {
+impl OpenFile {
     /// A place for variables in a file.
     pub fn new(file: File, units: Units) -> Self {
-        Place { coordinates: RefCell::default(), file, units, ledger: Ledger::default() }
+        OpenFile { coordinates: RefCell::default(), file, units, ledger: Ledger::default() }
     }
 
     /// The coordinate of an axis; `None` if it is not in the file.
@@ -61,7 +61,7 @@ impl Place {
 
     /// Write a variable whose size is known. An empty variable is left out together with its
     /// dimension, because readers take a dimension of length zero for an unlimited one.
-    fn write<T: Element>(&mut self, variable: &Described, values: &[T]) -> Result<()> {
+    fn write<T: Storable>(&mut self, variable: &Described, values: &[T]) -> Result<()> {
         if values.is_empty() {
             return Ok(());
         }
@@ -79,7 +79,7 @@ impl Place {
     }
 
     /// Create a variable that grows along its first axis, without rows.
-    pub(super) fn define_growing<T: Element>(&mut self, variable: &Described, growth: Growth) -> Result<Dataset> {
+    pub(super) fn define_growing<T: Storable>(&mut self, variable: &Described, growth: Growth) -> Result<Dataset> {
         let mut shape = vec![Extent::resizable(0)];
         let mut chunk = vec![growth.rows];
         if variable.axes.len() > 1 {
@@ -107,7 +107,7 @@ impl Place {
     }
 
     /// Write the attributes of a variable, and attach the coordinates of its axes.
-    fn describe<T: Element>(&mut self, dataset: &Dataset, variable: &Described) -> Result<()> {
+    fn describe<T: Storable>(&mut self, dataset: &Dataset, variable: &Described) -> Result<()> {
         if variable.is_bare_dimension() {
             return make_scale(dataset, BARE_DIMENSION);
         }
@@ -126,7 +126,7 @@ impl Place {
     }
 }
 
-impl Destination for Place {
+impl Destination for OpenFile {
     type Error = Error;
 
     fn units(&self) -> &Units {
@@ -166,17 +166,17 @@ impl Destination for Place {
 impl Source for File {
     type Error = Error;
 
-    fn column(&self, variable: &Described, kind: Kind) -> Result<Option<Column>> {
+    fn column(&self, variable: &Described, kind: ElementType) -> Result<Option<Column>> {
         if !self.link_exists(variable.name) {
             return Ok(None);
         }
         Ok(Some(match kind {
-            Kind::F64 => Column::F64(read_variable(self, variable)?),
-            Kind::U64 => Column::U64(read_variable(self, variable)?),
-            Kind::U32 => Column::U32(read_variable(self, variable)?),
-            Kind::I8 => Column::I8(read_variable(self, variable)?),
-            Kind::U8 => Column::U8(read_variable(self, variable)?),
-            Kind::Text => Column::Text(read_texts(&*shaped(self, variable)?)?),
+            ElementType::F64 => Column::F64(read_variable(self, variable)?),
+            ElementType::U64 => Column::U64(read_variable(self, variable)?),
+            ElementType::U32 => Column::U32(read_variable(self, variable)?),
+            ElementType::I8 => Column::I8(read_variable(self, variable)?),
+            ElementType::U8 => Column::U8(read_variable(self, variable)?),
+            ElementType::Text => Column::Text(read_texts(&*shaped(self, variable)?)?),
         }))
     }
 
@@ -193,7 +193,7 @@ impl Source for File {
 }
 
 /// A type of values that can be stored.
-pub(super) trait Element: H5Type + Clone {
+pub(super) trait Storable: H5Type + Clone {
     /// Start a dataset of this type.
     fn builder(file: &File, _variable: &Described) -> hdf5::DatasetBuilderEmpty {
         file.new_dataset::<Self>()
@@ -205,12 +205,12 @@ pub(super) trait Element: H5Type + Clone {
     }
 }
 
-impl Element for u64 {}
-impl Element for u32 {}
-impl Element for i8 {}
-impl Element for u8 {}
-impl Element for VarLenUnicode {}
-impl Element for f64 {
+impl Storable for u64 {}
+impl Storable for u32 {}
+impl Storable for i8 {}
+impl Storable for u8 {}
+impl Storable for VarLenUnicode {}
+impl Storable for f64 {
     fn builder(file: &File, variable: &Described) -> hdf5::DatasetBuilderEmpty {
         let builder = file.new_dataset::<f64>();
         // The CF conventions allow no missing values in a coordinate.

@@ -13,9 +13,9 @@ use super::reader::{check_file, damaged, open};
 use super::rows::some_rows;
 use super::variable::read_attribute;
 use super::{StoreError, seal};
-use crate::dataset::{Attribute, Kind, StoredCalibration, StoredRun, calibration, sweep, trade};
+use crate::dataset::{Attribute, ElementType, StoredCalibration, StoredRun, calibration, sweep, trade};
 use crate::engine::Provenance;
-use crate::saved::{Again, Against, Difference, Held, Sample, again};
+use crate::saved::{Again, Against, BlocksAgain, Difference, Held, again};
 use crate::scenario::Scenario;
 use crate::stats::Units;
 use crate::stats::column::FirstDifference;
@@ -77,7 +77,7 @@ impl Held for File {
         for start in (0..length).step_by(PIECE) {
             let piece = start..(start + PIECE).min(length);
             let nothing = vec![0_u32; piece.len()];
-            let found = some_rows(&dataset, Kind::U32, &piece)?.values().first_difference((&nothing).into());
+            let found = some_rows(&dataset, ElementType::U32, &piece)?.values().first_difference((&nothing).into());
             if let Some((at, stored, computed)) = found {
                 return Ok(Some((at.map(|at| start + at), stored, computed)));
             }
@@ -91,7 +91,7 @@ pub fn verify_run(
     path: &Path,
     stored: &StoredRun,
     scenario: &Scenario,
-    sample: Sample,
+    sample: BlocksAgain,
     threads: usize,
 ) -> std::result::Result<Again, StoreError> {
     again(&open(path)?, stored, scenario, sample, threads, &AtomicBool::new(false)).map_err(damaged(path))

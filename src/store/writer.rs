@@ -1,13 +1,13 @@
 //! Writing the file of a run, once its statistics are known.
 
 use super::draft::Draft;
-use super::failure::Failure;
+use super::failure::WriteFailure;
 use super::folder::RESULTS;
 use super::growing::GrowingTable;
-use super::variable::{Growth, Place};
+use super::variable::{Growth, OpenFile};
 use super::workshop::Workshop;
 use super::{StoreError, own};
-use crate::dataset::rows::{self, Along};
+use crate::dataset::rows::{self, RowAxis};
 use crate::dataset::{Destination as _, Rows, header, layout, run};
 use crate::engine::{Part, Provenance, Status};
 use crate::scenario::SensorBearing;
@@ -26,10 +26,10 @@ const CHUNK: usize = 16_384;
 pub struct Writer {
     workshop: Workshop,
     draft: Draft,
-    tables: Vec<(Along, GrowingTable)>,
+    tables: Vec<(RowAxis, GrowingTable)>,
     bearing: Option<SensorBearing>,
     /// Why nothing can be written any more.
-    failure: Option<Failure>,
+    failure: Option<WriteFailure>,
     /// Number of paths appended.
     appended: u64,
 }
@@ -99,7 +99,7 @@ impl Writer {
         let paths = summary.completed_paths;
         let appended = self.appended;
         self.guarded(|place, tables| {
-            if tables.iter().any(|(along, _)| *along == Along::Path) && appended != paths {
+            if tables.iter().any(|(along, _)| *along == RowAxis::Path) && appended != paths {
                 return Err(format!("the statistics are of {paths} paths, but {appended} were appended").into());
             }
             tables.iter_mut().try_for_each(|(_, table)| table.write_all(&mut place.ledger))?;
@@ -116,7 +116,7 @@ impl Writer {
     /// Do something with the open file. After the first failure, every call returns that failure.
     fn guarded(
         &mut self,
-        work: impl FnOnce(&mut Place, &mut Vec<(Along, GrowingTable)>) -> hdf5::Result<()>,
+        work: impl FnOnce(&mut OpenFile, &mut Vec<(RowAxis, GrowingTable)>) -> hdf5::Result<()>,
     ) -> Result<(), StoreError> {
         let Writer { draft, tables, failure, .. } = self;
         if failure.is_none()
@@ -127,18 +127,18 @@ impl Writer {
             *failure = Some(new);
         }
         match &self.failure {
-            Some(Failure { cause, full }) => Err(self.workshop.failure(cause.clone(), *full)),
+            Some(WriteFailure { cause, full }) => Err(self.workshop.failure(cause.clone(), *full)),
             None => Ok(()),
         }
     }
 }
 
 /// The chunks of the variables along a dimension.
-fn growth(along: Along, header: &Provenance, record: &Record) -> Growth {
+fn growth(along: RowAxis, header: &Provenance, record: &Record) -> Growth {
     match along {
-        Along::Path => Growth { rows: (header.paths as usize).clamp(1, CHUNK), columns: 1 },
-        Along::Event => Growth { rows: CHUNK, columns: 1 },
-        Along::Trajectory => {
+        RowAxis::Path => Growth { rows: (header.paths as usize).clamp(1, CHUNK), columns: 1 },
+        RowAxis::Event => Growth { rows: CHUNK, columns: 1 },
+        RowAxis::Trajectory => {
             let columns = header.time.len().min(CHUNK);
             let rows = (CHUNK / columns).clamp(1, record.trajectories.min(header.paths).max(1) as usize);
             Growth { rows, columns }

@@ -49,7 +49,7 @@ const ONE_OUTSIDE_IN: usize = 8;
 
 /// Consecutive bins, from `first` on, in the slots `slot .. slot + length`.
 #[derive(Clone, Copy, Debug)]
-struct Run {
+struct BinRun {
     first: i64,
     length: i64,
     slot: usize,
@@ -62,7 +62,7 @@ pub(crate) struct Bins {
     pub smallest: f64,
     pub largest: f64,
     /// Ordered by their counts when they were laid out, the fullest first.
-    runs: Vec<Run>,
+    runs: Vec<BinRun>,
     slots: Vec<u16>,
     /// How many more values may be counted before a slot can be full.
     free_counts: usize,
@@ -210,7 +210,7 @@ impl Bins {
         // single value.
         let [lowest, highest] = [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
         let (lowest, highest) = (lowest + i64::from(lowest != 0), highest - i64::from(highest != 0));
-        let run = self.runs.first().copied().unwrap_or(Run { first: 0, length: 0, slot: 0 });
+        let run = self.runs.first().copied().unwrap_or(BinRun { first: 0, length: 0, slot: 0 });
         let first = run.first.max(lowest);
         let length = ((run.first + run.length).min(highest + 1) - first).max(0) as usize;
         let start = run.slot + (first - run.first) as usize;
@@ -245,7 +245,7 @@ impl Bins {
         self.listed.clear();
         let mut length = 0;
         for cluster in fullest(clusters(&list, limit)) {
-            let run = Run { first: cluster.first - MARGIN, length: cluster.length + 2 * MARGIN, slot: length };
+            let run = BinRun { first: cluster.first - MARGIN, length: cluster.length + 2 * MARGIN, slot: length };
             length += run.length as usize;
             self.runs.push(run);
         }
@@ -277,7 +277,7 @@ impl Shape {
     }
 }
 
-impl Run {
+impl BinRun {
     #[inline]
     fn slot_of(&self, index: i64) -> Option<usize> {
         let offset = index.wrapping_sub(self.first);

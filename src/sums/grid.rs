@@ -22,32 +22,32 @@ const FARTHEST: f64 = f64::from_bits((1000 + 1023) << 52);
 
 /// The cells along one axis: `cells` of them from `first` on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Axis {
+pub(crate) struct GridAxis {
     level: i32,
     first: i64,
     cells: usize,
 }
 
-impl Axis {
+impl GridAxis {
     /// An axis without cells.
-    const NOTHING: Axis = Axis { level: LOWEST, first: 0, cells: 0 };
+    const NOTHING: GridAxis = GridAxis { level: LOWEST, first: 0, cells: 0 };
 
     /// The finest axis of no more than `most` cells that hold these numbers.
-    fn over([least, greatest]: [f64; 2], most: usize) -> Axis {
+    fn over([least, greatest]: [f64; 2], most: usize) -> GridAxis {
         let farthest = least.abs().max(greatest.abs());
         let span = exponent((greatest - least) / most as f64) - 1;
         let mut level = span.max(exponent(farthest) - INDEX_BITS).max(LOWEST);
         loop {
             let [first, last] = [least, greatest].map(|number| cell(number, width(-level)));
             if (last - first) < most as i64 {
-                return Axis { level, first, cells: (last - first + 1) as usize };
+                return GridAxis { level, first, cells: (last - first + 1) as usize };
             }
             level += 1;
         }
     }
 
     /// The finest axis of no more than `most` cells that hold those of both.
-    fn with(self, other: Axis, most: usize) -> Axis {
+    fn with(self, other: GridAxis, most: usize) -> GridAxis {
         match (self.cells, other.cells) {
             (_, 0) => self,
             (0, _) => other,
@@ -57,7 +57,7 @@ impl Axis {
                     let [a, b] = [self, other].map(|axis| axis.coarsened(level));
                     let (first, end) = (a.first.min(b.first), a.end().max(b.end()));
                     if end - first <= most as i64 {
-                        return Axis { level, first, cells: (end - first) as usize };
+                        return GridAxis { level, first, cells: (end - first) as usize };
                     }
                     level += 1;
                 }
@@ -66,10 +66,10 @@ impl Axis {
     }
 
     /// The same cells at a coarser level.
-    fn coarsened(self, level: i32) -> Axis {
+    fn coarsened(self, level: i32) -> GridAxis {
         let up = (level - self.level).min(63) as u32;
         let (first, last) = (self.first >> up, (self.end() - 1) >> up);
-        Axis { level, first, cells: (last - first + 1) as usize }
+        GridAxis { level, first, cells: (last - first + 1) as usize }
     }
 
     fn end(self) -> i64 {
@@ -77,7 +77,7 @@ impl Axis {
     }
 
     /// The place among the cells of `coarser` of place `place` among these.
-    fn place_in(self, coarser: Axis, place: usize) -> usize {
+    fn place_in(self, coarser: GridAxis, place: usize) -> usize {
         let up = (coarser.level - self.level).min(63) as u32;
         (((self.first + place as i64) >> up) - coarser.first) as usize
     }
@@ -109,7 +109,7 @@ pub(crate) struct Grid {
     /// The largest number of cells along each axis.
     most: [usize; 2],
     batches: usize,
-    axes: [Axis; 2],
+    axes: [GridAxis; 2],
     /// The count of each cell and batch: the second axis fastest, then the batches.
     counts: Vec<u64>,
 }
@@ -124,11 +124,11 @@ impl Merge for Grid {
 impl Grid {
     /// No pairs.
     pub fn empty(most: [usize; 2], batches: usize) -> Self {
-        Grid { most, batches, axes: [Axis::NOTHING; 2], counts: Vec::new() }
+        Grid { most, batches, axes: [GridAxis::NOTHING; 2], counts: Vec::new() }
     }
 
     /// The axes.
-    pub fn axes(&self) -> &[Axis; 2] {
+    pub fn axes(&self) -> &[GridAxis; 2] {
         &self.axes
     }
 
@@ -152,7 +152,7 @@ impl Grid {
         if ends[0][0] > ends[0][1] {
             return;
         }
-        let needed: [Axis; 2] = std::array::from_fn(|i| Axis::over(ends[i], self.most[i]));
+        let needed: [GridAxis; 2] = std::array::from_fn(|i| GridAxis::over(ends[i], self.most[i]));
         self.rise_to(std::array::from_fn(|i| self.axes[i].with(needed[i], self.most[i])));
         let inverse = self.axes.map(|axis| width(-axis.level));
         let [first, second] = self.axes;
@@ -163,7 +163,7 @@ impl Grid {
     }
 
     /// Move the counts to axes that hold all of their cells.
-    fn rise_to(&mut self, axes: [Axis; 2]) {
+    fn rise_to(&mut self, axes: [GridAxis; 2]) {
         if axes != self.axes {
             let old = std::mem::replace(&mut self.axes, axes);
             let counts = vec![0; axes[0].cells * axes[1].cells * self.batches];
@@ -172,7 +172,7 @@ impl Grid {
         }
     }
 
-    fn add(&mut self, axes: [Axis; 2], counts: &[u64]) {
+    fn add(&mut self, axes: [GridAxis; 2], counts: &[u64]) {
         for (at, more) in counts.chunks(self.batches).enumerate() {
             let [row, column] = [at / axes[1].cells, at % axes[1].cells];
             let place =
@@ -183,7 +183,7 @@ impl Grid {
     }
 }
 
-impl Codec for Axis {
+impl Codec for GridAxis {
     fn write(&self, out: &mut Vec<u8>) {
         let [level, first] = [i64::from(self.level), self.first].map(i64::cast_unsigned);
         [level, first, self.cells as u64].write(out);
@@ -198,7 +198,7 @@ impl Codec for Axis {
         if !is_sound || cells > 1 << 16 {
             return Err(Damaged);
         }
-        *self = Axis { level: level as i32, first, cells: cells as usize };
+        *self = GridAxis { level: level as i32, first, cells: cells as usize };
         Ok(())
     }
 }

@@ -12,7 +12,7 @@
 use super::batches::Share;
 use super::interval::{Measured, student};
 use super::ordered::Ordered;
-use super::steps::{Cell, Steps};
+use super::steps::{Steps, StepsInBin};
 
 /// The quantile of order p of durations with a continuous law. The ends of its interval are the
 /// quantiles of orders p -+ t se(F(m)).
@@ -56,11 +56,11 @@ pub(crate) fn of_steps(batches: &[Steps], steps: &Steps, p: f64) -> Measured {
     }
     let (below, above) = (steps.spread(p - half_width), steps.spread(p + half_width));
     let error = (above - below) / (2.0 * student(at_quantile.freedom));
-    let is_too_low = |cell: &&Cell| {
+    let is_too_low = |cell: &&StepsInBin| {
         let share = share(cell.last);
         share.estimate + share.half_width() < p
     };
-    let is_high_enough = |cell: &&Cell| {
+    let is_high_enough = |cell: &&StepsInBin| {
         let share = share(cell.last);
         share.estimate - share.half_width() >= p
     };

@@ -7,7 +7,7 @@ use super::ordered::{Binned, Ordered};
 /// Consecutive whole numbers, most often a single one, and how many durations are no longer than
 /// the last of them.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Cell {
+pub(crate) struct StepsInBin {
     pub first: f64,
     pub last: f64,
     pub up_to: u64,
@@ -15,7 +15,7 @@ pub(crate) struct Cell {
 
 /// The cells in which there are durations, in ascending order.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Steps(Vec<Cell>);
+pub(crate) struct Steps(Vec<StepsInBin>);
 
 impl Steps {
     /// The cells of durations that are whole numbers of this step.
@@ -25,7 +25,7 @@ impl Steps {
             Ordered::Binned(binned) => {
                 let cell = |&(index, up_to): &(i64, u64)| {
                     let [first, last] = numbers_in(binned, index, step);
-                    Cell { first, last, up_to }
+                    StepsInBin { first, last, up_to }
                 };
                 Steps(binned.up_to.iter().map(cell).collect())
             }
@@ -33,11 +33,11 @@ impl Steps {
     }
 
     fn of_values(ascending: impl Iterator<Item = f64>) -> Self {
-        let mut cells: Vec<Cell> = Vec::new();
+        let mut cells: Vec<StepsInBin> = Vec::new();
         for (value, up_to) in ascending.zip(1..) {
             match cells.last_mut() {
                 Some(cell) if cell.last == value => cell.up_to = up_to,
-                _ => cells.push(Cell { first: value, last: value, up_to }),
+                _ => cells.push(StepsInBin { first: value, last: value, up_to }),
             }
         }
         Steps(cells)
@@ -63,7 +63,7 @@ impl Steps {
     }
 
     /// The cells, in ascending order.
-    pub fn cells(&self) -> &[Cell] {
+    pub fn cells(&self) -> &[StepsInBin] {
         &self.0
     }
 

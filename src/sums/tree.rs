@@ -26,11 +26,11 @@ pub struct Overlap {
 /// The sums of some blocks of a run: the complete nodes, by the numbers of their first blocks.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tree<S> {
-    nodes: BTreeMap<u64, Node<S>>,
+    nodes: BTreeMap<u64, Subtree<S>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
-struct Node<S> {
+struct Subtree<S> {
     level: u32,
     sums: S,
 }
@@ -44,7 +44,7 @@ impl<S> Default for Tree<S> {
 impl<S: Merge> Tree<S> {
     /// Add one block. Fails if the block has already been added.
     pub fn push(&mut self, block: u64, sums: S) -> Result<(), Overlap> {
-        self.insert(block, Node { level: 0, sums })
+        self.insert(block, Subtree { level: 0, sums })
     }
 
     /// Add the blocks of another part. Fails if both parts have the same block; then this part
@@ -58,7 +58,7 @@ impl<S: Merge> Tree<S> {
         }
     }
 
-    fn insert(&mut self, mut first: u64, mut node: Node<S>) -> Result<(), Overlap> {
+    fn insert(&mut self, mut first: u64, mut node: Subtree<S>) -> Result<(), Overlap> {
         if let Some(block) = self.first_in(first, size(node.level)) {
             return Err(Overlap { block });
         }
@@ -70,7 +70,7 @@ impl<S: Merge> Tree<S> {
             let Some(other) = self.nodes.remove(&sibling) else { break };
             let (mut left, right) = if sibling < first { (other, node) } else { (node, other) };
             left.sums.merge(&right.sums);
-            (first, node) = (first.min(sibling), Node { level: left.level + 1, sums: left.sums });
+            (first, node) = (first.min(sibling), Subtree { level: left.level + 1, sums: left.sums });
         }
         self.nodes.insert(first, node);
         Ok(())
@@ -161,7 +161,7 @@ impl<S: Merge + Codec> Tree<S> {
             if first % size(level) != 0 || first > u64::MAX / 2 {
                 return Err(Damaged);
             }
-            tree.insert(first, Node { level, sums }).map_err(|_| Damaged)?;
+            tree.insert(first, Subtree { level, sums }).map_err(|_| Damaged)?;
         }
         if tree.nodes.len() == count { Ok(tree) } else { Err(Damaged) }
     }

@@ -19,7 +19,7 @@ const fn mistake(line: &'static str, says: &'static [&'static str]) -> Mistake {
 
 /// `scene.toml` is a copy of the shipped rho025, `done.h5` is a run of it, and [`desk`] makes the
 /// other files. Words that belong together are joined by `~`.
-const MISTAKES: [Mistake; 90] = [
+const MISTAKES: &[Mistake] = &[
     // Mistakes in the verb.
     mistake("scene.toml", &["scene.toml", "mc run scene.toml", "mc check scene.toml"]),
     mistake("done.h5", &["done.h5", "mc show done.h5", "mc plot done.h5"]),
@@ -37,6 +37,9 @@ const MISTAKES: [Mistake; 90] = [
     mistake("run scene.toml other.toml", &["'other.toml'", "Usage: mc run"]),
     mistake("run scene.toml --path 10", &["'--path'", "'--paths'"]),
     mistake("show done.h5 --cite --json", &["'--cite'", "'--json'", "cannot be used with"]),
+    mistake("run scene.toml -o r.csv", &["-o r.csv", "HDF5", "-o r.h5", "mc show r.h5 --format csv"]),
+    mistake("replay done.h5 --path 1 -o r.csv", &["-o r.csv", "mc show r.h5 --format csv"]),
+    mistake("report done.h5 -o r.pdf", &["-o r.pdf", "a page for a browser", "mc plot done.h5 -o r.pdf"]),
     // Mistakes in the file.
     mistake("run absent.toml", &["absent.toml", "No such file", "mc init"]),
     mistake("run shaw.toml", &["shaw.toml", "mc init --from shaw"]),

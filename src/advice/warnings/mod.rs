@@ -43,19 +43,19 @@ pub enum Class {
 }
 
 /// One warning of the list.
-struct Row {
+struct WarningRow {
     name: &'static str,
     class: Class,
     /// The sentences of the warning in this case, one for each thing that it concerns.
     says: fn(&Case) -> Vec<String>,
 }
 
-const fn row(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -> Row {
-    Row { name, class, says }
+const fn row(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -> WarningRow {
+    WarningRow { name, class, says }
 }
 
 /// All warnings, the most serious first.
-const ALL: [Row; 28] = [
+const ALL: [WarningRow; 28] = [
     row("step-unstable", Class::Growth, step::unstable),
     row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
     row("runs-away", Class::Growth, step::runs_away),
@@ -114,7 +114,7 @@ impl Scenario {
     /// What the user should know before trusting the run, the most serious first.
     pub fn warnings(&self) -> Vec<Warning> {
         let case = Case::new(self);
-        let of_row = |&Row { name, class, says }: &Row| {
+        let of_row = |&WarningRow { name, class, says }: &WarningRow| {
             says(&case).into_iter().map(move |text| Warning { name, class, text }).collect::<Vec<_>>()
         };
         ALL.iter().flat_map(of_row).collect()

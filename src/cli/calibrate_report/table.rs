@@ -1,7 +1,7 @@
 //! A calibration as a table for people.
 
 use crate::cli::numbers::{Digits, grouped, percent, significant, time, wrapped};
-use crate::cli::table::{Row, aligned};
+use crate::cli::table::{TableRow, aligned};
 use stick_slip::bearing::calibration::{Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart};
 
 const GAP: &str = "  ";
@@ -16,17 +16,17 @@ pub fn table(title: &str, calibration: &Calibration) -> String {
 }
 
 /// The rows of what was calibrated, headings first.
-pub fn quantities(calibration: &Calibration) -> Vec<Row> {
+pub fn quantities(calibration: &Calibration) -> Vec<TableRow> {
     let level = percent(calibration.question.level);
-    let headings = Row::labelled("", ["", "estimate", &format!("{level} from"), "to"]);
+    let headings = TableRow::labelled("", ["", "estimate", &format!("{level} from"), "to"]);
     let rows = Quantity::ALL.iter().map(|quantity| row(*quantity, calibration.estimate(*quantity)));
     std::iter::once(headings).chain(rows).collect()
 }
 
-fn row(quantity: Quantity, ParameterEstimate { estimate, low, high }: ParameterEstimate) -> Row {
+fn row(quantity: Quantity, ParameterEstimate { estimate, low, high }: ParameterEstimate) -> TableRow {
     let numbers = Digits::of(estimate, (high - low) / 4.0).show_all([estimate, low, high]);
     let cells = std::iter::once(quantity.symbol().to_string()).chain(numbers);
-    Row::labelled(quantity.key(), cells).noted(quantity.unit())
+    TableRow::labelled(quantity.key(), cells).noted(quantity.unit())
 }
 
 /// Where the numbers come from, in lines that begin with a term.
@@ -91,13 +91,13 @@ fn starts(calibration: &Calibration) -> String {
         Quantity::Displacement,
     ];
     let head = COLUMNS.iter().map(|quantity| quantity.symbol().to_string()).chain(["err".to_string()]);
-    let mut rows = vec![Row::labelled("start", head)];
+    let mut rows = vec![TableRow::labelled("start", head)];
     let values = calibration.start_values();
     let column = |quantity: &Quantity| values.iter().map(|values| values[*quantity as usize]).collect::<Vec<f64>>();
     let cell = |x: f64| if x.is_finite() { format!("{x:.5e}") } else { "none".to_string() };
     for (i, (values, SearchStart { err, .. })) in values.iter().zip(&calibration.starts).enumerate() {
         let cells = COLUMNS.iter().map(|quantity| cell(values[*quantity as usize])).chain([cell(*err)]);
-        rows.push(Row::labelled((i + 1).to_string(), cells));
+        rows.push(TableRow::labelled((i + 1).to_string(), cells));
     }
     let moments = |values: &[f64]| {
         let n = values.len() as f64;
@@ -108,7 +108,7 @@ fn starts(calibration: &Calibration) -> String {
     let errs: Vec<f64> = calibration.starts.iter().map(|start| start.err).collect();
     let all: Vec<[f64; 3]> = COLUMNS.iter().map(column).chain([errs]).map(|values| moments(&values)).collect();
     for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
-        rows.push(Row::labelled(name, all.iter().map(|moments| cell(moments[k]))));
+        rows.push(TableRow::labelled(name, all.iter().map(|moments| cell(moments[k]))));
     }
     let legend = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
                   how far the minimum is from the truth.";

@@ -1,11 +1,11 @@
 //! The page of a bearing: what a calibration found, and what a forecast expects, in words for
 //! readers who did not make them.
 
-use super::page::{Page, Part};
+use super::page::{Page, Section};
 use crate::cli::calibrate_report::sources;
 use crate::cli::document::JsonWarning;
 use crate::cli::numbers::{Digits, grouped, percent, significant, time};
-use crate::cli::table::Row;
+use crate::cli::table::TableRow;
 use stick_slip::bearing::calibration::{Calibration, ParameterEstimate, Quantity};
 use stick_slip::bearing::forecast::YEAR;
 use stick_slip::figure::{Only, Style, Subject};
@@ -16,22 +16,24 @@ const LEFT_OUT: &str = "Traffic, wind and brakes, which move a bearing faster th
                         and a climate that is not that of the record. Movements that they cause add to the sliding path.";
 
 /// The page of a calibration. `before` are parts that precede it, with warnings of their own.
-pub fn page(stored: &StoredCalibration, before: Vec<Part>, warnings: Vec<JsonWarning>) -> String {
+pub fn page(stored: &StoredCalibration, before: Vec<Section>, warnings: Vec<JsonWarning>) -> String {
     let StoredCalibration { title, scenario_text, calibration, .. } = stored;
     let own = stored.warnings.iter().map(|(name, text)| JsonWarning { name: name.clone(), text: text.clone() });
     let pictures = ["calibration", "loops"].into_iter().filter_map(|name| {
         let subject = Subject::Calibration { title, calibration };
-        Only::named(name).ok()?.draw(&subject, &Style::default()).ok().map(Part::Picture)
+        Only::named(name).ok()?.draw(&subject, &Style::default()).ok().map(Section::Picture)
     });
     let level = percent(calibration.question.level);
     let meaning = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");
     let found = [
-        Part::Words("What the record shows", seen(calibration)),
-        Part::Table("What the bearing is", parameters(calibration), meaning),
+        Section::Words("What the record shows", seen(calibration)),
+        Section::Table("What the bearing is", parameters(calibration), meaning),
     ];
     let parts = before.into_iter().chain(found).chain(pictures);
-    let ends =
-        [Part::Words("What is not in it", LEFT_OUT.to_string()), Part::Lines("How it was found", sources(calibration))];
+    let ends = [
+        Section::Words("What is not in it", LEFT_OUT.to_string()),
+        Section::Lines("How it was found", sources(calibration)),
+    ];
     let page = Page {
         title,
         about: about(calibration),
@@ -75,14 +77,14 @@ fn seen(calibration: &Calibration) -> String {
     )
 }
 
-fn parameters(calibration: &Calibration) -> Vec<Row> {
+fn parameters(calibration: &Calibration) -> Vec<TableRow> {
     let level = percent(calibration.question.level);
-    let mut rows = vec![Row::labelled("", ["symbol", "estimate", &format!("{level} from"), "to"]).noted("unit")];
+    let mut rows = vec![TableRow::labelled("", ["symbol", "estimate", &format!("{level} from"), "to"]).noted("unit")];
     rows.extend(Quantity::ALL.iter().map(|quantity| {
         let ParameterEstimate { estimate, low, high } = calibration.estimate(*quantity);
         let numbers = Digits::of(estimate, (high - low) / 4.0).show_all([estimate, low, high]);
         let cells = std::iter::once(quantity.symbol().to_string()).chain(numbers);
-        Row::labelled(quantity.words(), cells).noted(quantity.unit().replace('1', ""))
+        TableRow::labelled(quantity.words(), cells).noted(quantity.unit().replace('1', ""))
     }));
     rows
 }

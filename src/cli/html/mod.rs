@@ -16,7 +16,7 @@ use super::failure::{Failure, note, writable};
 use super::files;
 use super::report::{self, RunInfo};
 use super::{results, sweep_report, trade_report};
-use page::{Page, Part};
+use page::{Page, Section};
 use std::path::PathBuf;
 use stick_slip::figure::{FIGURES, Style, Subject, escaped};
 use stick_slip::stats::Statistic;
@@ -25,7 +25,7 @@ use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
 /// Arguments of `mc report`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("../help/report.txt"))]
-pub struct Report {
+pub struct Arguments {
     /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
     file: PathBuf,
     /// Where to write the page [default: NAME.html in the current directory]
@@ -36,10 +36,11 @@ pub struct Report {
     force: bool,
 }
 
-impl Report {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
+        super::promise::check_page(&output, &self.file)?;
         writable(&output, self.force, [self.file.as_path()])?;
         let page = match files::read(&self.file, store::content)? {
             Content::Run(stored) => self.page_of_run(&stored),
@@ -63,8 +64,9 @@ impl Report {
              curves are variables of the file.",
             self.file.display()
         );
-        let before = [Part::Table("Statistics", statistics, INTERVALS.to_string()), Part::Words("Pictures", numbers)];
-        let cite = Part::Words("How to cite", report::citation(stored).join(" "));
+        let before =
+            [Section::Table("Statistics", statistics, INTERVALS.to_string()), Section::Words("Pictures", numbers)];
+        let cite = Section::Words("How to cite", report::citation(stored).join(" "));
         let page = Page {
             title: &header.title,
             about: report::table(summary, &info).lines().nth(1).unwrap_or_default().to_string(),
@@ -84,7 +86,7 @@ impl Report {
         let table = sweep_report::table(&sweep, &[], &self.file);
         let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
         let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
-        let parts = std::iter::once(Part::Lines("Results", in_words(rest.trim())));
+        let parts = std::iter::once(Section::Lines("Results", in_words(rest.trim())));
         let page = Page {
             title,
             about: about.to_string(),
@@ -101,7 +103,7 @@ impl Report {
 
     fn page_of_trade(&self, stored: &StoredTrade) -> String {
         let (table, prices) = (trade_report::stored_rows(stored, Statistic::words), stored.prices(None));
-        let parts = std::iter::once(Part::Table("Cheapest runs", table, trade_report::LEGEND.to_string()));
+        let parts = std::iter::once(Section::Table("Cheapest runs", table, trade_report::LEGEND.to_string()));
         let page = Page {
             title: &stored.scenario.title,
             about: "what accuracy costs".to_string(),
@@ -119,9 +121,9 @@ const INTERVALS: &str = "Intervals have 95 %, with the path as the unit. A bias 
                          value without one; the corrected estimate is shown where the bias exceeds its uncertainty.";
 
 /// The figures of a subject, one after the other. The panels of an overview are in the others.
-fn pictures(subject: &Subject) -> Vec<Part> {
+fn pictures(subject: &Subject) -> Vec<Section> {
     let figures = FIGURES.iter().filter(|figure| figure.name != "overview");
-    figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).map(Part::Picture).collect()
+    figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).map(Section::Picture).collect()
 }
 
 /// The program that wrote a file; this one if it was no other.

@@ -2,7 +2,7 @@
 
 use super::{filled, list_of_warnings, marked, rows, terms};
 use crate::cli::document::JsonWarning;
-use crate::cli::table::Row;
+use crate::cli::table::TableRow;
 use base64::Engine as _;
 use stick_slip::figure::{self, Drawing, escaped};
 
@@ -10,9 +10,9 @@ const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
 
 /// What a page shows, in order.
-pub enum Part {
+pub enum Section {
     /// A heading, a table whose first row holds the names of its columns, and a sentence below it.
-    Table(&'static str, Vec<Row>, String),
+    Table(&'static str, Vec<TableRow>, String),
     /// A heading, and lines of text that are aligned.
     Lines(&'static str, String),
     /// A heading, and a sentence.
@@ -26,7 +26,7 @@ pub struct Page<'a> {
     pub title: &'a str,
     pub about: String,
     pub warnings: Vec<JsonWarning>,
-    pub parts: Vec<Part>,
+    pub parts: Vec<Section>,
     pub scenario: &'a str,
     pub provenance: Vec<(&'a str, String)>,
 }
@@ -34,7 +34,7 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let parts: String = self.parts.iter().map(Part::html).collect();
+        let parts: String = self.parts.iter().map(Section::html).collect();
         filled(
             PAGE,
             &[
@@ -50,11 +50,11 @@ impl Page<'_> {
     }
 }
 
-impl Part {
+impl Section {
     fn html(&self) -> String {
         match self {
-            Part::Table(heading, table, below) => {
-                let cells = |row: &Row| row.cells.iter().chain([&row.note]).cloned().collect();
+            Section::Table(heading, table, below) => {
+                let cells = |row: &TableRow| row.cells.iter().chain([&row.note]).cloned().collect();
                 let table = rows(&table.iter().map(cells).collect::<Vec<Vec<String>>>());
                 let below =
                     if below.is_empty() { String::new() } else { format!("<p class=\"note\">{}</p>", marked(below)) };
@@ -62,11 +62,11 @@ impl Part {
                     "<section><h2>{heading}</h2><div class=\"wide\"><table>{table}</table></div>{below}</section>\n"
                 )
             }
-            Part::Lines(heading, text) => {
+            Section::Lines(heading, text) => {
                 format!("<section><h2>{heading}</h2><pre>{}</pre></section>\n", escaped(text))
             }
-            Part::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", marked(text)),
-            Part::Picture(drawing) => {
+            Section::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", marked(text)),
+            Section::Picture(drawing) => {
                 let image = base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
                 let words = escaped(&drawing.title);
                 format!("<figure><img alt=\"{words}\" src=\"data:image/svg+xml;base64,{image}\"></figure>\n")

@@ -2,7 +2,7 @@
 
 use super::RunInfo;
 use crate::cli::numbers::{counted, with_error, wrapped};
-use crate::cli::table::{Row, aligned};
+use crate::cli::table::{TableRow, aligned};
 use std::fmt::Write as _;
 use stick_slip::engine::Provenance;
 use stick_slip::stats::{Statistic, Summary};
@@ -27,14 +27,14 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
 }
 
 /// The rows of the table, headings first. The files have the letters a, b, c, ...
-pub fn compared(summaries: &[&Summary]) -> Vec<Row> {
+pub fn compared(summaries: &[&Summary]) -> Vec<TableRow> {
     let letters: Vec<String> = (0..summaries.len()).map(letter).collect();
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {
         let difference = format!("{letter} - {}", letters[0]);
         headings.extend([letter, "std. error", &difference, "std. error", ""].map(String::from));
     }
-    let mut rows = vec![Row::labelled("statistic", headings)];
+    let mut rows = vec![TableRow::labelled("statistic", headings)];
     let asked =
         |statistic: &Statistic| summaries.iter().any(|summary| summary.reported().any(|e| e.statistic == *statistic));
     for statistic in Statistic::ALL.into_iter().filter(asked) {
@@ -48,7 +48,7 @@ pub fn compared(summaries: &[&Summary]) -> Vec<Row> {
             cells.extend(with_error(difference, error));
             cells.push(if difference.abs() > INTERVAL * error { "*".into() } else { String::new() });
         }
-        rows.push(Row::labelled(statistic.name(), cells));
+        rows.push(TableRow::labelled(statistic.name(), cells));
     }
     rows
 }

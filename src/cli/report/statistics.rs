@@ -2,19 +2,19 @@
 
 use super::bias::{bias_cells, corrected_cell};
 use crate::cli::numbers::{Digits, wrapped};
-use crate::cli::table::{Row, aligned};
+use crate::cli::table::{TableRow, aligned};
 use crate::cli::terminal::columns;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, Summary};
 
 /// The rows of all statistics, headings first. What does not exist has the reason.
-pub fn all_rows(summary: &Summary, units: &Units) -> Vec<Row> {
-    table(summary, units, |_| true).into_iter().map(Line::with_reason).collect()
+pub fn all_rows(summary: &Summary, units: &Units) -> Vec<TableRow> {
+    table(summary, units, |_| true).into_iter().map(StatisticLine::with_reason).collect()
 }
 
 /// The rows of the statistics that exist, headings first.
-pub fn rows(summary: &Summary, units: &Units) -> Vec<Row> {
-    table(summary, units, exists).into_iter().map(Line::with_reason).collect()
+pub fn rows(summary: &Summary, units: &Units) -> Vec<TableRow> {
+    table(summary, units, exists).into_iter().map(StatisticLine::with_reason).collect()
 }
 
 /// The table as text, at most as wide as the terminal. Statistics that do not exist are left out
@@ -22,7 +22,7 @@ pub fn rows(summary: &Summary, units: &Units) -> Vec<Row> {
 pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
     let lines = shown(summary, units);
     let columns = columns();
-    let full: Vec<Row> = lines.iter().cloned().map(Line::with_reason).collect();
+    let full: Vec<TableRow> = lines.iter().cloned().map(StatisticLine::with_reason).collect();
     let is_narrow = columns.is_some_and(|columns| columns < width(&full));
     let (rows, reasons) = footnotes(lines, is_narrow);
     match columns {
@@ -32,7 +32,7 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
 }
 
 /// The lines that the text has, without standard errors.
-fn shown(summary: &Summary, units: &Units) -> Vec<Line> {
+fn shown(summary: &Summary, units: &Units) -> Vec<StatisticLine> {
     let mut lines = table(summary, units, exists);
     for line in &mut lines {
         line.row.cells.remove(STANDARD_ERROR);
@@ -56,19 +56,19 @@ pub(super) fn absent(summary: &Summary) -> Option<String> {
 
 /// A row whose note is a unit, and the reason why a number in it is missing.
 #[derive(Clone)]
-struct Line {
-    row: Row,
+struct StatisticLine {
+    row: TableRow,
     reason: Option<&'static str>,
 }
 
-impl Line {
+impl StatisticLine {
     /// The row with a remark in brackets behind its unit.
-    fn with(mut self, remark: &str) -> Row {
+    fn with(mut self, remark: &str) -> TableRow {
         self.row.note = format!("{} ({remark})", self.row.note).trim_start().to_string();
         self.row
     }
 
-    fn with_reason(mut self) -> Row {
+    fn with_reason(mut self) -> TableRow {
         match self.reason.take() {
             Some(reason) => self.with(reason),
             None => self.row,
@@ -78,11 +78,11 @@ impl Line {
 
 /// The rows with letters in the place of reasons, and each reason once as a footnote. A reason that
 /// only one row has stays in its row, unless the terminal is too narrow.
-fn footnotes(lines: Vec<Line>, is_narrow: bool) -> (Vec<Row>, String) {
+fn footnotes(lines: Vec<StatisticLine>, is_narrow: bool) -> (Vec<TableRow>, String) {
     let all: Vec<&str> = lines.iter().filter_map(|line| line.reason).collect();
     let is_shared = |reason: &str| all.iter().filter(|other| **other == reason).count() > 1;
     let mut below: Vec<&str> = Vec::new();
-    let mut row = |line: Line| match line.reason {
+    let mut row = |line: StatisticLine| match line.reason {
         Some(reason) if is_narrow || is_shared(reason) => {
             if !below.contains(&reason) {
                 below.push(reason);
@@ -116,12 +116,12 @@ const STANDARD_ERROR: usize = 2;
 const LINE: usize = 80;
 
 /// The length of the longest line of a table.
-fn width(table: &[Row]) -> usize {
+fn width(table: &[TableRow]) -> usize {
     aligned(table, GAP).lines().map(|line| line.chars().count()).max().unwrap_or(0)
 }
 
 /// The table as text, without the columns that do not fit.
-fn narrowed(mut table: Vec<Row>, columns: usize) -> String {
+fn narrowed(mut table: Vec<TableRow>, columns: usize) -> String {
     if width(&table) <= columns {
         return aligned(&table, GAP);
     }
@@ -144,27 +144,27 @@ fn exists(e: &Estimate) -> bool {
 }
 
 /// The lines of the statistics that are `shown`, headings first.
-fn table(summary: &Summary, units: &Units, shown: impl Fn(&Estimate) -> bool) -> Vec<Line> {
+fn table(summary: &Summary, units: &Units, shown: impl Fn(&Estimate) -> bool) -> Vec<StatisticLine> {
     let has_bias = summary.has_bias();
     let estimates = || summary.reported().filter(|e| shown(e));
     let labels: Vec<String> = estimates().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note)| Line { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
+    let of = |(e, note)| StatisticLine { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
     let lines = estimates().zip(labels).map(of);
-    std::iter::once(Line { row: headings, reason: None }).chain(lines).collect()
+    std::iter::once(StatisticLine { row: headings, reason: None }).chain(lines).collect()
 }
 
 /// The headings.
-fn headings(has_bias: bool, has_unit: bool) -> Row {
+fn headings(has_bias: bool, has_unit: bool) -> TableRow {
     let headings: &[&str] = match has_bias {
         true => &["estimate", "std. error", "95 % from", "to", "bias", "+-", "corrected"],
         false => &["estimate", "std. error", "95 % from", "to"],
     };
-    Row::labelled("statistic", headings.iter().copied()).noted(if has_unit { "unit" } else { "" })
+    TableRow::labelled("statistic", headings.iter().copied()).noted(if has_unit { "unit" } else { "" })
 }
 
 /// The row of one statistic, with as many digits as its standard error justifies.
-fn row(e: &Estimate, has_bias: bool) -> Row {
+fn row(e: &Estimate, has_bias: bool) -> TableRow {
     let digits = Digits::of(e.estimate, e.standard_error);
     let has_interval = e.low.is_finite() && e.high.is_finite();
     let mut cells = digits.show_all([e.estimate, e.standard_error]).to_vec();
@@ -173,7 +173,7 @@ fn row(e: &Estimate, has_bias: bool) -> Row {
         cells.extend(bias_cells(e.bias));
         cells.push(corrected_cell(e));
     }
-    Row::labelled(e.statistic.name(), cells)
+    TableRow::labelled(e.statistic.name(), cells)
 }
 
 #[cfg(test)]

@@ -12,7 +12,7 @@ use stick_slip::stats::{Record, Statistic};
 use stick_slip::study::trade::{Standing, Trade};
 
 /// What was asked for.
-pub struct Asked<'a> {
+pub struct AskedPrices<'a> {
     /// The scenario.
     pub scenario: &'a Scenario,
     /// The file of the scenario.

@@ -1,7 +1,7 @@
 //! The cheapest runs that the file of a trade holds, as a table.
 
 use crate::cli::numbers::{grouped, percent, significant, time};
-use crate::cli::table::{Row, aligned};
+use crate::cli::table::{TableRow, aligned};
 use stick_slip::stats::Statistic;
 use stick_slip::store::StoredTrade;
 use stick_slip::study::trade::{Choice, TARGETS};
@@ -22,8 +22,8 @@ pub fn stored_table(trade: &StoredTrade) -> String {
 }
 
 /// The rows of the table, headings first, with statistics as `named`.
-pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static str) -> Vec<Row> {
-    let mut rows = vec![Row::labelled("statistic", ["error", "scheme", "step or tolerance", "paths", "CPU time"])];
+pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static str) -> Vec<TableRow> {
+    let mut rows = vec![TableRow::labelled("statistic", ["error", "scheme", "step or tolerance", "paths", "CPU time"])];
     let mut last = None;
     for (statistic, target, cheapest) in cheapest(trade) {
         let cells = match cheapest {
@@ -39,7 +39,7 @@ pub fn stored_rows(trade: &StoredTrade, named: impl Fn(Statistic) -> &'static st
             None => ["none", "", "", ""].map(String::from),
         };
         let name = if last == Some(statistic) { "" } else { named(statistic) };
-        rows.push(Row::labelled(name, std::iter::once(percent(target)).chain(cells)));
+        rows.push(TableRow::labelled(name, std::iter::once(percent(target)).chain(cells)));
         last = Some(statistic);
     }
     rows

@@ -1,10 +1,10 @@
 //! The report of a trade for people: tables of costs, biases, orders of convergence, and the
 //! cheapest runs.
 
-use super::{Asked, INTERVAL, without_answer};
+use super::{AskedPrices, INTERVAL, without_answer};
 use crate::cli::accuracy::pairs;
 use crate::cli::numbers::{percent, significant, time, wrapped};
-use crate::cli::table::{Row, aligned};
+use crate::cli::table::{TableRow, aligned};
 use std::fmt::Write as _;
 use stick_slip::scheme::Kind;
 use stick_slip::stats::Statistic;
@@ -14,7 +14,7 @@ use stick_slip::study::trade::{Choice, LeftOut, Pairing, Refusal, Rung, Standing
 const GAP: &str = " ";
 
 /// The report as text, at most 120 columns wide.
-pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
+pub fn table(trade: &Trade, asked: &AskedPrices<'_>) -> String {
     let reference = trade.reference();
     let opening = format!(
         "Costs: CPU on one thread. Biases: percent, with half the 95 % interval, against {} ({} paths); in percent of the \
@@ -39,7 +39,7 @@ pub fn table(trade: &Trade, asked: &Asked<'_>) -> String {
 
 /// The commands of the cheapest runs for the statistic that is shown, ready to paste. They have
 /// every digit of the step, unlike the table.
-fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
+fn commands(trade: &Trade, asked: &AskedPrices<'_>) -> String {
     let mut text = String::new();
     for (statistic, target) in asked.shown.iter().flat_map(|s| TARGETS.map(|target| (*s, target))) {
         if let Ok(choice @ Choice { scheme, paths, .. }) = trade.best(None, &[statistic], target) {
@@ -59,7 +59,8 @@ fn commands(trade: &Trade, asked: &Asked<'_>) -> String {
 fn scheme_table(trade: &Trade, scheme: Kind) -> String {
     let rungs: Vec<&Rung> = trade.rungs_of(scheme).collect();
     let knob = if scheme.has_step() { "step" } else { "tolerance" };
-    let row = |label: String, cell: &dyn Fn(&Rung) -> String| Row::labelled(label, rungs.iter().map(|rung| cell(rung)));
+    let row =
+        |label: String, cell: &dyn Fn(&Rung) -> String| TableRow::labelled(label, rungs.iter().map(|rung| cell(rung)));
     let mut rows = vec![
         row(format!("{}, {knob}", scheme.name()), &|rung| short(rung.scheme.parameter())),
         row("us per path".into(), &|rung| significant(rung.cost.each * 1e6, 3)),
@@ -105,7 +106,7 @@ fn deviations(trade: &Trade) -> String {
     let orders = schemes.iter().map(|scheme| format!("order, {}", scheme.name()));
     let paired = matches!(trade.pairing, Pairing::Measured(_)).then(|| String::from("pairs"));
     let headings = ["reference", "sd per path"].into_iter().map(String::from).chain(paired).chain(orders);
-    let mut rows = vec![Row::labelled("statistic", headings)];
+    let mut rows = vec![TableRow::labelled("statistic", headings)];
     for statistic in trade.answerable() {
         let mut cells = vec![
             significant(reference.estimate(statistic).value, 5),
@@ -116,7 +117,7 @@ fn deviations(trade: &Trade) -> String {
             Some(law) => format!("{:.2}±{:.2}", law.order.value, law.order.error),
             None => "not resolved".into(),
         }));
-        rows.push(Row::labelled(statistic.name(), cells));
+        rows.push(TableRow::labelled(statistic.name(), cells));
     }
     aligned(&rows, GAP)
 }
@@ -125,7 +126,7 @@ fn deviations(trade: &Trade) -> String {
 fn winners(trade: &Trade, target: f64) -> String {
     let schemes = trade.schemes();
     let headings = schemes.iter().map(|scheme| scheme.name().to_string());
-    let mut rows = vec![Row::labelled(format!("RMSE {}", percent(target)), headings)];
+    let mut rows = vec![TableRow::labelled(format!("RMSE {}", percent(target)), headings)];
     for statistic in trade.answerable() {
         let winner = trade.best(None, &[statistic], target).ok();
         let cells = schemes.iter().map(|scheme| match trade.best(Some(*scheme), &[statistic], target) {
@@ -135,7 +136,7 @@ fn winners(trade: &Trade, target: f64) -> String {
             Err(Refusal::Bias { least, .. }) => format!("bias {least:.1e}"),
             Err(Refusal::NotRun | Refusal::NoAnswer(_)) => "none".into(),
         });
-        rows.push(Row::labelled(label(trade, statistic), cells));
+        rows.push(TableRow::labelled(label(trade, statistic), cells));
     }
     aligned(&rows, GAP)
 }

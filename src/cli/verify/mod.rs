@@ -11,7 +11,7 @@ use super::threads::Threads;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Duration;
-use stick_slip::saved::{Difference, Sample};
+use stick_slip::saved::{BlocksAgain, Difference};
 use stick_slip::store::{self, FileKind, Sealed};
 
 /// How long a file may take to be computed again as a whole if nobody asked for that.
@@ -20,12 +20,12 @@ const UNASKED: Duration = Duration::from_secs(5);
 /// Arguments of `mc verify`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("../help/verify.txt"))]
-pub struct Verify {
+pub struct Arguments {
     /// A file of results: of a run or a part of one, a sweep, a trade or a calibration
     file: PathBuf,
     /// Number of blocks to simulate again, or `all` [default: all, or 8 where all take long]
     #[arg(long, value_name = "N|all", value_parser = sample)]
-    blocks: Option<Sample>,
+    blocks: Option<BlocksAgain>,
     #[command(flatten)]
     threads: Threads,
     /// Print one JSON object on standard output, and nothing else there
@@ -33,10 +33,10 @@ pub struct Verify {
     json: bool,
 }
 
-fn sample(text: &str) -> Result<Sample, String> {
+fn sample(text: &str) -> Result<BlocksAgain, String> {
     match text {
-        "all" => Ok(Sample::All),
-        number => number.parse().map(Sample::Some).map_err(|_| "write a number of blocks, or `all`".into()),
+        "all" => Ok(BlocksAgain::All),
+        number => number.parse().map(BlocksAgain::Some).map_err(|_| "write a number of blocks, or `all`".into()),
     }
 }
 
@@ -56,7 +56,7 @@ struct Checked {
     difference: Option<Difference>,
 }
 
-impl Verify {
+impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let kind = files::read(&self.file, store::kind)?;
         let is_unfinished = self.file.is_dir() || !self.file.exists();
@@ -86,8 +86,8 @@ impl Verify {
     }
 
     /// How many blocks or points are to be simulated again.
-    fn sample(&self) -> Sample {
-        self.blocks.unwrap_or(Sample::Within(UNASKED))
+    fn sample(&self) -> BlocksAgain {
+        self.blocks.unwrap_or(BlocksAgain::Within(UNASKED))
     }
 
     fn refusal(&self, difference: &Difference, checked: &Checked) -> String {

@@ -1,6 +1,6 @@
 //! The file of a run, or of a part of one: blocks are simulated again.
 
-use super::{Checked, Verify};
+use super::{Arguments, Checked};
 use crate::cli::failure::Failure;
 use crate::cli::numbers::grouped;
 use crate::cli::results;
@@ -12,7 +12,7 @@ use stick_slip::saved::Again;
 use stick_slip::stats::Record;
 use stick_slip::store::{self, Stored};
 
-impl Verify {
+impl Arguments {
     /// Check a run.
     pub(super) fn run(&self, stored: &Stored) -> Result<Checked, Failure> {
         let scenario = results::scenario(&self.file.display().to_string(), stored, &[])?;

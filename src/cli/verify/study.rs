@@ -1,6 +1,6 @@
 //! Files of many runs, and of a fit.
 
-use super::{Checked, Verify};
+use super::{Arguments, Checked};
 use crate::cli::failure::Failure;
 use crate::cli::numbers::grouped;
 use crate::cli::sweep;
@@ -10,20 +10,20 @@ use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stick_slip::bearing::calibration::calibrate_again;
 use stick_slip::engine::Provenance;
-use stick_slip::saved::{Sample, drawn};
+use stick_slip::saved::{BlocksAgain, drawn};
 use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
 use stick_slip::study::sweep::{Sweep, SweepSimulation};
 
-impl Verify {
+impl Arguments {
     /// Check a sweep: points are simulated again, and all comparisons are computed again.
     pub(super) fn sweep(&self, stored: &StoredSweep) -> Result<Checked, Failure> {
         let other_program = stored.other_program.clone();
         let mut again = sweep::stored(&self.file, stored.clone())?;
         let all = again.points.len() as u64;
         let (wanted, limit) = match self.sample() {
-            Sample::All => (all, None),
-            Sample::Some(wanted) => (wanted.min(all), None),
-            Sample::Within(limit) => (all, Some(limit)),
+            BlocksAgain::All => (all, None),
+            BlocksAgain::Some(wanted) => (wanted.min(all), None),
+            BlocksAgain::Within(limit) => (all, Some(limit)),
         };
         let (start, mut done) = (Instant::now(), BTreeSet::new());
         for point in shuffled(drawn(&(0..all), wanted)) {

@@ -4,7 +4,7 @@ use super::face::Face;
 
 /// A part of a label with letters of one typeface and size.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Run {
+pub(super) struct Letters {
     pub face: Face,
     /// The size of the letters, in units of the size of the label.
     pub size: f64,
@@ -16,7 +16,7 @@ pub(super) struct Run {
 /// A line of text. Positions and widths are in units of the size that it is drawn in.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Label {
-    pub(super) runs: Vec<Run>,
+    pub(super) runs: Vec<Letters>,
     width: f64,
 }
 
@@ -77,7 +77,7 @@ impl Label {
     /// This label with another one behind it.
     pub fn and(mut self, other: Label) -> Self {
         let shift = self.width;
-        self.runs.extend(other.runs.into_iter().map(|run| Run { at: [run.at[0] + shift, run.at[1]], ..run }));
+        self.runs.extend(other.runs.into_iter().map(|run| Letters { at: [run.at[0] + shift, run.at[1]], ..run }));
         self.width += other.width;
         self
     }
@@ -112,7 +112,7 @@ impl Label {
     fn push(&mut self, face: Face, size: f64, at: [f64; 2], text: &str) {
         if !text.is_empty() {
             self.width = at[0] + size * face.width(text);
-            self.runs.push(Run { face, size, at, text: text.to_string() });
+            self.runs.push(Letters { face, size, at, text: text.to_string() });
         }
     }
 }

@@ -1,8 +1,8 @@
 //! A scene as PDF: letters as text in an embedded font, shapes as vector paths.
 
 use super::face::Face;
-use super::label::Run;
-use super::scene::{Colour, Drawing, Item, Outline, Step, Stroke};
+use super::label::Letters;
+use super::scene::{Colour, Drawing, Item, Outline, PenMove, Stroke};
 use krilla::color::rgb;
 use krilla::geom::{PathBuilder, Point, Transform};
 use krilla::metadata::Metadata;
@@ -66,7 +66,7 @@ fn draw(surface: &mut Surface, item: &Item, fonts: &[Font]) {
 }
 
 /// Draws letters of one typeface and size, in a label of this size.
-fn draw_run(surface: &mut Surface, run: &Run, size: f64, fonts: &[Font]) {
+fn draw_run(surface: &mut Surface, run: &Letters, size: f64, fonts: &[Font]) {
     let glyph = |(at, c): (usize, char)| {
         let glyph = run.face.glyph(c);
         let advance = run.face.advance(glyph) as f32;
@@ -84,19 +84,19 @@ fn outline(path: &Outline) -> Option<krilla::geom::Path> {
     let single = |point: [f64; 2]| point.map(|x| x as f32);
     for step in &path.0 {
         match *step {
-            Step::Move(to) => {
+            PenMove::Move(to) => {
                 let [x, y] = single(to);
                 builder.move_to(x, y);
             }
-            Step::Line(to) => {
+            PenMove::Line(to) => {
                 let [x, y] = single(to);
                 builder.line_to(x, y);
             }
-            Step::Curve(a, b, to) => {
+            PenMove::Curve(a, b, to) => {
                 let [[ax, ay], [bx, by], [x, y]] = [a, b, to].map(single);
                 builder.cubic_to(ax, ay, bx, by, x, y);
             }
-            Step::Close => builder.close(),
+            PenMove::Close => builder.close(),
         }
     }
     builder.finish()

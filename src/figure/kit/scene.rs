@@ -71,11 +71,11 @@ impl Rect {
 
 /// Lines and curves, in the elements that SVG has.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Outline(pub Vec<Step>);
+pub struct Outline(pub Vec<PenMove>);
 
 /// An element of a path.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Step {
+pub enum PenMove {
     /// Moves to a point without drawing.
     Move([f64; 2]),
     /// A straight line.
@@ -89,14 +89,14 @@ pub enum Step {
 impl Outline {
     /// Straight lines from point to point.
     pub fn line(points: &[[f64; 2]]) -> Self {
-        let step = |(i, point): (usize, &[f64; 2])| if i == 0 { Step::Move(*point) } else { Step::Line(*point) };
+        let step = |(i, point): (usize, &[f64; 2])| if i == 0 { PenMove::Move(*point) } else { PenMove::Line(*point) };
         Outline(points.iter().enumerate().map(step).collect())
     }
 
     /// A closed shape with these corners.
     pub fn polygon(points: &[[f64; 2]]) -> Self {
         let mut path = Outline::line(points);
-        path.0.push(Step::Close);
+        path.0.push(PenMove::Close);
         path
     }
 
@@ -111,12 +111,12 @@ impl Outline {
         // Four cubic curves approximate the circle to 3e-4 of its radius.
         let (r, k) = (radius, 0.552_284_75 * radius);
         Outline(vec![
-            Step::Move([x + r, y]),
-            Step::Curve([x + r, y + k], [x + k, y + r], [x, y + r]),
-            Step::Curve([x - k, y + r], [x - r, y + k], [x - r, y]),
-            Step::Curve([x - r, y - k], [x - k, y - r], [x, y - r]),
-            Step::Curve([x + k, y - r], [x + r, y - k], [x + r, y]),
-            Step::Close,
+            PenMove::Move([x + r, y]),
+            PenMove::Curve([x + r, y + k], [x + k, y + r], [x, y + r]),
+            PenMove::Curve([x - k, y + r], [x - r, y + k], [x - r, y]),
+            PenMove::Curve([x - r, y - k], [x - k, y - r], [x, y - r]),
+            PenMove::Curve([x + k, y - r], [x + r, y - k], [x + r, y]),
+            PenMove::Close,
         ])
     }
 }

@@ -3,14 +3,14 @@
 
 use super::escape::escaped;
 use super::face::Face;
-use super::label::{Label, Run};
-use super::scene::{Colour, Drawing, Item, Outline, Rect, Step, Stroke};
+use super::label::{Label, Letters};
+use super::scene::{Colour, Drawing, Item, Outline, PenMove, Rect, Stroke};
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 /// The scene as the text of an SVG file. Equal scenes give equal files.
 pub fn svg(scene: &Drawing) -> String {
-    let mut writer = Writer::default();
+    let mut writer = SvgText::default();
     writer.items(&scene.items);
     let (width, height) = (scene.width, scene.height);
     let millimetres = |points: f64| number(points * 25.4 / 72.0);
@@ -41,13 +41,13 @@ pub fn svg(scene: &Drawing) -> String {
 }
 
 #[derive(Default)]
-struct Writer {
+struct SvgText {
     body: String,
     glyphs: BTreeSet<(Face, u32)>,
     clips: Vec<Rect>,
 }
 
-impl Writer {
+impl SvgText {
     fn items(&mut self, items: &[Item]) {
         for item in items {
             match item {
@@ -83,7 +83,7 @@ impl Writer {
     }
 
     fn words(&mut self, label: &Label, size: f64) {
-        for Run { face, size: share, at, text } in &label.runs {
+        for Letters { face, size: share, at, text } in &label.runs {
             let scale = format!("{:.5}", share * size / face.em());
             let mut pen = at[0] * size;
             for c in text.chars() {
@@ -131,11 +131,11 @@ fn name(face: Face, glyph: u32) -> String {
 
 fn data(path: &Outline) -> String {
     let pair = |[x, y]: [f64; 2]| format!("{} {}", number(x), number(y));
-    let step = |step: &Step| match step {
-        Step::Move(to) => format!("M{}", pair(*to)),
-        Step::Line(to) => format!("L{}", pair(*to)),
-        Step::Curve(a, b, to) => format!("C{} {} {}", pair(*a), pair(*b), pair(*to)),
-        Step::Close => "Z".to_string(),
+    let step = |step: &PenMove| match step {
+        PenMove::Move(to) => format!("M{}", pair(*to)),
+        PenMove::Line(to) => format!("L{}", pair(*to)),
+        PenMove::Curve(a, b, to) => format!("C{} {} {}", pair(*a), pair(*b), pair(*to)),
+        PenMove::Close => "Z".to_string(),
     };
     path.0.iter().map(step).collect()
 }

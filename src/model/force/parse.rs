@@ -10,7 +10,7 @@
 
 use super::error::ExpressionError;
 use super::operation::{Binary, Unary, whole_power};
-use super::token::{Kind, Token, tokens};
+use super::token::{Token, TokenKind, tokens};
 use super::tree::{Formula, Operation, Term};
 use super::words::{Function, Meaning, check, meaning};
 use crate::excerpt::short;
@@ -37,12 +37,12 @@ pub(super) fn parse(text: &str, parameters: &[(String, f64)]) -> Outcome<(Formul
     let (formula, used) = (Formula::default(), vec![false; parameters.len()]);
     let mut parser =
         Parser { text, parameters, tokens: tokens(text)?, next: 0, formula, used, operations: 0, nesting: 0 };
-    if parser.kind() == Kind::End {
+    if parser.kind() == TokenKind::End {
         return Err(ExpressionError::new(0..text.len(), "the expression is empty", "write one, or 0 for no force"));
     }
     parser.sum()?;
     match parser.kind() {
-        Kind::End => Ok((parser.formula, parser.used)),
+        TokenKind::End => Ok((parser.formula, parser.used)),
         _ => Err(parser.unexpected(None)),
     }
 }
@@ -59,13 +59,13 @@ struct Parser<'a> {
 }
 
 /// A part of the text that has been read: its node, and its place with its parentheses.
-struct Piece {
+struct ReadPart {
     node: usize,
     place: Range<usize>,
 }
 
 impl Parser<'_> {
-    fn kind(&self) -> Kind {
+    fn kind(&self) -> TokenKind {
         self.tokens[self.next].kind
     }
 
@@ -75,20 +75,20 @@ impl Parser<'_> {
 
     /// The place of the next token, which is left behind if it is this symbol.
     fn take(&mut self, symbol: char) -> Option<Range<usize>> {
-        let place = (self.kind() == Kind::Symbol(symbol)).then(|| self.place());
+        let place = (self.kind() == TokenKind::Symbol(symbol)).then(|| self.place());
         self.next += usize::from(place.is_some());
         place
     }
 
-    fn sum(&mut self) -> Outcome<Piece> {
+    fn sum(&mut self) -> Outcome<ReadPart> {
         self.chain([('+', Binary::Add), ('-', Binary::Sub)], Self::product)
     }
 
-    fn product(&mut self) -> Outcome<Piece> {
+    fn product(&mut self) -> Outcome<ReadPart> {
         self.chain([('*', Binary::Mul), ('/', Binary::Div)], Self::signed)
     }
 
-    fn chain(&mut self, operators: [(char, Binary); 2], part: fn(&mut Self) -> Outcome<Piece>) -> Outcome<Piece> {
+    fn chain(&mut self, operators: [(char, Binary); 2], part: fn(&mut Self) -> Outcome<ReadPart>) -> Outcome<ReadPart> {
         let mut left = part(self)?;
         while let Some((_, binary)) = operators.into_iter().find(|(symbol, _)| self.take(*symbol).is_some()) {
             let right = part(self)?;
@@ -97,19 +97,19 @@ impl Parser<'_> {
         Ok(left)
     }
 
-    fn signed(&mut self) -> Outcome<Piece> {
+    fn signed(&mut self) -> Outcome<ReadPart> {
         let plus = self.take('+');
         let is_negative = plus.is_none();
         let Some(sign) = plus.or_else(|| self.take('-')) else { return self.power() };
         let part = self.nested(sign.clone(), Self::signed)?;
         let place = sign.start..part.place.end;
         if !is_negative {
-            return Ok(Piece { place, ..part });
+            return Ok(ReadPart { place, ..part });
         }
         self.unary(Unary::Negative, part.node, place)
     }
 
-    fn power(&mut self) -> Outcome<Piece> {
+    fn power(&mut self) -> Outcome<ReadPart> {
         let base = self.atom()?;
         let Some(operator) = self.take('^') else { return Ok(base) };
         let exponent = self.nested(operator, Self::signed)?;
@@ -124,28 +124,28 @@ impl Parser<'_> {
         }
     }
 
-    fn atom(&mut self) -> Outcome<Piece> {
+    fn atom(&mut self) -> Outcome<ReadPart> {
         let place = self.place();
         match self.kind() {
-            Kind::Number(number) => {
+            TokenKind::Number(number) => {
                 self.next += 1;
                 Ok(self.push(Term::Number(number), place))
             }
-            Kind::Name => {
+            TokenKind::Name => {
                 self.next += 1;
                 self.name(place)
             }
-            Kind::Symbol('(') => {
+            TokenKind::Symbol('(') => {
                 self.next += 1;
                 let inner = self.nested(place.clone(), Self::sum)?;
                 let close = self.take(')').ok_or_else(|| self.unexpected(Some(&place)))?;
-                Ok(Piece { place: place.start..close.end, ..inner })
+                Ok(ReadPart { place: place.start..close.end, ..inner })
             }
             _ => Err(self.missing()),
         }
     }
 
-    fn name(&mut self, place: Range<usize>) -> Outcome<Piece> {
+    fn name(&mut self, place: Range<usize>) -> Outcome<ReadPart> {
         let name = &self.text[place.clone()];
         let term = match meaning(name, &place, self.parameters)? {
             Meaning::Number(number) => Term::Number(number),
@@ -159,7 +159,7 @@ impl Parser<'_> {
         Ok(self.push(term, place))
     }
 
-    fn call(&mut self, function: Function, name: Range<usize>) -> Outcome<Piece> {
+    fn call(&mut self, function: Function, name: Range<usize>) -> Outcome<ReadPart> {
         let word = &self.text[name.clone()];
         let Some(open) = self.take('(') else {
             let problem = format!("the function `{word}` has no parentheses");
@@ -169,7 +169,7 @@ impl Parser<'_> {
             Some(close) => return Err(arity(function, word, 0, name.start..close.end)),
             None => open.clone(),
         };
-        let (mut whole, mut count) = (Piece { node: 0, place: close }, 0);
+        let (mut whole, mut count) = (ReadPart { node: 0, place: close }, 0);
         loop {
             let argument = self.nested(open.clone(), Self::sum)?;
             count += 1;
@@ -187,14 +187,14 @@ impl Parser<'_> {
             Function::Of(unary) if count == 1 => self.unary(unary, whole.node, place),
             Function::Among(_) if count > 1 => {
                 self.formula.0[whole.node].place = place.clone();
-                Ok(Piece { node: whole.node, place })
+                Ok(ReadPart { node: whole.node, place })
             }
             _ => Err(arity(function, word, count, place)),
         }
     }
 
     /// Reads a part that is inside another one.
-    fn nested(&mut self, place: Range<usize>, part: fn(&mut Self) -> Outcome<Piece>) -> Outcome<Piece> {
+    fn nested(&mut self, place: Range<usize>, part: fn(&mut Self) -> Outcome<ReadPart>) -> Outcome<ReadPart> {
         self.nesting += 1;
         if self.nesting > MAX_NESTING {
             let problem = format!("more than {MAX_NESTING} parentheses, signs and powers contain each other here");
@@ -205,9 +205,9 @@ impl Parser<'_> {
         Ok(piece)
     }
 
-    fn push(&mut self, term: Term, place: Range<usize>) -> Piece {
+    fn push(&mut self, term: Term, place: Range<usize>) -> ReadPart {
         self.formula.0.push(Operation { term, place: place.clone() });
-        Piece { node: self.formula.0.len() - 1, place }
+        ReadPart { node: self.formula.0.len() - 1, place }
     }
 
     fn count(&mut self, place: &Range<usize>) -> Outcome<()> {
@@ -226,7 +226,7 @@ impl Parser<'_> {
         }
     }
 
-    fn unary(&mut self, unary: Unary, a: usize, place: Range<usize>) -> Outcome<Piece> {
+    fn unary(&mut self, unary: Unary, a: usize, place: Range<usize>) -> Outcome<ReadPart> {
         self.count(&place)?;
         match self.number(a) {
             Some(number) => self.fold(a, unary.of(number), place),
@@ -234,7 +234,7 @@ impl Parser<'_> {
         }
     }
 
-    fn binary(&mut self, binary: Binary, a: Piece, b: Piece) -> Outcome<Piece> {
+    fn binary(&mut self, binary: Binary, a: ReadPart, b: ReadPart) -> Outcome<ReadPart> {
         let place = a.place.start..b.place.end;
         self.count(&place)?;
         match (self.number(a.node), self.number(b.node)) {
@@ -247,7 +247,7 @@ impl Parser<'_> {
         }
     }
 
-    fn whole(&mut self, base: Piece, power: i32, place: Range<usize>) -> Outcome<Piece> {
+    fn whole(&mut self, base: ReadPart, power: i32, place: Range<usize>) -> Outcome<ReadPart> {
         let number = self.number(base.node);
         match power {
             0 => {
@@ -255,7 +255,7 @@ impl Parser<'_> {
                 let first = self.first(base.node);
                 self.fold(first, 1.0, place)
             }
-            1 => Ok(Piece { place, ..base }),
+            1 => Ok(ReadPart { place, ..base }),
             _ => match number {
                 Some(number) => self.fold(base.node, whole_power(number, power), place),
                 None => Ok(self.push(Term::Whole(base.node, power), place)),
@@ -274,7 +274,7 @@ impl Parser<'_> {
     }
 
     /// Replaces the nodes from this one on by a number.
-    fn fold(&mut self, from: usize, number: f64, place: Range<usize>) -> Outcome<Piece> {
+    fn fold(&mut self, from: usize, number: f64, place: Range<usize>) -> Outcome<ReadPart> {
         if !number.is_finite() {
             let what = if number.is_nan() { "not a number" } else { "infinite" };
             let problem = format!("`{}` is {what}", short(&self.text[place.clone()]));
@@ -293,7 +293,7 @@ impl Parser<'_> {
             None => "begin with a number, a name, a sign or a parenthesis".into(),
         };
         match self.kind() {
-            Kind::End => ExpressionError::new(place, "the expression ends where a value is missing", remedy),
+            TokenKind::End => ExpressionError::new(place, "the expression ends where a value is missing", remedy),
             _ => {
                 let problem = format!("a value is missing before `{}`", &self.text[place.clone()]);
                 ExpressionError::new(place, problem, remedy)
@@ -305,13 +305,13 @@ impl Parser<'_> {
     fn unexpected(&self, open: Option<&Range<usize>>) -> ExpressionError {
         let place = self.place();
         match (self.kind(), open) {
-            (Kind::End, Some(open)) => {
+            (TokenKind::End, Some(open)) => {
                 ExpressionError::new(open.clone(), "this parenthesis is not closed", "write `)` where it ends")
             }
-            (Kind::Symbol(')'), _) => {
+            (TokenKind::Symbol(')'), _) => {
                 ExpressionError::new(place, "this parenthesis closes none", "remove it, or write `(` where it begins")
             }
-            (Kind::Symbol(','), _) => {
+            (TokenKind::Symbol(','), _) => {
                 let remedy = "write a point in a number, as in 0.5; only min and max have several arguments";
                 ExpressionError::new(place, "a comma stands outside the arguments of a function", remedy)
             }

@@ -6,7 +6,7 @@ use crate::excerpt::short;
 use std::ops::Range;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) enum Kind {
+pub(super) enum TokenKind {
     Number(f64),
     Name,
     Symbol(char),
@@ -15,7 +15,7 @@ pub(super) enum Kind {
 
 #[derive(Clone, Debug)]
 pub(super) struct Token {
-    pub kind: Kind,
+    pub kind: TokenKind,
     pub place: Range<usize>,
 }
 
@@ -51,21 +51,21 @@ pub(super) fn tokens(text: &str) -> Result<Vec<Token>, ExpressionError> {
                 let problem = format!("`{}` is not a number", short(&text[at..run]));
                 return Err(ExpressionError::new(at..run, problem, remedy));
             }
-            (Kind::Number(number(&text[at..end], at)?), end)
+            (TokenKind::Number(number(&text[at..end], at)?), end)
         } else if c.is_ascii_alphabetic() || c == '_' {
-            (Kind::Name, at + length(|c| c.is_ascii_alphanumeric() || c == '_'))
+            (TokenKind::Name, at + length(|c| c.is_ascii_alphanumeric() || c == '_'))
         } else if text[at..].starts_with("**") {
             let remedy = "write `^` for a power";
             return Err(ExpressionError::new(at..at + 2, "`**` is not an operator", remedy));
         } else if SYMBOLS.contains(c) {
-            (Kind::Symbol(c), at + c.len_utf8())
+            (TokenKind::Symbol(c), at + c.len_utf8())
         } else {
             return Err(unexpected(text, c, at, all.last()));
         };
         all.push(Token { kind, place: at..end });
         at = end;
     }
-    all.push(Token { kind: Kind::End, place: text.len()..text.len() });
+    all.push(Token { kind: TokenKind::End, place: text.len()..text.len() });
     Ok(all)
 }
 
@@ -107,7 +107,7 @@ fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> Expressio
     let right = MISTAKEN.iter().find(|(wrong, _)| wrong.contains(c)).map(|(_, right)| *right);
     // The mark of a derivative belongs to the name before it.
     if right == Some("xdot")
-        && let Some(name) = last.filter(|last| last.kind == Kind::Name && last.place.end == at)
+        && let Some(name) = last.filter(|last| last.kind == TokenKind::Name && last.place.end == at)
     {
         place.start = name.place.start;
     }

@@ -2,7 +2,7 @@
 
 use super::{Difference, Held, ReadError};
 use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, ColumnView, Destination, Kind, attributes_of, read_other_program};
+use crate::dataset::{Attribute, ColumnView, Destination, ElementType, attributes_of, read_other_program};
 use crate::stats::Units;
 use crate::stats::column::FirstDifference;
 use std::collections::{BTreeMap, BTreeSet};
@@ -67,7 +67,7 @@ impl<'a, H: Held> Against<'a, H> {
     }
 
     /// Compare the attributes of a variable that is written elsewhere, or row by row.
-    pub fn describe(&mut self, variable: &Described, kind: Kind) -> Result<(), ReadError<H>> {
+    pub fn describe(&mut self, variable: &Described, kind: ElementType) -> Result<(), ReadError<H>> {
         self.seen.insert(variable.name.to_owned());
         if variable.is_bare_dimension() || !self.held.has(variable.name) {
             return Ok(());
@@ -76,7 +76,7 @@ impl<'a, H: Held> Against<'a, H> {
             .into_iter()
             .map(|(name, attribute)| (name.to_owned(), attribute))
             .collect();
-        if kind == Kind::F64 && !variable.is_coordinate() {
+        if kind == ElementType::F64 && !variable.is_coordinate() {
             expected.insert("_FillValue".into(), Attribute::Real(f64::NAN));
         }
         self.compare_attributes(Some(variable.name), &expected, &[])

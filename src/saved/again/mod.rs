@@ -17,7 +17,7 @@ mod against;
 mod rows;
 mod run;
 
-pub use run::{Again, Sample, drawn};
+pub use run::{Again, BlocksAgain, drawn};
 
 pub(crate) use against::Against;
 pub(crate) use run::again;
@@ -84,7 +84,12 @@ impl Held for Dataset {
 /// # Errors
 ///
 /// The data set cannot be read as that of a run, or its scenario is none.
-pub fn again_in_memory(dataset: &Dataset, sample: Sample, threads: usize, stop: &AtomicBool) -> Result<Again, String> {
+pub fn again_in_memory(
+    dataset: &Dataset,
+    sample: BlocksAgain,
+    threads: usize,
+    stop: &AtomicBool,
+) -> Result<Again, String> {
     let stored = StoredRun::read(dataset)?;
     let header = &stored.header;
     let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], header.series.as_ref());

@@ -3,8 +3,8 @@
 use super::{Against, Difference, Held, ReadError};
 use crate::dataset::header;
 use crate::dataset::layout::{self, Variable};
-use crate::dataset::rows::{self, Along, Table};
-use crate::dataset::{ColumnView, Destination as _, Kind, Rows, StoredRun, read_variable, run, summary};
+use crate::dataset::rows::{self, RowAxis, RowTable};
+use crate::dataset::{ColumnView, Destination as _, ElementType, Rows, StoredRun, read_variable, run, summary};
 use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::saved::state::of_bytes;
@@ -102,7 +102,7 @@ impl<'a, H: Held> Verification<'a, H> {
         }
         if let Some(part) = part {
             header::write_part(against, *part)?;
-            against.describe(&layout::PART_STATE, Kind::U8)?;
+            against.describe(&layout::PART_STATE, ElementType::U8)?;
         }
         rows::empty_tables(record, header, |table| self.lengths(expected, &table))?;
         self.against.finish()?;
@@ -111,12 +111,12 @@ impl<'a, H: Held> Verification<'a, H> {
 
     /// See that a table has as many rows as there are paths or events, and compare the attributes
     /// of its variables.
-    fn lengths(&mut self, expected: &Expected, table: &Table) -> Result<(), ReadError<H>> {
+    fn lengths(&mut self, expected: &Expected, table: &RowTable) -> Result<(), ReadError<H>> {
         let paths = expected.completed_paths;
         let rows = match table.along {
-            Along::Path => paths as usize,
-            Along::Trajectory => expected.record.trajectories.saturating_sub(self.origin).min(paths) as usize,
-            Along::Event => {
+            RowAxis::Path => paths as usize,
+            RowAxis::Trajectory => expected.record.trajectories.saturating_sub(self.origin).min(paths) as usize,
+            RowAxis::Event => {
                 let rows = self.events_before(self.origin + paths)?;
                 self.bare(&layout::EVENT, rows)?;
                 rows
@@ -138,7 +138,7 @@ impl<'a, H: Held> Verification<'a, H> {
 
     /// A dimension without a variable has this length and no values.
     fn bare(&mut self, dimension: &Variable, rows: usize) -> Result<(), ReadError<H>> {
-        self.against.describe(dimension, Kind::U32)?;
+        self.against.describe(dimension, ElementType::U32)?;
         if let Some(found) = self.against.held.bare_difference(dimension.name, rows)? {
             self.differs(dimension.name, None, found);
         }
@@ -169,15 +169,15 @@ impl<'a, H: Held> Verification<'a, H> {
     }
 
     /// Compare the rows of a block along one dimension.
-    fn table(&mut self, block: &BlockResult, table: &Table) -> Result<(), ReadError<H>> {
+    fn table(&mut self, block: &BlockResult, table: &RowTable) -> Result<(), ReadError<H>> {
         if self.difference().is_some() {
             return Ok(());
         }
         let first = (block.first_path - self.origin) as usize;
         let counts = block.events.as_ref().map_or(&[][..], |events| &events.count);
         let rows = match table.along {
-            Along::Path | Along::Trajectory => first..first + table.rows,
-            Along::Event => {
+            RowAxis::Path | RowAxis::Trajectory => first..first + table.rows,
+            RowAxis::Event => {
                 let start = self.events_before(block.first_path)?;
                 self.counted = (block.first_path + block.paths, start + table.rows);
                 start..start + table.rows
@@ -188,8 +188,8 @@ impl<'a, H: Held> Verification<'a, H> {
             let (width, at) = (values.len() / table.rows, at.unwrap_or(0));
             let (row, within) = (at / width, at % width);
             let (path, index) = match table.along {
-                Along::Path | Along::Trajectory => (row, within),
-                Along::Event => path_of(counts, row),
+                RowAxis::Path | RowAxis::Trajectory => (row, within),
+                RowAxis::Event => path_of(counts, row),
             };
             self.differs(variable.name, Some(block.first_path + path as u64), (Some(index), stored, computed));
             return Ok(());
@@ -217,7 +217,8 @@ impl<'a, H: Held> Verification<'a, H> {
         while next < path {
             let some = next..path.min(next + PIECE);
             let rows = (some.start - self.origin) as usize..(some.end - self.origin) as usize;
-            let counts: Vec<u32> = values_of(&EVENT_COUNT, self.against.held.rows(&EVENT_COUNT, Kind::U32, &rows)?)?;
+            let counts: Vec<u32> =
+                values_of(&EVENT_COUNT, self.against.held.rows(&EVENT_COUNT, ElementType::U32, &rows)?)?;
             events += counts.iter().map(|&count| count as usize).sum::<usize>();
             next = some.end;
         }

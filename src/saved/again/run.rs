@@ -21,7 +21,7 @@ const BIAS: f64 = 4.0;
 
 /// How many blocks are to be simulated again.
 #[derive(Clone, Copy, Debug)]
-pub enum Sample {
+pub enum BlocksAgain {
     /// So many, drawn at random.
     Some(u64),
     /// All of them.
@@ -63,7 +63,7 @@ pub(crate) fn again<H: Held>(
     held: &H,
     stored: &StoredRun,
     scenario: &Scenario,
-    sample: Sample,
+    sample: BlocksAgain,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Again, ReadError<H>> {
@@ -75,22 +75,22 @@ pub(crate) fn again<H: Held>(
 }
 
 /// The blocks that were simulated again, and what came of it.
-struct Simulated<'a, H> {
+struct MadeAgain<'a, H> {
     blocks: BTreeSet<u64>,
     compared: Verification<'a, H>,
     totals: RunTotals,
 }
 
 impl<'a, H: Held> Claim<'a, H> {
-    fn check(&self, sample: Sample) -> Result<Again, ReadError<H>> {
+    fn check(&self, sample: BlocksAgain) -> Result<Again, ReadError<H>> {
         let count = self.blocks.end - self.blocks.start;
         let all = || self.blocks.clone().collect();
         let mut again = match sample {
-            Sample::All => self.simulate(all())?,
-            Sample::Some(wanted) if wanted >= count => self.simulate(all())?,
-            Sample::Some(_) if !self.has_rows() => self.simulate(BTreeSet::new())?,
-            Sample::Some(wanted) => self.simulate(drawn(&self.blocks, wanted))?,
-            Sample::Within(limit) => self.simulate_within(limit)?,
+            BlocksAgain::All => self.simulate(all())?,
+            BlocksAgain::Some(wanted) if wanted >= count => self.simulate(all())?,
+            BlocksAgain::Some(_) if !self.has_rows() => self.simulate(BTreeSet::new())?,
+            BlocksAgain::Some(wanted) => self.simulate(drawn(&self.blocks, wanted))?,
+            BlocksAgain::Within(limit) => self.simulate_within(limit)?,
         };
         let is_whole = again.blocks.len() as u64 == count;
         if again.compared.difference().is_none() {
@@ -115,7 +115,7 @@ impl<'a, H: Held> Claim<'a, H> {
     }
 
     /// All blocks if that takes no longer than this, and else a few blocks.
-    fn simulate_within(&self, limit: Duration) -> Result<Simulated<'a, H>, ReadError<H>> {
+    fn simulate_within(&self, limit: Duration) -> Result<MadeAgain<'a, H>, ReadError<H>> {
         let count = self.blocks.end - self.blocks.start;
         let start = Instant::now();
         let few = self.simulate(drawn(&self.blocks, FEW))?;
@@ -143,7 +143,7 @@ impl<'a, H: Held> Claim<'a, H> {
     }
 
     /// Simulate these blocks again and compare each with what is stored.
-    fn simulate(&self, blocks: BTreeSet<u64>) -> Result<Simulated<'a, H>, ReadError<H>> {
+    fn simulate(&self, blocks: BTreeSet<u64>) -> Result<MadeAgain<'a, H>, ReadError<H>> {
         let mut compared = Verification::of(self.held, self.origin(), &self.expected.header);
         let plan = Asked::paths(self.expected.header.paths).plan(self.scenario);
         let numbers: Vec<u64> = blocks.iter().copied().collect();
@@ -156,7 +156,7 @@ impl<'a, H: Held> Claim<'a, H> {
             Ok(if compared.difference().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         };
         in_order(numbers.len() as u64, self.threads, self.stop, make, deliver)?;
-        Ok(Simulated { blocks, compared, totals })
+        Ok(MadeAgain { blocks, compared, totals })
     }
 
     /// Compute all statistics again, with the bias of the step if the data set has it.

@@ -9,18 +9,18 @@
 //! a stick, sticks would be 23 % shorter at h = 0.01, and their duration would not
 //! converge.
 
-use super::kernel::{Coefficients, Kernel, Paths, Point, Turn};
+use super::kernel::{Coefficients, Kernel, LaneState, Paths, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::scheme::Observer;
 
 /// The phase of each path.
-pub(super) struct Reader {
+pub(super) struct GridReader {
     phases: Vec<Phase>,
     /// The lanes with an event at which b is not a number, or infinite.
     pub forceless: Vec<usize>,
 }
 
-impl Reader {
+impl GridReader {
     /// The phases at t = 0: static at rest where |b| <= f_s; elsewhere the first stick is empty and
     /// a slip starts.
     pub(super) fn start(
@@ -45,7 +45,7 @@ impl Reader {
             observer.event(lane, event);
             Phase::Slip(sign)
         });
-        Reader { phases: phases.collect(), forceless }
+        GridReader { phases: phases.collect(), forceless }
     }
 
     /// Whether each path is in a static phase at t_n, where `forcing` is that at t_n. A static
@@ -54,7 +54,7 @@ impl Reader {
     pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64, n: u64) -> impl Iterator<Item = bool> {
         let c = &kernel.coefficients;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
-            let at = Point { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
+            let at = LaneState { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
             *phase == Phase::Static && (c.h_over_m * kernel.force(&at, forcing, n)).abs() <= c.exit_impulse
         })
     }

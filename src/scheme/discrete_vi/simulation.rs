@@ -1,7 +1,7 @@
 //! The discrete scheme on one model, corrected or not: many paths in lanes, observed on a timeline.
 
 use super::kernel::{Kernel, Paths, RUN};
-use super::reading::Reader;
+use super::reading::GridReader;
 use crate::lanes::InstructionSet;
 use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
@@ -120,9 +120,9 @@ impl Simulate for DiscreteSimulation {
         let mut forcing = [0.0; RUN + 1];
         self.clock.fill(0, &mut harmonics[..1]);
         forcing[0] = to_force * harmonics[0];
-        let mut reader = Reader::start(&kernel, &state, forcing[0], paths, observer);
+        let mut reader = GridReader::start(&kernel, &state, forcing[0], paths, observer);
         let mut diverged = vec![false; paths];
-        let mut sampled = Samples::default();
+        let mut sampled = NoiseSamples::default();
         let mut turns = Vec::new();
         let mut followed = observer.follows().then(Followed::default);
 
@@ -243,12 +243,12 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
 
 /// The buffers of a snapshot.
 #[derive(Default)]
-struct Samples {
+struct NoiseSamples {
     temperature: Vec<f64>,
     is_static: Vec<bool>,
 }
 
-impl Samples {
+impl NoiseSamples {
     fn take<'a>(&'a mut self, state: &'a Paths, harmonic: f64, noise: f64, time: f64) -> Snapshot<'a> {
         let paths = self.is_static.len();
         self.temperature.clear();

@@ -19,7 +19,7 @@ use super::law::inside::Glance;
 use super::work::Simulated;
 use crate::model::Event;
 use crate::noise::looking_place;
-use crate::scheme::columns::{Columns, LOST};
+use crate::scheme::columns::{LOST, StateColumns};
 use crate::scheme::timeline::Stop;
 use crate::scheme::{Glide, Instant, Observer};
 use std::cell::RefCell;
@@ -45,7 +45,7 @@ pub trait PathSet {
     /// Takes all paths across a cell with stops inside.
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside);
     /// Writes the state of every path at the end of the cell that was crossed last.
-    fn look(&self, passed: &Cell, columns: &mut Columns);
+    fn look(&self, passed: &Cell, columns: &mut StateColumns);
     /// Whether all paths have been given up.
     fn are_lost(&self) -> bool;
     fn simulated(&self) -> Simulated;
@@ -55,7 +55,7 @@ pub trait PathSet {
 pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>) -> Simulated {
     let mut cell = Cell::new(paths.cascade().scene(), paths.cascade().ladder(), 0);
     let (closeness, timeline) = (paths.cascade().closeness(), *paths.cascade().timeline());
-    let mut columns = Columns::new(count);
+    let mut columns = StateColumns::new(count);
     let (mut quiet, mut inside) =
         (Vec::new(), Inside { glides: observer.borrow().follows().then(Vec::new), ..Inside::default() });
     let mut stops = timeline.stops().peekable();
@@ -107,7 +107,7 @@ pub struct Inside {
     /// The index in `glances` of each stop.
     places: Vec<usize>,
     /// The states of all paths at each of `glances`. There may be more than needed.
-    pub seen: Vec<Columns>,
+    pub seen: Vec<StateColumns>,
     pub events: Vec<(usize, Event)>,
     /// The motion in the cell, if it is followed.
     glides: Option<Vec<(usize, Glide)>>,
@@ -139,7 +139,7 @@ impl Inside {
             *ordinal += 1;
         }
         while self.seen.len() < self.glances.len() {
-            self.seen.push(Columns::new(paths));
+            self.seen.push(StateColumns::new(paths));
         }
         self.seen[..self.glances.len()].iter_mut().for_each(|seen| seen.fill(LOST));
         self.events.clear();

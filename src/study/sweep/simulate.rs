@@ -113,7 +113,7 @@ impl PointSetup {
 }
 
 /// A finished piece of work, with the CPU seconds that it took.
-struct Piece {
+struct JobDone {
     job: usize,
     seconds: f64,
     made: Made,
@@ -146,11 +146,11 @@ impl SweepSimulation<'_> {
             let start = thread_seconds();
             let job = jobs.partition_point(|job| job.first <= index) - 1;
             let made = jobs[job].make(index - jobs[job].first, stop)?;
-            Some(Piece { job, seconds: thread_seconds() - start, made })
+            Some(JobDone { job, seconds: thread_seconds() - start, made })
         };
         let mut growing: Option<Growing> = None;
         let mut done = 0;
-        let deliver = |piece: Piece| -> Result<ControlFlow<()>, SweepEnd<E>> {
+        let deliver = |piece: JobDone| -> Result<ControlFlow<()>, SweepEnd<E>> {
             let job = &jobs[piece.job];
             let here = growing.get_or_insert_with(|| job.nothing_yet());
             here.seconds += piece.seconds;

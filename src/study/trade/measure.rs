@@ -88,7 +88,7 @@ pub fn measure(
         return Err(TradeError::NothingHappens);
     }
     let watch = Stopwatch::start(threads);
-    let until = |share: f64| End { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
+    let until = |share: f64| MeasureUntil { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
     let runs: Vec<FreeRun> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
@@ -147,7 +147,7 @@ fn pairing_of(
     reference: &Rung,
     paired: &FreeRun,
     threads: usize,
-    end: End<'_>,
+    end: MeasureUntil<'_>,
 ) -> Result<Pairing, TradeError> {
     if scenario.ensemble.antithetic {
         return Ok(Pairing::Asked);
@@ -166,13 +166,13 @@ const BRIEF: f64 = 0.1;
 
 /// When no further paths are begun.
 #[derive(Clone, Copy)]
-struct End<'a> {
+struct MeasureUntil<'a> {
     watch: Stopwatch,
     time: Option<Duration>,
     limits: Limits<'a>,
 }
 
-impl End<'_> {
+impl MeasureUntil<'_> {
     /// Whether to go on. This is asked after each piece, so the first piece is always done.
     fn flow(&self) -> ControlFlow<()> {
         let is_late = self.time.is_some_and(|time| self.watch.elapsed() > time);
@@ -186,7 +186,7 @@ fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
 }
 
 /// Measure the rung of a scheme without a step.
-fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: End<'_>) -> Result<Rung, TradeError> {
+fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: MeasureUntil<'_>) -> Result<Rung, TradeError> {
     let plan = bare_plan(scenario, run.scheme)?;
     let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline());
@@ -216,7 +216,7 @@ fn coupled(
     ladder: &Ladder,
     effort: &Effort,
     threads: usize,
-    end: End<'_>,
+    end: MeasureUntil<'_>,
 ) -> Result<Vec<Rung>, TradeError> {
     let steps = &ladder.steps[..effort.steps.min(ladder.steps.len())];
     let mut plans: Vec<(Scheme, Plan)> = Vec::new();
@@ -265,7 +265,7 @@ fn in_groups(
     empty: &Totals,
     of_group: u64,
     threads: usize,
-    end: End<'_>,
+    end: MeasureUntil<'_>,
 ) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
     let never = AtomicBool::new(false);

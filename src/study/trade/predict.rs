@@ -61,20 +61,20 @@ struct Candidate {
     scheme: Scheme,
     cost: super::Cost,
     is_measured: bool,
-    terms: Vec<(Statistic, Bound, f64)>,
+    terms: Vec<(Statistic, BiasBound, f64)>,
 }
 
 /// An upper bound of the absolute bias. It is unresolved if it mostly is the error of the
 /// measurement.
 #[derive(Clone, Copy)]
-struct Bound {
+struct BiasBound {
     value: f64,
     is_unresolved: bool,
 }
 
-impl Bound {
+impl BiasBound {
     /// The smaller of two bounds.
-    fn or(self, other: Bound) -> Bound {
+    fn or(self, other: BiasBound) -> BiasBound {
         if other.value < self.value { other } else { self }
     }
 }
@@ -85,9 +85,9 @@ fn tail(r: f64) -> f64 {
     r.sqrt().recip() / (1.0 - 0.5f64.sqrt())
 }
 
-impl From<Number> for Bound {
+impl From<Number> for BiasBound {
     fn from(bias: Number) -> Self {
-        Bound { value: bias.bound(), is_unresolved: bias.value.abs() < 2.0 * bias.error }
+        BiasBound { value: bias.bound(), is_unresolved: bias.value.abs() < 2.0 * bias.error }
     }
 }
 
@@ -177,7 +177,7 @@ impl Trade {
                 let finer = 2f64.powi(i);
                 let h = finest / finer;
                 let bound = |s: Statistic, law: &Option<Law>| {
-                    law.as_ref().map_or_else(|| self.finer(&rungs, s, finer), |law| Bound::from(law.bias(h)))
+                    law.as_ref().map_or_else(|| self.finer(&rungs, s, finer), |law| BiasBound::from(law.bias(h)))
                 };
                 Candidate {
                     scheme: kind.with(h),
@@ -195,7 +195,7 @@ impl Trade {
     /// An upper bound of the bias of a measured rung. It comes from the distance to the reference,
     /// or from the law if that is known better. For a scheme with a tolerance it is the tolerance,
     /// unless the distance shows a larger bias.
-    fn bound(&self, rung: &Rung, statistic: Statistic, law: Option<&Law>) -> Bound {
+    fn bound(&self, rung: &Rung, statistic: Statistic, law: Option<&Law>) -> BiasBound {
         let measured = self.bias(rung, statistic);
         match (rung.scheme.discretisation(), rung.scheme.step(), law) {
             (Discretisation::Tolerance { tolerance }, ..) => {
@@ -203,13 +203,13 @@ impl Trade {
                 let allowed = relative * self.standing(statistic).scale().unwrap_or(f64::NAN);
                 let is_exceeded = measured.value.abs() - BIAS_ERRORS * measured.error > allowed;
                 match (self.is_reference(rung), is_exceeded) {
-                    (true, _) => Bound { value: allowed, is_unresolved: false },
+                    (true, _) => BiasBound { value: allowed, is_unresolved: false },
                     (false, true) => measured.into(),
-                    (false, false) => Bound { value: allowed.min(measured.bound()), is_unresolved: false },
+                    (false, false) => BiasBound { value: allowed.min(measured.bound()), is_unresolved: false },
                 }
             }
             (_, Some(h), Some(law)) if h <= law.coarsest && law.bias(h).error < measured.error => law.bias(h).into(),
-            (_, Some(_), None) => Bound::from(measured).or(self.changes_from(rung, statistic)),
+            (_, Some(_), None) => BiasBound::from(measured).or(self.changes_from(rung, statistic)),
             _ => measured.into(),
         }
     }
@@ -217,7 +217,7 @@ impl Trade {
     /// A bound of the bias of a step without a law: the sum of the changes from it to the finest
     /// step, and a bound of what is left beyond that. The latter assumes that the bias falls at
     /// least as fast as sqrt(h), the slowest rate of these schemes.
-    fn changes_from(&self, rung: &Rung, statistic: Statistic) -> Bound {
+    fn changes_from(&self, rung: &Rung, statistic: Statistic) -> BiasBound {
         let kind = rung.scheme.kind();
         let finer: Vec<Number> = (self.rungs_of(kind))
             .filter(|other| other.scheme.step() <= rung.scheme.step())
@@ -228,14 +228,14 @@ impl Trade {
             error: finer.iter().map(|change| change.error).sum(),
         };
         let last = self.last_change(kind, statistic);
-        Bound { value: sum.bound() + last * tail(2.0), is_unresolved: sum.value.abs() < 2.0 * sum.error }
+        BiasBound { value: sum.bound() + last * tail(2.0), is_unresolved: sum.value.abs() < 2.0 * sum.error }
     }
 
     /// The same at the finest step divided by `finer`.
-    fn finer(&self, rungs: &[&Rung], statistic: Statistic, finer: f64) -> Bound {
-        let Some(finest) = rungs.last() else { return Bound { value: f64::NAN, is_unresolved: true } };
+    fn finer(&self, rungs: &[&Rung], statistic: Statistic, finer: f64) -> BiasBound {
+        let Some(finest) = rungs.last() else { return BiasBound { value: f64::NAN, is_unresolved: true } };
         let beyond = self.last_change(finest.scheme.kind(), statistic) * tail(2.0 * finer);
-        self.bound(finest, statistic, None).or(Bound { value: beyond, is_unresolved: true })
+        self.bound(finest, statistic, None).or(BiasBound { value: beyond, is_unresolved: true })
     }
 
     /// A bound of the change between the two finest steps.

@@ -4,7 +4,7 @@
 //! So all paths make a step before any of them makes the next one, in groups whose states stay in
 //! the nearest cache, and the normals of several steps are drawn in advance.
 
-use super::{Regime, Run, Splat, State, note};
+use super::{LaneRun, Regime, Splat, State, note};
 use crate::lanes::Lanes;
 use std::ops::Range;
 
@@ -27,8 +27,8 @@ struct Room<L: Lanes> {
     g: [f64; TOGETHER],
 }
 
-impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>
+    LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
 {
     /// Takes every path through the whole run.
     #[inline(always)]
@@ -57,7 +57,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
     #[inline(always)]
     fn draw<L: Lanes>(&mut self, group: Range<usize>, chi: &mut [[f64; TOGETHER]]) {
         for from in (0..group.len()).step_by(L::WIDTH) {
-            let mut normals = self.work.streams.take::<L, 1, MIRRORED>(group.start + from);
+            let mut normals = self.work.streams.take::<L, 1>(group.start + from);
             for chi in chi.iter_mut() {
                 self.scale.increment(&mut normals)[0].store(&mut chi[from..]);
             }

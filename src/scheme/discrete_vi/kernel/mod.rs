@@ -62,7 +62,7 @@ impl Coefficients {
     }
 
     /// b(X, V, t) without g, rounded as in the lanes; `forcing` is K beta times the harmonics at t.
-    fn force(&self, at: &Point, forcing: f64) -> f64 {
+    fn force(&self, at: &LaneState, forcing: f64) -> f64 {
         let temperature_force = self.noise_force.mul_add(at.noise, forcing);
         let b = self.minus_stiffness.mul_add(at.displacement, temperature_force);
         self.minus_two_alpha.mul_add(at.velocity, b)
@@ -120,10 +120,7 @@ impl NoiseScale {
 
     /// Draws the next increment of v/unit.
     #[inline(always)]
-    fn increment<L: Lanes, const R: usize, const MIRRORED: bool>(
-        &self,
-        normals: &mut LaneNormals<L, R, MIRRORED>,
-    ) -> [L; R] {
+    fn increment<L: Lanes, const R: usize>(&self, normals: &mut LaneNormals<L, R>) -> [L; R] {
         if !self.draws {
             return [L::splat(0.0); R];
         }
@@ -155,9 +152,9 @@ impl Paths {
     }
 
     /// One path.
-    pub(super) fn point(&self, lane: usize) -> Point {
+    pub(super) fn point(&self, lane: usize) -> LaneState {
         let (displacement, velocity) = (self.displacement[lane], self.velocity[lane]);
-        Point { displacement, velocity, noise: self.noise[lane] }
+        LaneState { displacement, velocity, noise: self.noise[lane] }
     }
 
     /// All paths at this x and x', and the given v(0)/unit.
@@ -169,7 +166,7 @@ impl Paths {
 
 /// X, V and v/unit of one path at one instant.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Point {
+pub(super) struct LaneState {
     pub displacement: f64,
     pub velocity: f64,
     pub noise: f64,
@@ -181,8 +178,8 @@ pub(super) struct Turn {
     pub lane: usize,
     /// The number of the step within the run.
     pub step: usize,
-    pub before: Point,
-    pub after: Point,
+    pub before: LaneState,
+    pub after: LaneState,
 }
 
 /// The kernel for one scene. Terms that the scene does not have are compiled out.
@@ -219,7 +216,7 @@ impl Kernel {
     }
 
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
-    pub(super) fn force(&self, at: &Point, forcing: f64, n: u64) -> f64 {
+    pub(super) fn force(&self, at: &LaneState, forcing: f64, n: u64) -> f64 {
         let b = self.coefficients.force(at, forcing);
         match &self.own {
             Some(own) => b + own.at(self.instructions, at.displacement, at.velocity, n as f64 * self.coefficients.h),
@@ -240,35 +237,26 @@ impl Kernel {
     ) {
         turns.clear();
         let work = Work { n, forcing, streams, paths, turns };
-        match (self.own.is_some(), self.has_damping, self.is_corrected) {
-            (false, false, false) => self.run_noise::<false, false, false>(work),
-            (false, false, true) => self.run_noise::<false, false, true>(work),
-            (false, true, false) => self.run_noise::<false, true, false>(work),
-            (false, true, true) => self.run_noise::<false, true, true>(work),
+        match (self.has_noise, self.is_corrected) {
+            (false, false) => self.run_damping::<false, false>(work),
+            (false, true) => self.run_damping::<false, true>(work),
+            (true, false) => self.run_damping::<true, false>(work),
+            (true, true) => self.run_damping::<true, true>(work),
+        }
+    }
+
+    fn run_damping<const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+        match (self.own.is_some(), self.has_damping) {
+            (false, false) => self.run::<false, NOISE, false, CORRECTED>(work),
+            (false, true) => self.run::<false, NOISE, true, CORRECTED>(work),
             // Beside a force of the user's own, the damping costs nothing.
-            (true, _, false) => self.run_noise::<true, true, false>(work),
-            (true, _, true) => self.run_noise::<true, true, true>(work),
+            (true, _) => self.run::<true, NOISE, true, CORRECTED>(work),
         }
     }
 
-    fn run_noise<const OWN: bool, const DAMPING: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
-        match (self.has_noise, work.streams.are_mirrored()) {
-            (false, _) => self.run::<OWN, false, false, DAMPING, CORRECTED>(work),
-            (true, false) => self.run::<OWN, true, false, DAMPING, CORRECTED>(work),
-            (true, true) => self.run::<OWN, true, true, DAMPING, CORRECTED>(work),
-        }
-    }
-
-    fn run<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>(
-        &self,
-        work: Work<'_>,
-    ) {
-        let mut run = Run::<OWN, NOISE, MIRRORED, DAMPING, CORRECTED> {
-            kernel: self,
-            c: &self.coefficients,
-            scale: &self.noise,
-            work,
-        };
+    fn run<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+        let mut run =
+            LaneRun::<OWN, NOISE, DAMPING, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
         self.instructions.run(&mut run);
     }
 }
@@ -283,15 +271,15 @@ struct Work<'a> {
     turns: &'a mut Vec<Turn>,
 }
 
-struct Run<'a, const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> {
+struct LaneRun<'a, const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
     kernel: &'a Kernel,
     c: &'a Coefficients,
     scale: &'a NoiseScale,
     work: Work<'a>,
 }
 
-impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
-    for Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
+    for LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
 {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
@@ -312,8 +300,8 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
     }
 }
 
-impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bool, const CORRECTED: bool>
-    Run<'_, OWN, NOISE, MIRRORED, DAMPING, CORRECTED>
+impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>
+    LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
 {
     /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
     /// of lanes.
@@ -331,7 +319,7 @@ impl<const OWN: bool, const NOISE: bool, const MIRRORED: bool, const DAMPING: bo
             *regime = c.regime(state.v);
         }
 
-        let mut normals = if NOISE { Some(self.work.streams.take::<L, R, MIRRORED>(lane)) } else { None };
+        let mut normals = if NOISE { Some(self.work.streams.take::<L, R>(lane)) } else { None };
         let every_lane = (1 << L::WIDTH) - 1;
 
         for (n, &forcing) in self.work.forcing[..self.work.forcing.len() - 1].iter().enumerate() {
@@ -550,7 +538,7 @@ fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, 
 #[cold]
 #[inline(never)]
 fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before: &Spilled, after: &Spilled) {
-    let point = |Spilled([displacement, velocity, noise]): &Spilled, i: usize| Point {
+    let point = |Spilled([displacement, velocity, noise]): &Spilled, i: usize| LaneState {
         displacement: displacement[i],
         velocity: velocity[i],
         noise: noise[i],

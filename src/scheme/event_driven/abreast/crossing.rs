@@ -64,9 +64,9 @@ impl<S: Stage> LaneProgram for InLanes<'_, '_, S> {
 }
 
 /// Takes every lane to the end of the cell.
-struct Sweep;
+struct CrossingStage;
 
-impl Stage for Sweep {
+impl Stage for CrossingStage {
     #[inline(always)]
     fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
         crossing.sweep();
@@ -139,7 +139,7 @@ impl Abreast<'_> {
         if self.go_alone(cell, glances) {
             self.mark_all_odd();
         } else {
-            self.run(cell, Sweep);
+            self.run(cell, CrossingStage);
             for turn in 1_u32.. {
                 let Some(task) = self.jobs.longest() else { break };
                 self.work_on(task, cell);

@@ -9,7 +9,7 @@ use super::slip::SearchedSlip;
 use super::states::{Border, rows_from};
 use crate::lanes::{Lanes, ROW};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
-use crate::scheme::columns::{Columns, LOST};
+use crate::scheme::columns::{LOST, StateColumns};
 use crate::scheme::event_driven::cell_loop::Inside;
 use crate::scheme::event_driven::law::corridor::{Node, stick_piece};
 use crate::scheme::event_driven::law::first_stop::{Interval, SlipVelocity};
@@ -397,7 +397,7 @@ fn at<L: Lanes>(column: &[f64], rows: &RowNumbers) -> L {
 /// Sets x, x' and T in these lanes.
 #[inline(always)]
 fn set<L: Lanes>(
-    seen: &mut Columns,
+    seen: &mut StateColumns,
     rows: &RowNumbers,
     mut lanes: u32,
     (x, v, temperature): (L, L, L),

@@ -35,7 +35,7 @@ use super::work::{Simulated, Unresolved, WorkLeft};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable, ROW, Row};
 use crate::model::{Event, Phase, Sign};
 use crate::noise::{AddressedDraws, cells};
-use crate::scheme::columns::{Columns, LOST};
+use crate::scheme::columns::{LOST, StateColumns};
 use jobs::{Jobs, Queue};
 use records::Records;
 use states::{Border, Phases, rows_from};
@@ -198,7 +198,7 @@ impl<'a> Abreast<'a> {
 struct LookAtEnd<'p, 'a> {
     paths: &'p Abreast<'a>,
     passed: &'p Cell,
-    columns: &'p mut Columns,
+    columns: &'p mut StateColumns,
 }
 
 impl LaneProgram for LookAtEnd<'_, '_> {
@@ -238,7 +238,7 @@ impl PathSet for Abreast<'_> {
         self.cross_cell(cell, Some(inside));
     }
 
-    fn look(&self, passed: &Cell, columns: &mut Columns) {
+    fn look(&self, passed: &Cell, columns: &mut StateColumns) {
         self.instructions.run(&mut LookAtEnd { paths: self, passed, columns });
         for &lane in self.lost.keys() {
             columns.set(lane, LOST);

@@ -6,7 +6,7 @@ use super::watch::{Follower, Nobody};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
 use crate::scheme::Glide;
-use crate::scheme::columns::{Columns, LOST, Seen};
+use crate::scheme::columns::{LOST, Seen, StateColumns};
 use crate::scheme::event_driven::cell_loop::{Inside, PathSet, Watching};
 use crate::scheme::event_driven::law::cells::Cell;
 use crate::scheme::event_driven::work::Simulated;
@@ -107,7 +107,7 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
         instructions.run(&mut CrossOneByOne { all: self, cells, inside: Some(inside) });
     }
 
-    fn look(&self, passed: &Cell, columns: &mut Columns) {
+    fn look(&self, passed: &Cell, columns: &mut StateColumns) {
         for (lane, path) in self.paths.iter().enumerate() {
             columns.set(lane, at_the_end(self.cascade, passed, path));
         }

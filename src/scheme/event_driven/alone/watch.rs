@@ -10,7 +10,7 @@
 
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
 use crate::scheme::Glide;
-use crate::scheme::columns::{Columns, Seen};
+use crate::scheme::columns::{Seen, StateColumns};
 use crate::scheme::event_driven::law::inside::{Bridge, Glance, StickEnd, StickPiece, Stuck, TRIES};
 use crate::scheme::event_driven::law::scene::Scene;
 
@@ -96,7 +96,7 @@ pub struct Glances<'a> {
     pub draws: AddressedDraws,
     /// The lane of the path, and for each time the states of all paths.
     pub lane: usize,
-    pub seen: &'a mut [Columns],
+    pub seen: &'a mut [StateColumns],
     /// The number of times that have been observed so far.
     pub passed: usize,
 }

@@ -20,7 +20,7 @@ use crate::model::{
     Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow,
     can_be_computed_with,
 };
-use crate::scheme::columns::Columns;
+use crate::scheme::columns::StateColumns;
 use crate::scheme::{Along, Glide, Instant, Observer, Timeline};
 use std::cell::RefCell;
 
@@ -103,7 +103,7 @@ impl Noiseless {
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
     pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let (mut columns, observer) = (Columns::new(lanes), RefCell::new(observer));
+        let (mut columns, observer) = (StateColumns::new(lanes), RefCell::new(observer));
         let is_stopped = || observer.borrow().is_stopped();
         let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
         let mut leg = self.initial_leg(&mut work);

@@ -20,7 +20,7 @@ use super::slip_motion::{Kinematics, SlipMotion};
 use super::slip_search::first_stop;
 use super::stick_search::{SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign};
-use crate::scheme::columns::{Columns, LOST, Seen};
+use crate::scheme::columns::{LOST, Seen, StateColumns};
 use crate::scheme::{Along, Glide, Instant, Observer, Timeline};
 use std::cell::RefCell;
 
@@ -122,7 +122,7 @@ impl GeneralNoiseless {
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
     pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let (mut columns, observer) = (Columns::new(lanes), RefCell::new(observer));
+        let (mut columns, observer) = (StateColumns::new(lanes), RefCell::new(observer));
         let is_stopped = || observer.borrow().is_stopped();
         let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
         let mut stretch = self.initial_stretch(&mut work);
