@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Draw the pictures of docs/pictures.md, docs/gallery.md and docs/studies.md again: some seconds.
+# Draw the pictures of docs/pictures.md and docs/gallery.md again: some seconds.
 # tests/command/pictures.rs runs the same lines and compares what comes out.
 set -euo pipefail
 cd "$(dirname "$0")/.."

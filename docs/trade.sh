@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Regenerate the table of docs/trade.md, and the whole tables and pictures that it links to: about
+# Regenerate the table of docs/schemes.md, and the whole tables and pictures that it links to: about
 # four minutes. `docs/trade.sh [BUDGET]`
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -23,6 +23,6 @@ for scene in shaw rho025 equal-friction damped viaduct; do
         !inside { print }
         $0 == mark { marked = 1 }
         marked && /^```text$/ { while ((getline line <block) > 0) print line; inside = 1; marked = 0 }
-    ' docs/trade.md >"$folder/page"
-    cp "$folder/page" docs/trade.md
+    ' docs/schemes.md >"$folder/page"
+    cp "$folder/page" docs/schemes.md
 done

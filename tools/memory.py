@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Print the largest resident set of `mc run` against the number of paths, as in
-docs/integrity.md.
+docs/performance.md.
 
 Each scheme runs `scenarios/rho025.toml` for one unit of time, with and without rows of single
 paths. The largest resident set is the one that the kernel reports for the ended process

@@ -43,7 +43,7 @@ def test_a_notebook_runs_from_end_to_end_in_any_folder(name, pictures, tmp_path)
 def test_the_snippet_for_dask_comes_to_the_bits_of_the_run():
     pytest.importorskip("distributed")
     names = {"__name__": "page"}
-    exec(*snippets("docs/parts.md"), names)
+    exec(*snippets("docs/long-runs.md"), names)
     same(names["ds"], ss.run("rho025", paths=10_000))
 
 

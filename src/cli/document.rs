@@ -7,7 +7,7 @@ use stick_slip::advice::Warning;
 use stick_slip::engine::{PROGRAM_VERSION, commit};
 use stick_slip::stats::Estimate;
 
-/// The schema version, one for all objects together (docs/json.md). It rises where a key changes
+/// The schema version, one for all objects together (docs/commands.md). It rises where a key changes
 /// its meaning or is removed, and not where a key is added.
 pub const SCHEMA_VERSION: u32 = 1;
 

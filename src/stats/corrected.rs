@@ -126,7 +126,7 @@ mod tests {
     /// The true value is zero, and the true bias goes from none to six uncertainties. The errors
     /// are normal, as the stated cost assumes, or have heavy tails, or are skewed (exponential).
     /// The run is as precise as the bias or much more precise. With normal errors the cost stays
-    /// within the stated 0.15 and 0.4, with the others within 0.3 and 0.55 (docs/bias.md). 20 000
+    /// within the stated 0.15 and 0.4, with the others within 0.3 and 0.55. 20 000
     /// draws give a root mean square to 1 %.
     ///
     /// Null for the coverage: 95 %, so that the observed share of 20 000 is above 94.2 % with a

@@ -16,7 +16,7 @@
 //! is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom. Where all paths contribute
 //! alike, none of this changes the interval much: the ends move by half of s/d of its width.
 //!
-//! docs/statistics.md says how often these intervals hold the truth.
+//! docs/validation.md says how often these intervals hold the truth.
 
 use super::codec::sums_of_fields;
 

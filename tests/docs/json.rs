@@ -1,7 +1,7 @@
-//! docs/json.md describes the JSON objects that the program prints.
+//! docs/commands.md describes the JSON objects that the program prints.
 
 use crate::command::mc;
-use crate::markdown::root;
+use crate::markdown::{Page, root};
 use serde_json::Value;
 use std::collections::BTreeSet;
 
@@ -29,8 +29,8 @@ fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
 
 /// The keys that the page lists for a kind of object, and those that all objects have.
 fn documented(kind: &str) -> BTreeSet<String> {
-    let page = std::fs::read_to_string(root().join("docs/json.md")).expect("the page");
-    let mut parts = page.split("\n## ");
+    let page = Page::read("docs/commands.md").section("## JSON").text;
+    let mut parts = page.split("\n### ");
     let opening = parts.next().expect("an opening");
     let part = parts.find(|part| part.lines().next() == Some(kind)).unwrap_or_else(|| panic!("no part `{kind}`"));
     let rows = opening.lines().chain(part.lines()).filter(|line| line.starts_with("| `"));
@@ -39,7 +39,9 @@ fn documented(kind: &str) -> BTreeSet<String> {
     keys.map(str::to_string).collect()
 }
 
-/// Every key of every object is on the page under its kind, and an object begins with its kind.
+/// Every key of every object is on the page under its kind, alone or with all keys of the object
+/// that it is in, or has the name of a variable or an attribute of the output file; and an object
+/// begins with its kind.
 #[test]
 fn every_key_of_every_object_is_described() {
     let folder = tempfile::tempdir().expect("a folder");
@@ -59,6 +61,8 @@ fn every_key_of_every_object_is_described() {
         ("weather", vec!["fit-temperature", &data]),
         ("forecast", vec!["forecast", &bearing, &data, "--draws", "2", "--years", "2"]),
     ];
+    let format = Page::read("docs/output-format.md");
+    let of_file: BTreeSet<&str> = format.spans().into_iter().collect();
     for (kind, mut line) in lines {
         line.push("--json");
         let output = mc(folder.path(), &line);
@@ -69,14 +73,15 @@ fn every_key_of_every_object_is_described() {
         paths(&value, "", &mut found);
         let described = documented(kind);
         // An object that is absent is null, and the page describes the keys that it would have.
+        let begins = |key: &str, start: &str| {
+            key.strip_prefix(start).is_some_and(|rest| rest.is_empty() || rest.starts_with(['.', '[']))
+        };
         let is_described = |key: &String| {
-            described.contains(key)
-                || described
-                    .iter()
-                    .any(|other| other.starts_with(&format!("{key}.")) || other.starts_with(&format!("{key}[]")))
+            let name = key.rsplit('.').next().unwrap_or_default();
+            of_file.contains(name) || described.iter().any(|other| begins(other, key) || begins(key, other))
         };
         let unknown: Vec<&String> = found.iter().filter(|key| !is_described(key)).collect();
-        assert!(unknown.is_empty(), "{line:?}: docs/json.md does not describe {unknown:?}");
+        assert!(unknown.is_empty(), "{line:?}: docs/commands.md does not describe {unknown:?}");
         assert!(found.len() > 8, "{line:?}: {found:?}");
     }
 }

@@ -39,6 +39,8 @@ fn documented(page: &Page) -> BTreeMap<String, Documented> {
             let parts: Vec<&str> = cell.split(',').map(str::trim).collect();
             if parts.len() == names.len() { parts[i].to_string() } else { cell.to_string() }
         };
+        // Most variables are real numbers.
+        let kind = if kind.is_empty() { "f64" } else { kind };
         let axes: Vec<String> = axes.split(", ").filter(|axis| !axis.is_empty()).map(String::from).collect();
         for (i, name) in names.iter().enumerate() {
             let laws = if name.starts_with("LAW_") { &LAWS[..] } else { &[("", "")] };
@@ -100,13 +102,21 @@ fn udunits(unit: &str) -> Option<&'static str> {
     })
 }
 
-/// Checks that each variable of a file is as the page says. Returns the names of all variables.
+/// The row of a variable. The ends of an interval, which the page leaves out, are as the variable
+/// that it is of.
+fn row<'a>(rows: &'a BTreeMap<String, Documented>, name: &str) -> Option<&'a Documented> {
+    let of = || name.strip_suffix("_low").or_else(|| name.strip_suffix("_high"));
+    rows.get(name).or_else(|| rows.get(of()?))
+}
+
+/// Checks that each variable of a file is as the page says. Returns the names of the variables
+/// that are listed.
 fn check(file: &File, page: &Page) -> BTreeSet<String> {
     let (rows, bare) = (documented(page), bare_dimensions(page));
     let members = file.member_names().expect("a root group");
     for name in &members {
         let dataset = file.dataset(name).expect("everything is a variable of the root group");
-        let Some(Documented { axes, kind: documented, unit }) = rows.get(name) else {
+        let Some(Documented { axes, kind: documented, unit }) = row(&rows, name) else {
             assert!(bare.contains(name), "{name} is in a file, and not in {PAGE}");
             continue;
         };
@@ -115,7 +125,7 @@ fn check(file: &File, page: &Page) -> BTreeSet<String> {
         assert_eq!(dataset.shape(), lengths, "axes of {name}");
         assert_eq!(text(&dataset, "units").as_deref(), udunits(unit), "unit of {name}");
     }
-    members.into_iter().collect()
+    members.into_iter().filter(|name| rows.contains_key(name) || bare.contains(name)).collect()
 }
 
 const UNITS: [&str; 8] =

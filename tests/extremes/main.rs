@@ -10,7 +10,8 @@
 //!   invariants      what holds on every path of every scheme, checked by an observer
 //! ```
 //!
-//! docs/extremes.md describes this for users.
+//! docs/model.md and docs/event-driven.md describe this for users, and docs/validation.md has the
+//! results.
 
 #[path = "../common/mod.rs"]
 mod common;

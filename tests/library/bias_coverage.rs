@@ -2,7 +2,7 @@
 //! rules of the estimate were not made for.
 //!
 //! `cargo test --release --test library bias_coverage:: -- --ignored --nocapture` prints the table;
-//! docs/bias.md has the last result.
+//! docs/validation.md has the last result.
 
 use crate::common::paper;
 use rand_distr::{Distribution as _, Uniform};

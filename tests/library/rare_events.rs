@@ -3,7 +3,7 @@
 //! paths.
 //!
 //! `cargo test --release --test library rare_events:: -- --ignored --nocapture` prints the table;
-//! docs/statistics.md has the last result.
+//! docs/validation.md has the last result.
 
 use crate::common::paper;
 use stick_slip::ensemble::{BLOCK_SIZE, Plan};

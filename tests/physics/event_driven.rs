@@ -1141,7 +1141,7 @@ fn quasi_static_and_event_driven_agree_on_the_viaduct_and_not_under_fast_forcing
 
 #[test]
 fn the_quasi_static_approximation_fails_where_forcing_is_fast() {
-    // The table of docs/event-driven.md: mean |x_{j+1} - x_j| over ten periods, without noise.
+    // The numbers of docs/event-driven.md: mean |x_{j+1} - x_j| over ten periods, without noise.
     println!("| w/w0 | event-driven | quasi-static |\n|---|---|---|");
     let mut excesses = Vec::new();
     for w in [1e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.25] {

@@ -6,7 +6,7 @@
 //! is a sub-phase boundary at t_{n+1}. A static phase ends at t_n, the last instant with V_n = 0;
 //! this is the paper's convention (its tau_{3/2} = 14.86). So a path that is observed at t_n is
 //! static if and only if V_n = V_{n+1} = 0, in its rows as in its events. If every zero counted as
-//! a stick, sticks would be 23 % shorter at h = 0.01 (docs/model.md), and their duration would not
+//! a stick, sticks would be 23 % shorter at h = 0.01, and their duration would not
 //! converge.
 
 use super::kernel::{Coefficients, Kernel, LaneState, Paths, Turn};
