@@ -18,6 +18,8 @@ pub struct DataColumn {
     pub times: Vec<f64>,
     /// Values: temperatures in degrees, displacements in metres.
     pub values: Vec<f64>,
+    /// The time over which each value is a mean, around its time; 0 if it is that of an instant.
+    pub averaged: f64,
 }
 
 /// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
@@ -164,6 +166,7 @@ impl<'a> Column<'a> {
             name: self.name,
             times: self.samples.iter().map(|sample| sample.0 - begin).collect(),
             values: self.samples.iter().map(|sample| self.unit.of(sample.1)).collect(),
+            averaged: 0.0,
         }
     }
 }

@@ -47,6 +47,7 @@ mod zero;
 
 pub use air::Air;
 pub use bearing::{Bearing, Response, Sensor};
+pub(super) use course::farthest;
 pub use calibrate::{calibrate, calibrate_again};
 pub use lag::LagProfile;
 pub use misfit::FitObjective;

@@ -18,6 +18,9 @@ pub struct MeasuredRecord {
     /// The indices of temperatures that are not the thermometer's own but interpolated between
     /// them, in ascending order.
     pub interpolated: Vec<usize>,
+    /// The time over which each temperature is a mean, around its time, in seconds; 0 if it is that of
+    /// an instant.
+    pub averaged: f64,
     /// The instant from which the times count, if it is known.
     pub start: Option<Start>,
 }
@@ -31,7 +34,7 @@ const GAP: f64 = 3.5;
 impl From<&BearingData> for MeasuredRecord {
     fn from(BearingData { temperature, displacement, start, .. }: &BearingData) -> Self {
         let columns = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
-        MeasuredRecord { start: *start, ..MeasuredRecord::of(columns[0], columns[1]) }
+        MeasuredRecord { start: *start, averaged: temperature.averaged, ..MeasuredRecord::of(columns[0], columns[1]) }
     }
 }
 

@@ -1,8 +1,9 @@
 //! The search for the most likely processes, and their errors.
 //!
 //! A point holds log theta of each process, and for two processes the logarithm of the variance of
-//! the second over that of the first. Last is the logarithm of the variance of the white noise over
-//! that of the first, if there is any. Some of these numbers are searched, and the others are held.
+//! the second over that of the first. Then comes log tau, if something smooths their sum, and last
+//! the logarithm of the variance of the white noise over that of the first, if there is any. Some of
+//! these numbers are searched, and the others are held.
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::result::{Estimates, WeatherFit};
@@ -31,6 +32,10 @@ pub struct ProcessSearch<'a> {
     periods: &'a [f64],
     /// Number of processes.
     processes: usize,
+    /// Whether something smooths their sum.
+    smooths: bool,
+    /// The time over which each sample is a mean, around its time.
+    window: f64,
     duration: f64,
 }
 
@@ -45,17 +50,26 @@ pub struct Peak {
 }
 
 impl<'a> ProcessSearch<'a> {
-    /// A search for harmonics of these periods and so many processes.
-    pub fn new(times: &'a [f64], temperatures: &[f64], periods: &'a [f64], processes: usize) -> Self {
+    /// A search for so many processes, smoothed or not, and harmonics of these periods, in samples
+    /// that are means over this time.
+    pub fn new(
+        [times, temperatures]: [&'a [f64]; 2],
+        periods: &'a [f64],
+        processes: usize,
+        smooths: bool,
+        window: f64,
+    ) -> Self {
         let mut columns = vec![vec![1.0; times.len()]];
         for period in periods {
+            let half = 0.5 * TAU / period * window;
+            let left = if half > 0.0 { libm::sin(half) / half } else { 1.0 };
             for function in [libm::cos, libm::sin] {
-                columns.push(times.iter().map(|t| function(TAU / period * (t - times[0]))).collect());
+                columns.push(times.iter().map(|t| left * function(TAU / period * (t - times[0]))).collect());
             }
         }
         columns.push(temperatures.to_vec());
         let duration = times[times.len() - 1] - times[0];
-        ProcessSearch { times, columns, periods, processes, duration }
+        ProcessSearch { times, columns, periods, processes, smooths, window, duration }
     }
 
     /// The most likely point; `None` if nothing explains the samples. If the memory of the slowest
@@ -90,6 +104,9 @@ impl<'a> ProcessSearch<'a> {
         }
         if let Some(held) = held {
             start[self.slowest()] = held;
+        }
+        if self.smooths {
+            start.push(libm::log(2.0 * interval));
         }
         let exact = self.lowest(&start, held.is_some())?;
         // The search for white noise starts from a hundredth of the variance that the fastest
@@ -133,17 +150,20 @@ impl<'a> ProcessSearch<'a> {
             return found;
         }
         let mut point = vec![p[1], p[0], -p[2]];
-        point.extend(p[3..].iter().map(|white| white - p[2]));
+        let (followers, white) = p[3..].split_at(usize::from(self.smooths));
+        point.extend(followers.iter().copied().chain(white.iter().map(|white| white - p[2])));
         Peak { point, ..found }
     }
 
     fn shape(&self, point: &[f64]) -> Shape {
-        let (x, white) = point.split_at(2 * self.processes - 1);
+        let (x, rest) = point.split_at(2 * self.processes - 1);
+        let (smoothing, white) = rest.split_at(usize::from(self.smooths));
         let mut processes = vec![(libm::exp(x[0]), 1.0)];
         if let [_, rate, ratio] = x {
             processes.push((libm::exp(*rate), libm::exp(*ratio)));
         }
-        Shape { processes, white: white.first().map_or(0.0, |white| libm::exp(*white)) }
+        let [smoothing, white] = [smoothing, white].map(|x| x.first().map_or(0.0, |x| libm::exp(*x)));
+        Shape { processes, smoothing, window: self.window, white }
     }
 
     fn likelihood(&self, point: &[f64]) -> Option<Likelihood> {
@@ -167,6 +187,7 @@ impl<'a> ProcessSearch<'a> {
             let sd = (best.scale * variance).sqrt();
             [libm::log(*theta), libm::log(sd)]
         });
+        let logarithms = logarithms.chain(self.smooths.then(|| libm::log(shape.smoothing)));
         Some(WeatherFit {
             samples: self.times.len(),
             duration: self.duration,
@@ -175,6 +196,8 @@ impl<'a> ProcessSearch<'a> {
             held_memory: found.is_held.then(|| libm::exp(-found.point[self.slowest()])),
             log_likelihood: -0.5 * best.deviance,
             periods: self.periods.to_vec(),
+            is_smoothed: self.smooths,
+            thinned: Vec::new(),
             coefficients: Estimates { factor: cholesky(&best.covariance)?, values: best.coefficients },
             logarithms: Estimates { values: logarithms.collect(), factor: cholesky(&errors)? },
         })
@@ -196,7 +219,7 @@ impl<'a> ProcessSearch<'a> {
         step
     }
 
-    /// The covariance of the errors of log theta_1, log sd_1, log theta_2, .... It is twice the
+    /// The covariance of the errors of log theta_1, log sd_1, log theta_2, ..., log tau. It is twice the
     /// inverse of the second derivatives of the deviance; the second derivative with respect to the
     /// logarithm of the scale is n - p.
     ///
@@ -237,6 +260,9 @@ impl<'a> ProcessSearch<'a> {
             rows.push((unit(j, 1.0), 0.0));
             let ratio = if j == 0 { vec![0.0; free.len()] } else { unit(self.processes, 0.5) };
             rows.push((ratio.iter().zip(&slope).map(|(a, b)| a + 0.5 * b).collect(), 0.5));
+        }
+        if self.smooths {
+            rows.push((unit(2 * self.processes - 1, 1.0), 0.0));
         }
         let between = |(a, s): &(Vec<f64>, f64), (b, t): &(Vec<f64>, f64)| {
             let shapes: f64 = (0..free.len())
