@@ -278,7 +278,7 @@ pub fn forecast<'py>(
         let workers = workers.0;
         let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
         let [times, temperatures] = calibration.record.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged);
+        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged[0]);
         let weather = weather.map_err(Missing::Weather)?;
         let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
         Ok((calibration, weather, found.map_err(Missing::Years)?))

@@ -79,7 +79,7 @@ impl Forecast {
         calibration.warnings.iter().for_each(warn);
         let too_short = "measure for at least half a year: a forecast needs to know the seasons";
         let [times, temperatures] = calibration.record.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, usize::from(self.processes), calibration.record.averaged)
+        let weather = fit(&times, &temperatures, &PERIODS, usize::from(self.processes), calibration.record.averaged[0])
             .map_err(|error| without_weather(self.source.shown(), &error, too_short))?;
         weather.warnings().iter().for_each(warn);
         let question = ForecastQuestion {

@@ -52,7 +52,7 @@ fn forecast_from(record: &MeasuredRecord, processes: usize, seed: u64) -> Foreca
     let stop = AtomicBool::new(false);
     let found = calibrate(record, &question(CalibrationMethod::Slips), 1, &stop).expect("slips");
     let [times, temperatures] = found.record.thermometer();
-    let weather = fit(&times, &temperatures, &PERIODS, processes, record.averaged).expect("weather");
+    let weather = fit(&times, &temperatures, &PERIODS, processes, record.averaged[0]).expect("weather");
     forecast(&found, &weather, &ForecastQuestion { seed, ..ASKED }, 2, &stop).expect("sound").expect("not stopped")
 }
 

@@ -2,10 +2,11 @@
 
 use super::lag::{CONVINCING, LagProfile, lag_profile};
 use super::question::Lag;
-use super::samples::MeasuredRecord;
+use super::samples::{MeasuredRecord, interval};
 use super::slips::Evidence;
 use super::thermometer::Thermometer;
 use super::uncertainty::AroundLag;
+use crate::bearing::weather::{Imagined, imagined};
 
 /// The fewest usual slips that determine anything.
 const FEWEST_SLIPS: usize = 6;
@@ -34,7 +35,27 @@ impl Steel {
             Lag::Known(lag) => lag,
             Lag::Auto => 0.0,
         };
-        let evidence_at = |lag: f64| Evidence::find(&air.lagged(lag), resolution).filter(is_visible);
+        let [times, temperatures] = air.thermometer();
+        let imagined = imagined(&times, &temperatures, interval(&times), air.averaged[0]);
+        // Temperatures with noise would make the slope of z against T too small, and so would means
+        // beside readings of an instant.
+        let is_better = |of: &&Imagined| of.white > 0.0 || air.averaged[0] != air.averaged[1];
+        let better = imagined.as_ref().filter(is_better).map(|of| air.with_temperatures(&of.times, &of.mean));
+        let air = better.as_ref().unwrap_or(air);
+        let evidence_of = |air: &MeasuredRecord, lag: f64| {
+            let steel = air.lagged(lag);
+            let rough = match &imagined {
+                Some(of) if lag == 0.0 => Thermometer::imagined(of.clone()),
+                _ => Thermometer::of(&steel),
+            };
+            Evidence::find(&steel, &rough, resolution).filter(is_visible)
+        };
+        let clean = match evidence_of(air, given).filter(|_| air.averaged[1] > 0.0) {
+            Some(evidence) => air.without_readings(&evidence.mixed(air)),
+            None => air.clone(),
+        };
+        let air = &clean;
+        let evidence_at = |lag: f64| evidence_of(air, lag);
         let mut evidence = evidence_at(given);
         let mut profile = evidence.as_ref().map(|evidence| lag_profile(air, evidence));
         let mut used = given;

@@ -1,5 +1,6 @@
 //! A temperature at its own samples, and how it moves between them.
 
+use crate::bearing::weather::Imagined;
 use super::samples::{MeasuredRecord, interval, starts, stretches};
 use std::ops::Range;
 
@@ -16,6 +17,8 @@ pub struct Thermometer {
     pub temperatures: Vec<f64>,
     /// The variance that the temperature gains between samples, in K^2/s.
     pub roughness: f64,
+    /// Temperatures at the same times that the samples make as likely, if they do not tell it.
+    pub drawn: Vec<Vec<f64>>,
     /// The index at which each stretch without a gap begins.
     starts: Vec<usize>,
 }
@@ -25,9 +28,15 @@ impl Thermometer {
     pub fn of(record: &MeasuredRecord) -> Self {
         let [times, temperatures] = record.thermometer();
         let starts = starts(&times);
-        let mut course = Thermometer { times, temperatures, roughness: 0.0, starts };
+        let mut course = Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), starts };
         course.roughness = course.shown_roughness();
         course
+    }
+
+    /// A temperature that was imagined.
+    pub fn imagined(of: Imagined) -> Self {
+        let Imagined { times, mean, drawn, roughness, .. } = of;
+        Thermometer { starts: starts(&times), times, temperatures: mean, drawn, roughness }
     }
 
     /// The same samples with another roughness between them; 0 for straight lines.

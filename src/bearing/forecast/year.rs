@@ -7,8 +7,7 @@
 use super::draw::{DrawnBearing, DrawnSteel};
 use super::{BURN_IN, YEAR};
 use crate::bearing::calibration::{Motion, farthest};
-use crate::bearing::linear::{Matrix, cholesky};
-use crate::bearing::weather::{Passage, STATES, Square, System};
+use crate::bearing::weather::{Passage, STATES, Square, System, root};
 use crate::model::Harmonic;
 use crate::noise::Stream;
 
@@ -116,25 +115,13 @@ impl Steel {
         Steel {
             step,
             mean: times.map(waves).collect(),
-            factors: [system.stationary(), passage.gained].map(|covariance| factor(&covariance, system.states)),
+            factors: [system.stationary(), passage.gained].map(|covariance| root(&covariance)),
             passage,
             states: system.states,
             seen: system.seen,
             gain: if slow.is_some() { 0.0 } else { rough * step },
         }
     }
-}
-
-/// The Cholesky factor of the covariance of the first states.
-fn factor(covariance: &Square, states: usize) -> Square {
-    let used: Matrix = covariance[..states].iter().map(|row| row[..states].to_vec()).collect();
-    let mut all = [[0.0; STATES]; STATES];
-    // States that others determine have no part of their own; their errors are below rounding.
-    let factor = cholesky(&used).unwrap_or_else(|| {
-        (0..states).map(|i| (0..states).map(|j| if i == j { used[i][i].max(0.0).sqrt() } else { 0.0 }).collect()).collect()
-    });
-    factor.iter().enumerate().for_each(|(i, row)| all[i][..states].copy_from_slice(row));
-    all
 }
 
 /// A simulated year, and the slips in the first part of it.

@@ -2,7 +2,7 @@
 
 use super::periods::{NotTold, told};
 use super::result::WeatherFit;
-use super::search::ProcessSearch;
+use super::search::{Peak, ProcessSearch};
 use crate::data::{absurd, is_constant};
 
 /// Why a temperature has no model.
@@ -87,50 +87,48 @@ pub fn fit(
     }
     told(times, periods)?;
     let samples = [times, temperatures];
-    let plain = processes_of(samples, periods, processes, false, window);
-    let smoothed = processes_of(samples, periods, processes, true, window);
+    let search = |processes: usize, smooths: bool| ProcessSearch::new(samples, periods, processes, smooths, window);
     // The time constant is one number more, for which twice the logarithm of the likelihood has to
     // gain log n (Schwarz, Annals of Statistics 6, 1978).
-    let price = 0.5 * libm::log(n as f64);
-    let is_smoother = |plain: &WeatherFit, smoothed: &WeatherFit| {
-        smoothed.log_likelihood - plain.log_likelihood > price
+    let price = libm::log(n as f64);
+    let deviance = |smooths: bool| {
+        let lowest = |n: usize| search(n, smooths).rough(None).map_or(f64::INFINITY, |found| found.deviance);
+        (1..=processes).map(lowest).fold(f64::INFINITY, f64::min)
     };
-    let found = match (plain, smoothed) {
-        (Some(plain), Some(smoothed)) if is_smoother(&plain, &smoothed) => smoothed,
-        (plain, smoothed) => plain.or(smoothed).ok_or(WeatherError::NoProcess)?,
-    };
+    let smoothed = (deviance(true) < deviance(false) - price).then(|| most_likely(search, processes, true));
+    let (search, peak, fit) =
+        smoothed.flatten().or_else(|| most_likely(search, processes, false)).ok_or(WeatherError::NoProcess)?;
     let of = |every: usize| {
         let [times, temperatures] = samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
         if times.len() < LEAST || told(&times, periods).is_err() {
             return None;
         }
-        let search = ProcessSearch::new([&times, &temperatures], periods, found.processes().len(), found.is_smoothed, window);
-        Some((every, search.weather(&search.best()?)?))
+        let thinned = search.of([&times, &temperatures]);
+        Some((every, thinned.weather(&thinned.near(&peak)?)?))
     };
-    Ok(WeatherFit { thinned: THINNED.into_iter().filter_map(of).collect(), ..found })
+    Ok(WeatherFit { thinned: THINNED.into_iter().filter_map(of).collect(), ..fit })
 }
 
 /// One process or two, as far as the samples tell them.
-fn processes_of(
-    samples: [&[f64]; 2],
-    periods: &[f64],
+fn most_likely<'a>(
+    search: impl Fn(usize, bool) -> ProcessSearch<'a>,
     processes: usize,
     smooths: bool,
-    window: f64,
-) -> Option<WeatherFit> {
-    let one = ProcessSearch::new(samples, periods, 1, smooths, window);
+) -> Option<(ProcessSearch<'a>, Peak, WeatherFit)> {
+    let one = search(1, smooths);
     let best_of_one = one.best();
     if processes > 1 {
-        let two = ProcessSearch::new(samples, periods, 2, smooths, window);
+        let two = search(2, smooths);
         if let Some(found) = two.best() {
             let is_told = best_of_one.as_ref().is_none_or(|one| one.deviance - found.deviance > TOLD);
             if is_told && let Some(fit) = two.weather(&found) {
-                return Some(fit);
+                return Some((two, found, fit));
             }
         }
     }
-    let fit = best_of_one.and_then(|found| one.weather(&found))?;
-    Some(WeatherFit { is_one_of_two: processes > 1, ..fit })
+    let found = best_of_one?;
+    let fit = one.weather(&found)?;
+    Some((one, found, WeatherFit { is_one_of_two: processes > 1, ..fit }))
 }
 
 #[cfg(test)]

@@ -61,6 +61,7 @@ struct Filter {
     /// The passages over intervals that have come before, each with its interval in microseconds.
     known: HashMap<i64, Passage>,
     variance: f64,
+    log_variance: f64,
     gain: [f64; STATES],
     has_converged: bool,
 }
@@ -76,6 +77,7 @@ impl Filter {
             passage: Passage { carry: [[0.0; STATES]; STATES], gained: [[0.0; STATES]; STATES] },
             known: HashMap::new(),
             variance: 0.0,
+            log_variance: 0.0,
             gain: [0.0; STATES],
             has_converged: false,
             system,
@@ -109,6 +111,7 @@ impl Filter {
         let p = self.covariance;
         let seen = p.map(|row| row.iter().zip(&self.system.seen).map(|(p, seen)| p * seen).sum::<f64>());
         self.variance = seen.iter().zip(&self.system.seen).map(|(p, seen)| p * seen).sum::<f64>() + self.white;
+        self.log_variance = libm::log(self.variance);
         self.gain = seen.map(|seen| seen / self.variance);
         self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - self.gain[i] * seen[j]));
     }
@@ -151,7 +154,7 @@ fn filtered<const N: usize>(mut filter: Filter, times: &[f64], columns: &[Vec<f6
             let weighted = weight * tracks[i].1;
             row.iter_mut().zip(&tracks[..=i]).for_each(|(sum, (_, innovation))| *sum += weighted * innovation);
         }
-        log_variances += libm::log(filter.variance);
+        log_variances += filter.log_variance;
     }
     regression(&gram, times.len() as f64, log_variances)
 }

@@ -23,17 +23,20 @@
 //! are the default.
 
 mod fit;
+mod imagined;
 mod kalman;
 mod periods;
 mod result;
 mod search;
 mod simplex;
+mod smoother;
 mod system;
 
 /// A year and a day, in seconds: the periods of an outdoor temperature.
 pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
 pub use fit::{WeatherError, fit};
+pub(super) use imagined::{Imagined, imagined};
 pub use periods::{NotTold, usual};
 pub use result::{Cycle, Process, Weather, WeatherFit};
-pub(super) use system::{Passage, STATES, Square, System};
+pub(super) use system::{Passage, STATES, Square, System, root};

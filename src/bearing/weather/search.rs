@@ -15,6 +15,15 @@ use std::f64::consts::{LN_2, TAU};
 /// to a thousandth of their errors.
 const ENOUGH: f64 = 1e-6;
 
+/// The steps with which a search begins, in logarithms: far from the most likely point, where a
+/// rough search ended, and where other samples of the same weather have it.
+const AFAR: f64 = 0.7;
+const FROM_ROUGH: f64 = 0.1;
+const FROM_ANOTHER: f64 = 0.3;
+
+/// White noise of less than this share of the variance, as its logarithm, is rounding.
+const LEAST_WHITE: f64 = -23.0;
+
 /// The longest memory of a process as a share of the record. From fewer than ten memories neither
 /// it nor the standard deviation can be told.
 const LONGEST: f64 = 0.1;
@@ -29,6 +38,11 @@ const HELD_ERROR: f64 = LN_2;
 pub struct ProcessSearch<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
+    /// What a regression leaves of the temperatures, in which a search begins: it takes a fifth of
+    /// the time, and ends near the most likely point.
+    left: Vec<Vec<f64>>,
+    /// The mean and the amplitudes of that regression.
+    waves: Vec<f64>,
     periods: &'a [f64],
     /// Number of processes.
     processes: usize,
@@ -47,6 +61,8 @@ pub struct Peak {
     pub deviance: f64,
     /// Whether the rate of the slowest process is held.
     is_held: bool,
+    /// The covariance of the errors; `None` if the samples do not determine them.
+    errors: Option<Matrix>,
 }
 
 impl<'a> ProcessSearch<'a> {
@@ -69,21 +85,81 @@ impl<'a> ProcessSearch<'a> {
         }
         columns.push(temperatures.to_vec());
         let duration = times[times.len() - 1] - times[0];
-        ProcessSearch { times, columns, periods, processes, smooths, window, duration }
+        let mut search = ProcessSearch { times, columns, left: Vec::new(), waves: Vec::new(), periods, processes, smooths, window, duration };
+        let forgetful = Shape { processes: vec![(1e3 / search.interval(), 1.0)], smoothing: 0.0, window: 0.0, white: 0.0 };
+        search.waves = likelihood(times, &search.columns, &forgetful).map_or_else(Vec::new, |found| found.coefficients);
+        let wave = |k: usize| search.columns.iter().zip(&search.waves).map(|(column, wave)| wave * column[k]).sum::<f64>();
+        search.left = vec![temperatures.iter().enumerate().map(|(k, temperature)| temperature - wave(k)).collect()];
+        search
+    }
+
+    /// The same search in other samples.
+    pub fn of<'b>(&self, samples: [&'b [f64]; 2]) -> ProcessSearch<'b>
+    where
+        'a: 'b,
+    {
+        ProcessSearch::new(samples, self.periods, self.processes, self.smooths, self.window)
+    }
+
+    /// The regression at any time.
+    pub fn wave(&self, time: f64) -> f64 {
+        let phase = |period: &f64| TAU / period * (time - self.times[0]);
+        let pair = |(period, pair): (&f64, &[f64])| {
+            pair[0] * libm::cos(phase(period)) + pair[1] * libm::sin(phase(period))
+        };
+        let (mean, pairs) = self.waves.split_at(1);
+        mean[0] + self.periods.iter().zip(pairs.chunks_exact(2)).map(pair).sum::<f64>()
+    }
+
+    /// What it leaves of each sample.
+    pub fn left(&self) -> &[f64] {
+        &self.left[0]
+    }
+
+    /// The shape at a point for what the regression leaves, whose variances are those of
+    /// temperatures.
+    pub fn scaled(&self, found: &Peak) -> Option<Shape> {
+        let mut shape = self.shape(&found.point);
+        let scale = likelihood(self.times, &self.left, &shape)?.scale;
+        shape.processes.iter_mut().for_each(|(_, variance)| *variance *= scale);
+        shape.white *= scale;
+        Some(shape)
+    }
+
+    /// The mean time between samples.
+    fn interval(&self) -> f64 {
+        self.duration / (self.times.len() as f64 - 1.0)
     }
 
     /// The most likely point; `None` if nothing explains the samples. If the memory of the slowest
     /// process is longer than the record can show, or its standard deviation not known to a factor
     /// of 2, the memory is held at the longest that the record can show.
     pub fn best(&self) -> Option<Peak> {
-        let free = self.searched(None)?;
+        let free = self.polished(&self.rough(None)?, FROM_ROUGH)?;
         let held = -libm::log(LONGEST * self.duration);
-        let is_slow = free.point[self.slowest()] < held;
-        let is_known = || {
-            let sd = self.errors(&free).map(|errors| errors[2 * self.slowest() + 1][2 * self.slowest() + 1].sqrt());
-            sd.is_some_and(|sd| sd < KNOWN)
-        };
-        if is_slow || !is_known() { self.searched(Some(held)) } else { Some(free) }
+        let is_known = free.point[self.slowest()] >= held && self.is_known(&free);
+        if is_known { Some(free) } else { self.polished(&self.rough(Some(held))?, FROM_ROUGH) }
+    }
+
+    /// The most likely point near that of other samples of the same weather.
+    pub fn near(&self, other: &Peak) -> Option<Peak> {
+        self.polished(other, FROM_ANOTHER)
+    }
+
+    /// Whether the standard deviation of the slowest process is known.
+    fn is_known(&self, found: &Peak) -> bool {
+        let slow = 2 * self.slowest() + 1;
+        found.errors.as_ref().is_some_and(|errors| errors[slow][slow].sqrt() < KNOWN)
+    }
+
+    /// The most likely point from this one on, with its errors.
+    fn polished(&self, from: &Peak, step: f64) -> Option<Peak> {
+        let found = self.fastest_first(self.lowest(&from.point, from.is_held, &self.columns, step)?);
+        // The process that is held has to be the slowest.
+        if self.processes > 1 && found.point[0] <= found.point[1] {
+            return None;
+        }
+        Some(Peak { errors: self.errors(&found), ..found })
     }
 
     /// The index of log theta of the slowest process, which comes last.
@@ -91,9 +167,10 @@ impl<'a> ProcessSearch<'a> {
         self.processes - 1
     }
 
-    /// The most likely point, with the rate of the slowest process held if one is given.
-    fn searched(&self, held: Option<f64>) -> Option<Peak> {
-        let interval = self.duration / (self.times.len() as f64 - 1.0);
+    /// The most likely point for what a regression leaves, with the rate of the slowest process held
+    /// if one is given.
+    pub fn rough(&self, held: Option<f64>) -> Option<Peak> {
+        let interval = self.interval();
         // The search starts from a correlation time of half a day, or from three hours and four
         // days.
         let starts: &[f64] = if self.processes == 1 { &[0.5] } else { &[0.125, 4.0] };
@@ -108,22 +185,18 @@ impl<'a> ProcessSearch<'a> {
         if self.smooths {
             start.push(libm::log(2.0 * interval));
         }
-        let exact = self.lowest(&start, held.is_some())?;
+        let exact = self.lowest(&start, held.is_some(), &self.left, AFAR)?;
         // The search for white noise starts from a hundredth of the variance that the fastest
-        // process gains per step.
+        // process gains per step. It is kept wherever it raises the likelihood, however little,
+        // because its error then is part of the errors of all other numbers.
         let white = libm::log(0.02 * libm::exp(exact.point[0]) * interval);
-        let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some());
-        // White noise is kept wherever it raises the likelihood, however little, because its error
-        // then is part of the errors of all other numbers.
-        let is_told = |noisy: &Peak| noisy.deviance < exact.deviance && self.errors(noisy).is_some();
-        let found = noisy.filter(is_told).unwrap_or(exact);
-        let found = self.fastest_first(found);
-        // The process that is held has to be the slowest.
-        (self.processes == 1 || found.point[0] > found.point[1]).then_some(found)
+        let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some(), &self.left, AFAR);
+        let is_told = |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
+        Some(noisy.filter(is_told).unwrap_or(exact))
     }
 
-    /// The lowest deviance, searched from this point.
-    fn lowest(&self, start: &[f64], is_held: bool) -> Option<Peak> {
+    /// The lowest deviance for these columns, searched from this point.
+    fn lowest(&self, start: &[f64], is_held: bool, columns: &[Vec<f64>], step: f64) -> Option<Peak> {
         let free = self.free(start.len(), is_held);
         let at = |x: &[f64]| {
             let mut point = start.to_vec();
@@ -131,11 +204,14 @@ impl<'a> ProcessSearch<'a> {
             point
         };
         let from: Vec<f64> = free.iter().map(|i| start[*i]).collect();
-        let (x, deviance) = match from.is_empty() {
-            true => (from, self.deviance(start)),
-            false => simplex::lowest(&from, 0.7, ENOUGH, |x| self.deviance(&at(x))),
+        let deviance = |point: &[f64]| {
+            likelihood(self.times, columns, &self.shape(point)).map_or(f64::INFINITY, |found| found.deviance)
         };
-        deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held })
+        let (x, deviance) = match from.is_empty() {
+            true => (from, deviance(start)),
+            false => simplex::lowest(&from, step, ENOUGH, |x| deviance(&at(x))),
+        };
+        deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held, errors: None })
     }
 
     /// The numbers of a point that are searched.
@@ -178,9 +254,9 @@ impl<'a> ProcessSearch<'a> {
     pub fn weather(&self, found: &Peak) -> Option<WeatherFit> {
         let best = self.likelihood(&found.point)?;
         let shape = self.shape(&found.point);
-        let errors = self.errors(found)?;
-        let slow = 2 * self.slowest() + 1;
-        if self.processes > 1 && errors[slow][slow].sqrt() > KNOWN {
+        let errors = found.errors.clone()?;
+        // A time constant below that of the samples is not seen in them.
+        if (self.processes > 1 && !self.is_known(found)) || (self.smooths && shape.smoothing < 0.5 * self.interval()) {
             return None;
         }
         let logarithms = shape.processes.iter().flat_map(|(theta, variance)| {

@@ -64,6 +64,16 @@ impl System {
 
     /// The covariance of the states at a sample before which nothing is known.
     pub fn stationary(&self) -> Square {
+        let settled = self.settled();
+        if self.window == 0.0 {
+            return settled;
+        }
+        let mean = self.flow(self.window);
+        add(&carried(&mean.carry, &settled), &mean.gained)
+    }
+
+    /// The same without the mean.
+    pub fn settled(&self) -> Square {
         let mut passing = System { window: 0.0, ..self.clone() };
         if self.window > 0.0 {
             passing.drift[self.states - 1] = [0.0; STATES];
@@ -75,12 +85,7 @@ impl System {
                 break;
             }
         }
-        let mut all = passage.gained;
-        if self.window > 0.0 {
-            let mean = self.flow(self.window);
-            all = add(&carried(&mean.carry, &all), &mean.gained);
-        }
-        all
+        passage.gained
     }
 
     /// From one sample to the next, a time h later.
@@ -96,7 +101,8 @@ impl System {
         before.then(&self.flow(w))
     }
 
-    fn flow(&self, h: f64) -> Passage {
+    /// Over a time h without a sample.
+    pub fn flow(&self, h: f64) -> Passage {
         let doublings = libm::ceil(libm::log2(16.0 * h * self.size())).clamp(0.0, f64::from(MOST_DOUBLINGS));
         let short = self.short(h / libm::exp2(doublings));
         (0..doublings as u32).fold(short, |passage, _| passage.then(&passage))
@@ -157,4 +163,20 @@ pub fn product(a: &Square, b: &Square) -> Square {
 /// The covariance of the carried states.
 pub fn carried(carry: &Square, covariance: &Square) -> Square {
     product(&product(carry, covariance), &transposed(carry))
+}
+
+/// A lower triangle L with A = L L^T. A state that others determine has no part of its own.
+pub fn root(a: &Square) -> Square {
+    let mut root = [[0.0; STATES]; STATES];
+    for i in 0..STATES {
+        for j in 0..=i {
+            let rest = a[i][j] - (0..j).map(|k| root[i][k] * root[j][k]).sum::<f64>();
+            root[i][j] = match i == j {
+                true if rest > 1e-14 * a[i][i] => rest.sqrt(),
+                false if root[j][j] > 0.0 => rest / root[j][j],
+                _ => 0.0,
+            };
+        }
+    }
+    root
 }
