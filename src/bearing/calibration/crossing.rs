@@ -10,7 +10,8 @@
 //! ```
 //!
 //! So the probability of what was seen is (1 - p) for each step before the slip, times 1 minus such
-//! a product for the steps in which it came. No c is likelier than another beforehand, since it
+//! a product for the steps in which it came. Since there was one slip and not two, c + G was not
+//! reached there: the product for c + G takes the place of 1 once G is known. No c is likelier than another beforehand, since it
 //! does not depend on when samples are taken; so the temperature of the slip is the mean of c,
 //! weighted with this probability. With straight lines between samples, p is 0 or 1, and the mean
 //! is the middle between the farthest sample before the slip and the one after it.
@@ -95,9 +96,10 @@ impl Thermometer {
             let off = (point as f64 + 0.5) * step;
             let c = farthest + off;
             let so_far: f64 = before.iter().map(|i| missed(c, *i)).product();
-            let then: f64 = (last..end).map(|i| missed(c, i)).product();
-            all += so_far * (1.0 - then);
-            moment += so_far * (1.0 - then) * off;
+            let not = |c: f64| (last..end).map(|i| missed(c, i)).product::<f64>();
+            let once = if self.jump.is_finite() { not(c + self.jump) } else { 1.0 } - not(c);
+            all += so_far * once;
+            moment += so_far * once * off;
         }
         let off = if all > 0.0 { moment / all } else { 0.0 };
         Some(Crossing { temperature: sign * (farthest + off), evidence: all * step })
@@ -107,6 +109,10 @@ impl Thermometer {
 /// The share of slips whose times say nothing of the movement between samples, because they were
 /// seen a sample too early or too late.
 const MISPLACED: f64 = 0.05;
+
+/// By how much the logarithm of the likelihood of straight lines has to be larger, because
+/// temperatures outdoors are rough.
+const RARE: f64 = 5.0;
 
 /// The thermometer as the times of the slips say it moves: as rough between samples as from one
 /// sample to the next, or in straight lines. Samples alone do not tell these apart, but of the
@@ -121,7 +127,7 @@ pub fn as_slips_say(rough: Thermometer, straight: Thermometer, slips: &[(Window,
         };
         slips.iter().map(of).sum()
     };
-    if rough.roughness > 0.0 && likelihood(&rough) < likelihood(&straight) { straight } else { rough }
+    if rough.roughness > 0.0 && likelihood(&rough) + RARE < likelihood(&straight) { straight } else { rough }
 }
 
 #[cfg(test)]

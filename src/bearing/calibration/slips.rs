@@ -92,8 +92,17 @@ impl Evidence {
             }
         }
         let straight = Thermometer::of(record).moving(0.0);
-        let moves = |windows: &[(Window, f64)]| as_slips_say(rough.clone(), straight.clone(), windows);
+        // Means do not tell how a temperature moves between them.
+        let is_told = record.averaged[0] == 0.0;
+        let moves = |windows: &[(Window, f64)]| match is_told {
+            true => as_slips_say(rough.clone(), straight.clone(), windows),
+            false => rough.clone(),
+        };
         let sticks = StickAnalysis::new(samples, &found, seconds)?;
+        let evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
+        let jump = evidence.fit(&evidence.unweighted()).map_or(0.0, |(fit, _)| fit.motion.jump);
+        let thermometer = evidence.thermometer.slipping(jump);
+        let moves = |_: &[(Window, f64)]| thermometer.clone();
         let mut evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
         let candidates: Vec<f64> = (found.indices().chain(samples.starts.iter().copied().filter(|start| *start > 0)))
             .map(|i| 0.5 * (samples.times[i - 1] + samples.times[i]))
@@ -245,7 +254,7 @@ impl Evidence {
         let is_rough = self.thermometer.roughness > 0.0;
         let moves = |_: &[(Window, f64)]| {
             let rough = Thermometer::of(record);
-            if is_rough { rough } else { rough.moving(0.0) }
+            if is_rough { rough } else { rough.moving(0.0) }.slipping(self.thermometer.jump)
         };
         let sticks = StickAnalysis::new(samples, &found, self.bin)?;
         let zero = self.zero.clone();

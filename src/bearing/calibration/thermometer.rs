@@ -19,6 +19,9 @@ pub struct Thermometer {
     pub roughness: f64,
     /// Temperatures at the same times that the samples make as likely, if they do not tell it.
     pub drawn: Vec<Vec<f64>>,
+    /// G, if it is known: where a slip came, the temperature did not go on by that much, which would
+    /// have made two.
+    pub jump: f64,
     /// The index at which each stretch without a gap begins.
     starts: Vec<usize>,
 }
@@ -28,7 +31,7 @@ impl Thermometer {
     pub fn of(record: &MeasuredRecord) -> Self {
         let [times, temperatures] = record.thermometer();
         let starts = starts(&times);
-        let mut course = Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), starts };
+        let mut course = Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), jump: f64::INFINITY, starts };
         course.roughness = course.shown_roughness();
         course
     }
@@ -36,12 +39,17 @@ impl Thermometer {
     /// A temperature that was imagined.
     pub fn imagined(of: Imagined) -> Self {
         let Imagined { times, mean, drawn, roughness, .. } = of;
-        Thermometer { starts: starts(&times), times, temperatures: mean, drawn, roughness }
+        Thermometer { starts: starts(&times), times, temperatures: mean, drawn, roughness, jump: f64::INFINITY }
     }
 
     /// The same samples with another roughness between them; 0 for straight lines.
     pub fn moving(self, roughness: f64) -> Self {
         Thermometer { roughness, ..self }
+    }
+
+    /// The same where slips have this G, in kelvin.
+    pub fn slipping(self, jump: f64) -> Self {
+        Thermometer { jump: if jump > 0.0 { jump } else { f64::INFINITY }, ..self }
     }
 
     /// The stretches without a gap.
