@@ -93,7 +93,7 @@ impl Evidence {
         }
         let straight = Thermometer::of(record).moving(0.0);
         // Means do not tell how a temperature moves between them.
-        let is_told = record.averaged[0] == 0.0;
+        let is_told = record.averaged == [0.0; 2];
         let moves = |windows: &[(Window, f64)]| match is_told {
             true => as_slips_say(rough.clone(), straight.clone(), windows),
             false => rough.clone(),

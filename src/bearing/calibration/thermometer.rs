@@ -30,10 +30,22 @@ impl Thermometer {
     /// The thermometer's own samples of a record, and the roughness that they show.
     pub fn of(record: &MeasuredRecord) -> Self {
         let [times, temperatures] = record.thermometer();
+        Thermometer::sampled(times, temperatures)
+    }
+
+    /// A thermometer with these samples, and the roughness that they show.
+    pub fn sampled(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
         let starts = starts(&times);
-        let mut course = Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), jump: f64::INFINITY, starts };
+        let mut course =
+            Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), jump: f64::INFINITY, starts };
         course.roughness = course.shown_roughness();
         course
+    }
+
+    /// The same by a clock that goes so many seconds ahead.
+    pub fn shifted(mut self, seconds: f64) -> Self {
+        self.times.iter_mut().for_each(|time| *time += seconds);
+        self
     }
 
     /// A temperature that was imagined.
