@@ -98,6 +98,7 @@ impl LaidOut {
             missing: self.missing.clone(),
             outliers: self.outliers,
             decimal: self.decimal.as_ref().map(mark).transpose()?,
+            averaged: None,
             wording: Wording::Argument,
         };
         Ok(layout.over(other))

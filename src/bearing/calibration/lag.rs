@@ -21,9 +21,12 @@ const MINUTES: [f64; 12] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 
 /// By how many minutes two clocks may differ: what they gain in a year, and what summer time or a
 /// time zone that was forgotten make.
 const CLOCKS: [f64; 28] = [
-    -120.0, -60.0, -55.0, -50.0, -45.0, -40.0, -35.0, -30.0, -25.0, -20.0, -15.0, -10.0, -5.0, -2.0, 2.0, 5.0, 10.0, 15.0,
-    20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 120.0,
+    -120.0, -60.0, -55.0, -50.0, -45.0, -40.0, -35.0, -30.0, -25.0, -20.0, -15.0, -10.0, -5.0, -2.0, 2.0, 5.0, 10.0,
+    15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 120.0,
 ];
+
+/// The first of them that are tried.
+const FIRST: [f64; 6] = [-120.0, -60.0, -5.0, 5.0, 60.0, 120.0];
 
 /// The likelihood of the lag of steel behind the thermometer, from z during sticks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -68,9 +71,15 @@ fn clock(record: &MeasuredRecord, evidence: &Evidence, lag: f64) -> Option<f64> 
     let deviance = |record: &MeasuredRecord| {
         LevelSums::weighted(&level::sums(&single(&record.samples()), walk, 1, |_| 0), &[1.0]).deviance()
     };
-    let shifts = CLOCKS.map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
-    let (best, lowest) = shifts.into_iter().min_by(|a, b| a.1.total_cmp(&b.1))?;
-    let other = deviance(record).min(deviance(&record.lagged(lag)));
+    let best_of = |clocks: &[f64]| {
+        let shifts = clocks.iter().map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
+        shifts.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let none = deviance(record);
+    // Where no small step to either side is likelier, and no whole hour, nothing else is.
+    best_of(&FIRST).filter(|(_, deviance)| *deviance < none)?;
+    let (best, lowest) = best_of(&CLOCKS)?;
+    let other = none.min(deviance(&record.lagged(lag)));
     (other - lowest > CONVINCING).then_some(best)
 }
 

@@ -3,7 +3,7 @@
 pub use crate::data::{median, spread};
 
 use super::zero::Zero;
-use crate::data::{BearingData, Start, resolution};
+use crate::data::{BearingData, DataColumn, Start, resolution};
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
@@ -33,8 +33,13 @@ const GAP: f64 = 3.5;
 
 impl From<&BearingData> for MeasuredRecord {
     fn from(BearingData { temperature, displacement, start, .. }: &BearingData) -> Self {
-        let columns = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
-        MeasuredRecord { start: *start, averaged: [temperature.averaged, displacement.averaged], ..MeasuredRecord::of(columns[0], columns[1]) }
+        // A mean stands for the middle of its time. All times stay at or above 0.
+        let averaged = [temperature.averaged, displacement.averaged];
+        let most = 0.5 * averaged[0].max(averaged[1]);
+        let middles = |column: &DataColumn| column.middles().iter().map(|time| time + most).collect::<Vec<f64>>();
+        let times = [middles(temperature), middles(displacement)];
+        let both = MeasuredRecord::of([&times[0], &temperature.values], [&times[1], &displacement.values]);
+        MeasuredRecord { start: start.and_then(|start| start.after(-most)), averaged, ..both }
     }
 }
 

@@ -1,7 +1,7 @@
 //! A temperature at its own samples, and how it moves between them.
 
-use crate::bearing::weather::Imagined;
 use super::samples::{MeasuredRecord, interval, starts, stretches};
+use crate::bearing::weather::Imagined;
 use std::ops::Range;
 
 /// The samples of a thermometer, and what is known of the temperature between them.

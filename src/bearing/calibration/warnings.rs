@@ -120,9 +120,13 @@ fn clocks(case: &Case) -> Option<String> {
     let minutes = seconds.abs() / 60.0;
     let by = if minutes < 60.0 { format!("{minutes:.0} min") } else { format!("{:.0} h", minutes / 60.0) };
     let taken = match is_small(seconds) {
-        true => "the two clocks seem to differ; this is fitted and taken out, to five minutes, and is no lag of steel; correct \
-                 the clock that is wrong",
-        false => "see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before",
+        true => {
+            "the two clocks seem to differ; this is fitted and taken out, to five minutes, and is no lag of steel; correct \
+                 the clock that is wrong"
+        }
+        false => {
+            "see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before"
+        }
     };
     Some(format!(
         "the temperature of {by} {side} explains the displacement far better than that of the same time, with or without a lag: {taken}"

@@ -123,16 +123,7 @@ impl Forecast {
             .collect();
         let return_levels = RETURN_PERIODS.map(|period| return_level(&years, period, question)).to_vec();
         let question = *question;
-        Ok(Some(Forecast {
-            question,
-            likeliest,
-            years,
-            levels,
-            return_levels,
-            showed: *showed,
-            usual,
-            redrawn: 0,
-        }))
+        Ok(Some(Forecast { question, likeliest, years, levels, return_levels, showed: *showed, usual, redrawn: 0 }))
     }
 
     /// Reasons to be careful with the result.
@@ -342,7 +333,8 @@ mod tests {
     #[test]
     fn a_draw_without_some_of_its_years_is_left_out() {
         let question = ForecastQuestion { draws: 3, years: 2, ..QUESTION };
-        let of = |years: &[usize]| of(years.iter().map(|n| vec![[1.0; 6]; *n]).collect(), &question, 1.0).expect("sound");
+        let of =
+            |years: &[usize]| of(years.iter().map(|n| vec![[1.0; 6]; *n]).collect(), &question, 1.0).expect("sound");
         assert_eq!(of(&[20, 2, 2, 1]).expect("two draws").years.len(), 2);
         assert_eq!((of(&[]), of(&[20, 2, 1])), (None, None));
     }
@@ -357,7 +349,10 @@ mod tests {
         assert_eq!([20.0, 29.0, 32.0, 17.0].map(said), [Ok(0), Ok(0), Ok(1), Ok(1)]);
         for slips in [40.0, 12.0] {
             let error = said(slips).expect_err("another record").to_string();
-            assert!(error.starts_with(&format!("the record shows {slips} slips in 365 days, a sliding path of 10.0 mm")), "{error}");
+            assert!(
+                error.starts_with(&format!("the record shows {slips} slips in 365 days, a sliding path of 10.0 mm")),
+                "{error}"
+            );
         }
     }
 }

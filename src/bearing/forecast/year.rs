@@ -183,5 +183,8 @@ pub fn year(bearing: &DrawnBearing, steel: &Steel, share: f64, end: f64, random:
     let slope = bearing.stiffness * bearing.dilatation();
     let loaded = loaded / (steel.mean.len() - burnt_in) as f64;
     let greatest = high.abs().max(low.abs());
-    Simulated { year: [sliding * bearing.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off], within }
+    Simulated {
+        year: [sliding * bearing.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
+        within,
+    }
 }

@@ -30,7 +30,7 @@ const SEED: u64 = 0x1A_61;
 
 /// The most samples from which the shape is estimated, which takes a tenth of a second, and the
 /// length of the pieces in which they are taken.
-const MOST: usize = 8000;
+const MOST: usize = 4000;
 const PIECE: usize = 400;
 
 /// The longest step between nodes as a share of the shortest memory.
@@ -49,9 +49,8 @@ pub fn imagined(times: &[f64], temperatures: &[f64], interval: f64, window: f64)
     let periods = usual(times).0;
     let pieces = times.len().div_ceil(PIECE);
     let every = times.len().div_ceil(MOST);
-    let taken = |values: &[f64]| -> Vec<f64> {
-        values.chunks(PIECE).take(pieces).step_by(every).flatten().copied().collect()
-    };
+    let taken =
+        |values: &[f64]| -> Vec<f64> { values.chunks(PIECE).take(pieces).step_by(every).flatten().copied().collect() };
     let (some, values) = (taken(times), taken(temperatures));
     let periods_of_some = usual(&some).0;
     let search = ProcessSearch::new([&some, &values], &periods_of_some, 2, false, window);

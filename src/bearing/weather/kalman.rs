@@ -98,8 +98,7 @@ impl Filter {
             return;
         }
         let carried = carried(&self.passage.carry, &self.covariance);
-        self.covariance =
-            std::array::from_fn(|i| std::array::from_fn(|j| carried[i][j] + self.passage.gained[i][j]));
+        self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| carried[i][j] + self.passage.gained[i][j]));
         let before = self.variance;
         self.update();
         self.has_converged = (self.variance - before).abs() <= CONVERGED * before;

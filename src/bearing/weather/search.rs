@@ -85,10 +85,22 @@ impl<'a> ProcessSearch<'a> {
         }
         columns.push(temperatures.to_vec());
         let duration = times[times.len() - 1] - times[0];
-        let mut search = ProcessSearch { times, columns, left: Vec::new(), waves: Vec::new(), periods, processes, smooths, window, duration };
-        let forgetful = Shape { processes: vec![(1e3 / search.interval(), 1.0)], smoothing: 0.0, window: 0.0, white: 0.0 };
+        let mut search = ProcessSearch {
+            times,
+            columns,
+            left: Vec::new(),
+            waves: Vec::new(),
+            periods,
+            processes,
+            smooths,
+            window,
+            duration,
+        };
+        let forgetful =
+            Shape { processes: vec![(1e3 / search.interval(), 1.0)], smoothing: 0.0, window: 0.0, white: 0.0 };
         search.waves = likelihood(times, &search.columns, &forgetful).map_or_else(Vec::new, |found| found.coefficients);
-        let wave = |k: usize| search.columns.iter().zip(&search.waves).map(|(column, wave)| wave * column[k]).sum::<f64>();
+        let wave =
+            |k: usize| search.columns.iter().zip(&search.waves).map(|(column, wave)| wave * column[k]).sum::<f64>();
         search.left = vec![temperatures.iter().enumerate().map(|(k, temperature)| temperature - wave(k)).collect()];
         search
     }
@@ -104,9 +116,8 @@ impl<'a> ProcessSearch<'a> {
     /// The regression at any time.
     pub fn wave(&self, time: f64) -> f64 {
         let phase = |period: &f64| TAU / period * (time - self.times[0]);
-        let pair = |(period, pair): (&f64, &[f64])| {
-            pair[0] * libm::cos(phase(period)) + pair[1] * libm::sin(phase(period))
-        };
+        let pair =
+            |(period, pair): (&f64, &[f64])| pair[0] * libm::cos(phase(period)) + pair[1] * libm::sin(phase(period));
         let (mean, pairs) = self.waves.split_at(1);
         mean[0] + self.periods.iter().zip(pairs.chunks_exact(2)).map(pair).sum::<f64>()
     }
@@ -191,7 +202,8 @@ impl<'a> ProcessSearch<'a> {
         // because its error then is part of the errors of all other numbers.
         let white = libm::log(0.02 * libm::exp(exact.point[0]) * interval);
         let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some(), &self.left, AFAR);
-        let is_told = |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
+        let is_told =
+            |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
         Some(noisy.filter(is_told).unwrap_or(exact))
     }
 

@@ -73,8 +73,7 @@ impl Smoother {
             let weight = if is_told { 1.0 / variance } else { 0.0 };
             let gain = known.map(|known| weight * known);
             steps.push(Step { carry: passage.carry, factor, covariance, gain, weight });
-            covariance =
-                std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] - gain[i] * known[j]));
+            covariance = std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] - gain[i] * known[j]));
         }
         let instant = System::new(&shape.processes, &followers, 0.0).seen;
         Smoother { steps, seen: system.seen, instant, noise: shape.white.sqrt() }
@@ -93,7 +92,9 @@ impl Smoother {
             let normals: [f64; STATES] = std::array::from_fn(|_| random.normal());
             state = std::array::from_fn(|i| dot(&step.carry[i], &state) + dot(&step.factor[i], &normals));
             made.push(dot(&self.instant, &state));
-            left.push(node.sample.map_or(0.0, |sample| sample - dot(&self.seen, &state) - self.noise * random.normal()));
+            left.push(
+                node.sample.map_or(0.0, |sample| sample - dot(&self.seen, &state) - self.noise * random.normal()),
+            );
         }
         self.smoothed(left.into_iter()).iter().zip(made).map(|(a, b)| a + b).collect()
     }
