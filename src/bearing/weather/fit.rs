@@ -100,7 +100,9 @@ pub fn fit(
         smoothed.flatten().or_else(|| most_likely(search, processes, false)).ok_or(WeatherError::NoProcess)?;
     let of = |every: usize| {
         let [times, temperatures] = samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
-        if times.len() < LEAST || told(&times, periods).is_err() {
+        // Samples that are farther apart than the memory do not tell it.
+        let is_dense = every as f64 * fit.duration * fit.processes()[0].relaxation_rate < n as f64;
+        if times.len() < LEAST || told(&times, periods).is_err() || !is_dense {
             return None;
         }
         let thinned = search.of([&times, &temperatures]);
@@ -276,7 +278,7 @@ mod tests {
         let fit = fit(&times, &temperatures, &PERIODS, 2, 0.0).expect("a fit");
         let mut random = Stream::new(1, 1);
         let draws: Vec<Weather> = (0..4000).map(|_| fit.drawn(&mut random)).collect();
-        let spread = |of: &dyn Fn(&Temperature) -> f64| {
+        let spread = |of: &dyn Fn(&Weather) -> f64| {
             let values: Vec<f64> = draws.iter().map(of).collect();
             let mean = values.iter().sum::<f64>() / 4000.0;
             (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 4000.0).sqrt())
