@@ -100,7 +100,9 @@ pub fn fit(
         smoothed.flatten().or_else(|| most_likely(search, processes, false)).ok_or(WeatherError::NoProcess)?;
     let of = |every: usize| {
         let [times, temperatures] = samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
-        if times.len() < LEAST || told(&times, periods).is_err() {
+        // Samples that are farther apart than the memory do not tell it.
+        let is_dense = every as f64 * fit.duration * fit.processes()[0].relaxation_rate < n as f64;
+        if times.len() < LEAST || told(&times, periods).is_err() || !is_dense {
             return None;
         }
         let thinned = search.of([&times, &temperatures]);
