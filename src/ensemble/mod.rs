@@ -27,7 +27,7 @@ use crate::sums::Overlap;
 use flaw::naming;
 use flight::Flight;
 use in_order::PIECES_AHEAD;
-use piece::Stretch;
+use piece::PathRange;
 use std::ops::{ControlFlow, Range};
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -122,7 +122,7 @@ impl Plan {
 
     /// The same. Returns `None` if `stop` is set meanwhile.
     pub(crate) fn piece_until(&self, first: u64, paths: u64, stop: &AtomicBool) -> Option<BlockResult> {
-        let piece = Stretch::new(first, paths, self.antithetic);
+        let piece = PathRange::new(first, paths, self.antithetic);
         Some(self.piece_beside(piece, &(), stop)?.0)
     }
 
@@ -149,7 +149,7 @@ impl Plan {
         if blocks.end - blocks.start == 1 {
             return Some(vec![self.block_beside(blocks.start, companion, halt)?]);
         }
-        let pieces: Vec<Stretch> = blocks.clone().map(|index| self.block_piece(index)).collect();
+        let pieces: Vec<PathRange> = blocks.clone().map(|index| self.block_piece(index)).collect();
         let observers = pieces.iter().map(|piece| self.observers(piece, companion)).collect();
         let mut all = (Flight::<_, { BLOCK_SIZE as usize }>(observers), halt);
         let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
@@ -202,13 +202,13 @@ impl Plan {
     }
 
     /// The paths of a block.
-    fn block_piece(&self, index: u64) -> Stretch {
+    fn block_piece(&self, index: u64) -> PathRange {
         let first = index * BLOCK_SIZE;
-        Stretch::new(first, BLOCK_SIZE.min(self.paths - first), self.antithetic)
+        PathRange::new(first, BLOCK_SIZE.min(self.paths - first), self.antithetic)
     }
 
     /// The observers of the kept paths of a piece: that of the program and that of the companion.
-    fn observers<C: Companion>(&self, piece: &Stretch, companion: &C) -> (BlockObserver, C::Observer) {
+    fn observers<C: Companion>(&self, piece: &PathRange, companion: &C) -> (BlockObserver, C::Observer) {
         let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept)
             .with_step(self.simulation.step())
             .in_units(piece.unit);
@@ -223,7 +223,7 @@ impl Plan {
     /// each block.
     fn piece_beside<C: Companion>(
         &self,
-        mut piece: Stretch,
+        mut piece: PathRange,
         companion: &C,
         halt: &AtomicBool,
     ) -> Option<(BlockResult, C::Sums)> {

@@ -4,7 +4,7 @@ use crate::stats::{BlockObserver, BlockResult, Companion};
 use crate::sums::Unit;
 
 /// Consecutive paths that are summed together.
-pub(super) struct Stretch {
+pub(super) struct PathRange {
     first: u64,
     paths: u64,
     pub unit: Unit,
@@ -14,13 +14,13 @@ pub(super) struct Stretch {
     diverged: Vec<u64>,
 }
 
-impl Stretch {
+impl PathRange {
     pub fn new(first: u64, paths: u64, antithetic: bool) -> Self {
         // If a piece contains only one path of some pair, for example because it is a single path,
         // its independent units are paths.
         let holds_pairs = antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
         let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
-        Stretch { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
+        PathRange { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
     }
 
     /// Leave out the paths in these lanes. With a path of an antithetic pair, the other path is

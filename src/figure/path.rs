@@ -32,13 +32,13 @@ struct StateAt {
 
 /// A stick, or a sub-phase of a slip, from its first instant to its last.
 #[derive(Clone, Debug, PartialEq)]
-struct Phase {
+struct DrawnPhase {
     /// The number k of the sub-phase, from 1 on, and its direction; none in a stick.
     slip: Option<(usize, f64)>,
     samples: Vec<StateAt>,
 }
 
-impl Phase {
+impl DrawnPhase {
     fn begin(&self) -> f64 {
         self.samples.first().map_or(f64::NAN, |sample| sample.time)
     }
@@ -60,7 +60,7 @@ struct LabelledEvent {
 /// A path, cut into pieces at its events.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct PathTrace {
-    pieces: Vec<Phase>,
+    pieces: Vec<DrawnPhase>,
     moments: Vec<LabelledEvent>,
 }
 
@@ -104,7 +104,7 @@ impl PathTrace {
         };
         let end = time.len().min(rows.displacement.len());
         let mut next_row = 0;
-        let mut piece = Phase { slip: None, samples: Vec::new() };
+        let mut piece = DrawnPhase { slip: None, samples: Vec::new() };
         let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
         let mut count = EventNumbers::default();
         for i in 0..events.time.len() {
@@ -119,7 +119,7 @@ impl PathTrace {
             let name = count.name(events.kind[i]);
             trace.moments.push(LabelledEvent { at, name, is_turn: events.kind[i] == 2 });
             let slip = (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i])));
-            let before = std::mem::replace(&mut piece, Phase { slip, samples: vec![at] });
+            let before = std::mem::replace(&mut piece, DrawnPhase { slip, samples: vec![at] });
             trace.pieces.push(before);
         }
         piece.samples.extend((next_row..end).map(row));
@@ -273,7 +273,7 @@ fn of_sub_phase(k: usize, palette: &Palette) -> Colour {
     }
 }
 
-fn stroke(piece: &Phase, palette: &Palette) -> Stroke {
+fn stroke(piece: &DrawnPhase, palette: &Palette) -> Stroke {
     match piece.slip {
         None => Stroke::dashed(palette.ink, LINE, &DASH_DOT),
         Some((k, _)) => solid(of_sub_phase(k, palette)),
@@ -336,7 +336,7 @@ fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
 /// direction of motion.
 fn friction_force(trace: &PathTrace, dynamic: f64) -> Vec<[f64; 2]> {
-    let force = |piece: &Phase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
+    let force = |piece: &DrawnPhase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
     trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
 }
 
@@ -360,7 +360,7 @@ fn phase_plane(
         panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
     }
     let full = trace.in_full();
-    let points = |piece: &Phase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
+    let points = |piece: &DrawnPhase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
     let others = trace.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
     for (_, piece) in others {
         panel.line(points(piece), Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4));

@@ -49,7 +49,7 @@ pub(super) struct OwnForce {
 }
 
 /// The state at the start of a step.
-struct StepStart {
+struct TrialStart {
     x: f64,
     v: f64,
     acceleration: f64,
@@ -99,7 +99,7 @@ fn quarter(h: f64, [y0, y1]: [f64; 2], [d0, d1]: [f64; 2]) -> f64 {
     (27.0 * y0 + 5.0 * y1) / 32.0 + h * (9.0 * d0 - 3.0 * d1) / 64.0
 }
 
-impl StepStart {
+impl TrialStart {
     /// The trial of a step of length `h`, at whose end the noise may take x and x' this far off.
     /// The linear forces are constant in it.
     #[inline(always)]
@@ -209,7 +209,7 @@ impl OwnForce {
             halvings += 1;
         }
         let acceleration = (path.force - slip.friction()) / oscillator.mass;
-        let start = StepStart { x: path.displacement, v: path.motion, acceleration, time: slip.time(path) };
+        let start = TrialStart { x: path.displacement, v: path.motion, acceleration, time: slip.time(path) };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
         let most_error = slip.noisy.most_error * friction.static_force.max(SHARE * forces);
         loop {
@@ -334,7 +334,7 @@ mod tests {
         let mut own = OwnForce::new(scene, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
             let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
-            let from = StepStart { x: start.x, v: start.v, acceleration: path.force, time: path.after };
+            let from = TrialStart { x: start.x, v: start.v, acceleration: path.force, time: path.after };
             let trial = from.trial(scene, own.here, step.length(), step.spread());
             own.start_from(&trial, path.force);
             let mut drawn = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };
