@@ -18,7 +18,7 @@ pub fn check_hdf5(path: &Path) -> Result<(), Failure> {
         _ => return Ok(()),
     };
     let problem = format!("-o {shown}: results are written as HDF5, and this name promises something else");
-    Err(Failure::usage(problem, &format!("write `-o {file}`, and then `{makes}`")))
+    Err(Failure::usage(problem, format!("write `-o {file}`, and then `{makes}`")))
 }
 
 /// Refuses to write a page for a browser under a name that does not say so.
@@ -29,7 +29,7 @@ pub fn check_page(path: &Path, of: &Path) -> Result<(), Failure> {
         "svg" | "png" | "pdf" => format!("end the name in .html, or draw it with `mc plot {of} -o {shown}`"),
         _ => "end the name in .html".to_string(),
     };
-    Err(Failure::usage(format!("-o {shown}: a report is a page for a browser"), &remedy))
+    Err(Failure::usage(format!("-o {shown}: a report is a page for a browser"), remedy))
 }
 
 fn ending(path: &Path) -> String {

@@ -169,7 +169,6 @@ pub fn summary(paths: u64, header: &Provenance) -> Summary {
             survival_ends: ends(4, 82),
             quantiles: vec![0.05, 0.2, 0.5, 2.0, 7.0],
             quantile_ends: ends(5, 83),
-            ..Distribution::default()
         },
         first_sticks: FirstSticks { completed: 4, censored: 0 },
         laws: None,

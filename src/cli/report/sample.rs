@@ -44,7 +44,6 @@ pub fn summary() -> Summary {
             survival_ends: Ends::default(),
             quantiles: vec![0.5; QUANTILE_LEVELS.len()],
             quantile_ends: Ends::default(),
-            ..Distribution::default()
         },
         first_sticks: FirstSticks { completed: 10_000, censored: 0 },
         laws: None,
