@@ -22,7 +22,7 @@ mod year;
 use question::LIKELIEST;
 pub use question::{ForecastError, ForecastQuestion};
 pub use summary::{Forecast, ForecastLevel, ReturnLevel, Showed};
-pub use year::{ForecastQuantity, Year};
+pub use year::{BURN_IN, ForecastQuantity, YEAR, Year};
 
 use super::calibration::Calibration;
 use super::weather::WeatherFit;
@@ -32,14 +32,7 @@ use draw::{BearingDraws, DrawnSteel};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use year::{Simulated, Steel, year};
-
-/// The time before a year is counted, in seconds. The body forgets its initial position once the
-/// temperature has changed by more than 2 A in both directions, which takes days to weeks.
-pub const BURN_IN: f64 = 90.0 * 86_400.0;
-
-/// A year, in seconds.
-pub const YEAR: f64 = 365.25 * 86_400.0;
+use year::{SteelOfAYear, YearAndRecord, year};
 
 /// Number of years in a piece of work.
 const PIECE: u64 = 10;
@@ -78,17 +71,17 @@ pub fn forecast(
     let make = |piece: u64| {
         let (draw, from) = ((piece / pieces + 1).saturating_sub(LIKELIEST), piece % pieces * PIECE);
         let (bearing, steel) = &models[draw as usize];
-        let steel = Steel::of(steel);
+        let steel = SteelOfAYear::of(steel);
         let first = piece / pieces * question.years;
         let one = |number: u64| {
             let mut random = Stream::new(question.seed, first + number);
             year(bearing, &steel, question.share, showed.duration, &mut random)
         };
         let numbers = (from..question.years.min(from + PIECE)).take_while(|_| !stop.load(Ordering::Relaxed));
-        (draw, numbers.map(one).collect::<Vec<Simulated>>())
+        (draw, numbers.map(one).collect::<Vec<YearAndRecord>>())
     };
-    let mut draws: Vec<Vec<Simulated>> = Vec::new();
-    let deliver = |(draw, years): (u64, Vec<Simulated>)| {
+    let mut draws: Vec<Vec<YearAndRecord>> = Vec::new();
+    let deliver = |(draw, years): (u64, Vec<YearAndRecord>)| {
         draws.resize_with(draw as usize + 1, Vec::new);
         draws[draw as usize].extend(years);
         Ok::<_, Infallible>(ControlFlow::Continue(()))

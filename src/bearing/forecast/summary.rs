@@ -1,8 +1,7 @@
 //! Expected values and their intervals from simulated years.
 
-use super::YEAR;
 use super::question::{ForecastError, ForecastQuestion};
-use super::year::{ForecastQuantity, Simulated, Year};
+use super::year::{ForecastQuantity, YEAR, Year, YearAndRecord};
 use crate::bearing::calibration::Calibration;
 use crate::bearing::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
@@ -96,17 +95,18 @@ impl Forecast {
     /// draw whose years are not all there, because the forecast was stopped, is left out. `None` if
     /// the forecast was stopped before two draws were simulated.
     pub(super) fn of(
-        draws: &[Vec<Simulated>],
+        draws: &[Vec<YearAndRecord>],
         question: &ForecastQuestion,
         showed: &Showed,
         knows_forces: bool,
     ) -> Result<Option<Forecast>, ForecastError> {
         let Some((likeliest, draws)) = draws.split_first() else { return Ok(None) };
-        let whole: Vec<&Vec<Simulated>> = draws.iter().filter(|years| years.len() as u64 == question.years).collect();
+        let whole: Vec<&Vec<YearAndRecord>> =
+            draws.iter().filter(|years| years.len() as u64 == question.years).collect();
         if whole.len() < 2 {
             return Ok(None);
         }
-        let of = |years: &Vec<Simulated>| years.iter().map(|one| one.year).collect::<Vec<Year>>();
+        let of = |years: &Vec<YearAndRecord>| years.iter().map(|one| one.year).collect::<Vec<Year>>();
         let (likeliest, years): (_, Vec<Vec<Year>>) = (of(likeliest), whole.iter().copied().map(of).collect());
         let mut within: Vec<f64> = whole.iter().copied().flatten().map(|one| one.within).collect();
         within.sort_by(f64::total_cmp);
@@ -237,8 +237,9 @@ mod tests {
 
     /// The forecast of these years, whose slips are also those of the time of a record with `slips`.
     fn of(draws: Vec<Vec<Year>>, question: &ForecastQuestion, slips: f64) -> Result<Option<Forecast>, ForecastError> {
-        let one = |year: Year| Simulated { year, within: year[ForecastQuantity::Slips as usize] };
-        let draws: Vec<Vec<Simulated>> = draws.into_iter().map(|years| years.into_iter().map(one).collect()).collect();
+        let one = |year: Year| YearAndRecord { year, within: year[ForecastQuantity::Slips as usize] };
+        let draws: Vec<Vec<YearAndRecord>> =
+            draws.into_iter().map(|years| years.into_iter().map(one).collect()).collect();
         Forecast::of(&draws, question, &Showed { slips, path: 0.01, duration: YEAR }, false)
     }
 

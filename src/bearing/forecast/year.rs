@@ -5,11 +5,17 @@
 //! straight line. The body then slips as [`Motion`] says.
 
 use super::draw::{DrawnBearing, DrawnSteel};
-use super::{BURN_IN, YEAR};
 use crate::bearing::calibration::{Motion, farthest};
 use crate::bearing::weather::{Passage, STATES, Square, System, root};
 use crate::model::Harmonic;
 use crate::noise::Stream;
+
+/// The time before a year is counted, in seconds. The body forgets its initial position once the
+/// temperature has changed by more than 2 A in both directions, which takes days to weeks.
+pub const BURN_IN: f64 = 90.0 * 86_400.0;
+
+/// A year, in seconds.
+pub const YEAR: f64 = 365.25 * 86_400.0;
 
 /// A quantity that is kept of a simulated year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -79,7 +85,7 @@ const SHORTEST: f64 = 30.0;
 const SHARE: f64 = 0.2;
 
 /// The temperature of the steel on a grid, which begins a burn-in before t = 0 and ends a year after.
-pub struct Steel {
+pub struct SteelOfAYear {
     step: f64,
     /// What is periodic.
     mean: Vec<f64>,
@@ -92,7 +98,7 @@ pub struct Steel {
     gain: f64,
 }
 
-impl Steel {
+impl SteelOfAYear {
     /// The steel of this weather.
     pub fn of(drawn: &DrawnSteel) -> Self {
         let DrawnSteel { weather, lag } = drawn;
@@ -112,7 +118,7 @@ impl Steel {
             };
             weather.harmonics.iter().map(wave).sum()
         };
-        Steel {
+        SteelOfAYear {
             step,
             mean: times.map(waves).collect(),
             factors: [system.stationary(), passage.gained].map(|covariance| root(&covariance)),
@@ -126,7 +132,7 @@ impl Steel {
 
 /// A simulated year, and the slips in the first part of it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Simulated {
+pub struct YearAndRecord {
     pub year: Year,
     /// Number of slips from t = 0 to the end of the record.
     pub within: f64,
@@ -134,7 +140,7 @@ pub struct Simulated {
 
 /// Simulate a year of a bearing. The time with |F| above this `share` of f_s is counted, and so are
 /// the slips until `end`.
-pub fn year(bearing: &DrawnBearing, steel: &Steel, share: f64, end: f64, random: &mut Stream) -> Simulated {
+pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, random: &mut Stream) -> YearAndRecord {
     let DrawnBearing { reach, jump, sensor, .. } = *bearing;
     let times = |matrix: &Square, x: &[f64; STATES]| -> [f64; STATES] {
         std::array::from_fn(|i| (0..STATES).map(|j| matrix[i][j] * x[j]).sum())
@@ -183,7 +189,7 @@ pub fn year(bearing: &DrawnBearing, steel: &Steel, share: f64, end: f64, random:
     let slope = bearing.stiffness * bearing.dilatation();
     let loaded = loaded / (steel.mean.len() - burnt_in) as f64;
     let greatest = high.abs().max(low.abs());
-    Simulated {
+    YearAndRecord {
         year: [sliding * bearing.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
         within,
     }
