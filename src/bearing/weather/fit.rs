@@ -95,9 +95,12 @@ pub fn fit(
         let lowest = |n: usize| search(n, smooths).rough(None).map_or(f64::INFINITY, |found| found.deviance);
         (1..=processes).map(lowest).fold(f64::INFINITY, f64::min)
     };
-    let smoothed = (deviance(true) < deviance(false) - price).then(|| most_likely(search, processes, true));
-    let (search, peak, fit) =
-        smoothed.flatten().or_else(|| most_likely(search, processes, false)).ok_or(WeatherError::NoProcess)?;
+    let may_be_smoothed = deviance(true) < deviance(false) - price;
+    let plain = most_likely(search, processes, false);
+    let least = plain.as_ref().map_or(f64::INFINITY, |(_, peak, _)| peak.deviance);
+    let smoothed = may_be_smoothed.then(|| most_likely(search, processes, true)).flatten();
+    let smoothed = smoothed.filter(|(_, peak, _)| peak.deviance < least - price);
+    let (search, peak, fit) = smoothed.or(plain).ok_or(WeatherError::NoProcess)?;
     let of = |every: usize| {
         let [times, temperatures] = samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
         // Samples that are farther apart than the memory do not tell it.
@@ -198,7 +201,7 @@ mod tests {
             ];
             squares.iter_mut().zip(z).for_each(|(sum, z)| *sum += z * z / records as f64);
             assert!(fit.white < 0.25, "{} K of white noise where there is none", fit.white);
-            assert_eq!(fit.warnings(), [""; 0]);
+            assert_eq!(fit.warnings(), [""; 0], "{seed}: {processes:?}");
         }
         println!("mean squares of mean, year, day, sd, sd, theta, theta: {squares:.2?}");
         assert!(squares.iter().all(|mean| (0.35..1.9).contains(mean)), "{squares:?}");
