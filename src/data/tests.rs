@@ -7,13 +7,7 @@ fn time() -> Layout {
 }
 
 fn temperature(column: &str) -> Wanted<'_> {
-    Wanted {
-        column: Name::Exactly(column),
-        quantity: ColumnQuantity::Temperature,
-        unit: None,
-        max_gap: None,
-        averaged: None,
-    }
+    Wanted { column: Name::Exactly(column), quantity: ColumnQuantity::Temperature, unit: None, max_gap: None }
 }
 
 fn displacement(column: &str) -> Wanted<'_> {

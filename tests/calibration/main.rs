@@ -8,4 +8,3 @@ mod bridge;
 mod flaws;
 mod forecast;
 mod limits;
-mod loggers;
