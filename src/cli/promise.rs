@@ -9,7 +9,7 @@ pub fn check_hdf5(path: &Path) -> Result<(), Failure> {
     let (shown, file) = (path.display(), path.with_extension("h5"));
     let file = file.display();
     let makes = match ending(path).as_str() {
-        "csw" => format!("mc show {file} --format csv > {shown}"),
+        "csv" => format!("mc show {file} --format csv > {shown}"),
         "tex" => format!("mc show {file} --format latex > {shown}"),
         "md" => format!("mc show {file} --format markdown > {shown}"),
         "json" => format!("mc show {file} --json > {shown}"),
