@@ -24,8 +24,8 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        super::promise::check_hdf5(&self.output)?;
         writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
+        super::promise::check_hdf5(&self.output)?;
         self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());

@@ -46,8 +46,8 @@ impl Arguments {
         self.check_path(&scenario)?;
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let output = self.output.clone().unwrap_or_else(|| format!("{stem}-path-{}.h5", self.path).into());
-        super::promise::check_hdf5(&output)?;
         writable(&output, self.force, [self.file.as_path()])?;
+        super::promise::check_hdf5(&output)?;
         replay(&scenario, self.path, &output, self.force)
     }
 

@@ -59,8 +59,8 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
-        super::promise::check_hdf5(&output)?;
         writable(&output, self.force, self.overrides.inputs(&self.scenario)?)?;
+        super::promise::check_hdf5(&output)?;
         let threads = self.options.threads();
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
         let paths_of = |scenario: &Scenario| if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };

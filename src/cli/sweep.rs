@@ -75,8 +75,8 @@ impl Arguments {
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
-        super::promise::check_hdf5(&output)?;
         writable(&output, true, self.overrides.inputs(&self.scenario)?)?;
+        super::promise::check_hdf5(&output)?;
         let Arguments { force, threads, statistic: statistics, quiet, json, .. } = self;
         SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
             .simulate(question)

@@ -82,8 +82,8 @@ impl Arguments {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
-        super::promise::check_hdf5(output)?;
         writable(output, self.force, inputs)?;
+        super::promise::check_hdf5(output)?;
         pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }
 

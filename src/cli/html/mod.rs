@@ -40,8 +40,8 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
         let output = self.output.clone().unwrap_or_else(default);
-        super::promise::check_page(&output, &self.file)?;
         writable(&output, self.force, [self.file.as_path()])?;
+        super::promise::check_page(&output, &self.file)?;
         let page = match files::read(&self.file, store::content)? {
             Content::Run(stored) => self.page_of_run(&stored),
             Content::Calibration(stored) => bearing::page(&stored, Vec::new(), Vec::new()),
