@@ -200,11 +200,10 @@ fn size(scene: &Drawing) -> String {
 impl Format {
     /// The format that belongs to the ending of a file name.
     pub fn of(path: &Path) -> Result<Self, Failure> {
-        let ending = path.extension().map(|ending| ending.to_string_lossy().to_lowercase());
-        match ending.as_deref() {
-            Some("svg") => Ok(Format::Svg),
-            Some("png") => Ok(Format::Png),
-            Some("pdf") => Ok(Format::Pdf),
+        match super::promise::ending(path).as_str() {
+            "svg" => Ok(Format::Svg),
+            "png" => Ok(Format::Png),
+            "pdf" => Ok(Format::Pdf),
             _ => {
                 let problem = format!("-o {}: the ending does not tell a format", path.display());
                 Err(Failure::usage(problem, "write a name that ends in .svg, .png or .pdf"))

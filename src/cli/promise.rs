@@ -32,6 +32,7 @@ pub fn check_page(path: &Path, of: &Path) -> Result<(), Failure> {
     Err(Failure::usage(format!("-o {shown}: a report is a page for a browser"), remedy))
 }
 
-fn ending(path: &Path) -> String {
+/// The ending of a file's name, in small letters; empty if it has none.
+pub fn ending(path: &Path) -> String {
     path.extension().map(|ending| ending.to_string_lossy().to_lowercase()).unwrap_or_default()
 }

@@ -242,21 +242,18 @@ impl Scenario {
     /// # Ok::<(), Box<dyn std::error::Error>>(())
     /// ```
     pub fn number_at(&self, key: &str) -> Option<f64> {
-        let whole = &toml::Value::Table(self.to_toml().parse().ok()?);
+        let whole = toml::Value::Table(self.to_toml().parse().ok()?);
+        let at = |key: &str| {
+            let spot = key.split('.').map(str::trim).try_fold(&whole, |spot, segment| match spot {
+                toml::Value::Table(table) => table.get(segment),
+                toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
+                _ => None,
+            })?;
+            spot.as_float().or_else(|| spot.as_integer().map(|whole| whole as f64))
+        };
         // A parameter of the force is a key by itself, as in an override.
-        let parameter = whole.get("force").and_then(|force| force.get("parameters")?.get(key)?.as_float());
-        if let (None, Some(value)) = (whole.get(key), parameter) {
-            return Some(value);
-        }
-        let mut spot = whole;
-        for segment in key.split('.').map(str::trim) {
-            spot = match spot {
-                toml::Value::Table(table) => table.get(segment)?,
-                toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?)?,
-                _ => return None,
-            };
-        }
-        spot.as_float().or_else(|| spot.as_integer().map(|whole| whole as f64))
+        let parameter = || at(&format!("{}.{key}", tree::FORCE_PARAMETERS)).filter(|_| whole.get(key).is_none());
+        at(key).or_else(parameter)
     }
 
     /// The whole scenario as TOML that is meant to be edited: every default is written, every key

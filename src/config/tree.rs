@@ -192,7 +192,7 @@ fn has_parameter(root: &Node, name: &str) -> bool {
 }
 
 /// The table of these parameters.
-const FORCE_PARAMETERS: &str = "force.parameters";
+pub(super) const FORCE_PARAMETERS: &str = "force.parameters";
 
 /// A number such as .5 with the zero that TOML wants.
 fn whole(text: &str) -> Cow<'_, str> {

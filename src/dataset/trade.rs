@@ -16,7 +16,7 @@ use crate::study::trade::{Choice, Cost, Number, Pairing, Prices, Rung, TARGETS, 
 pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
 
 /// Major and minor version of the format.
-const TRADE_FORMAT_VERSION: (u32, u32) = (2, 1);
+pub(crate) const TRADE_FORMAT_VERSION: (u32, u32) = (2, 1);
 
 /// Write a trade.
 pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) -> Result<(), D::Error> {

@@ -132,15 +132,17 @@ impl Panel {
 
     /// Adds a vertical interval; nothing where an end is not known.
     pub fn interval(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
-        if ends.iter().all(|end| end.is_finite()) {
-            self.layers.push(Layer::Interval { at, ends, is_across: false, colour });
-        }
+        self.interval_along(at, ends, false, colour);
     }
 
     /// Adds a horizontal interval, likewise.
     pub fn interval_across(&mut self, at: f64, ends: [f64; 2], colour: Colour) {
+        self.interval_along(at, ends, true, colour);
+    }
+
+    fn interval_along(&mut self, at: f64, ends: [f64; 2], is_across: bool, colour: Colour) {
         if ends.iter().all(|end| end.is_finite()) {
-            self.layers.push(Layer::Interval { at, ends, is_across: true, colour });
+            self.layers.push(Layer::Interval { at, ends, is_across, colour });
         }
     }
 

@@ -13,8 +13,7 @@ pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last
 /// The share of sticks that may be shorter than the shortest duration that is drawn.
 const NEXT_TO_NONE: f64 = 5e-3;
 
-/// The share of the completed sticks in one bin, divided by the width of the bin in decades, with
-/// its interval.
+/// The share of the completed sticks in one bin, divided by the width of the bin in decades.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct DrawnBin {
     /// The durations at which the bin begins and ends.

@@ -17,8 +17,10 @@ use std::ops::{Add, Div, Mul, Neg, Sub};
 /// Functions of intrinsics, compiled for the instruction set of the caller.
 macro_rules! intrinsics {
     ($($(#[$about:meta])* fn $name:ident $(<const N: $Number:ty>)? ($($arguments:tt)*) $(-> $Result:ty)? { $($body:tt)* })*) => {
-        // SAFETY: see the head of this file.
-        $($(#[$about])* #[inline(always)] fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? { unsafe { $($body)* } })*
+        super::inlined! {
+            // SAFETY: see the head of this file.
+            $($(#[$about])* fn $name $(<const N: $Number>)? ($($arguments)*) $(-> $Result)? { unsafe { $($body)* } })*
+        }
     };
 }
 

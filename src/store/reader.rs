@@ -5,8 +5,8 @@ use super::folder::{STATE, file_of, partial_path};
 use super::lock::Lock;
 use super::superblock::superblock;
 use super::{StoreError, seal, state};
-use crate::dataset::header::FORMAT_VERSION;
-use crate::dataset::{StoredRun as Stored, header};
+use crate::dataset::header::{FORMAT_VERSION, parse_version};
+use crate::dataset::{StoredRun as Stored, header, read_attribute};
 use crate::engine::Status;
 use hdf5::File;
 use std::io;
@@ -76,6 +76,24 @@ pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
 pub(super) fn read_from<T>(path: &Path, read: impl FnOnce(&File) -> hdf5::Result<T>) -> Result<T, StoreError> {
     check_file(path)?;
     read(&open(path)?).map_err(damaged(path))
+}
+
+/// Read a file of the kind and the format of this name and version. `other_kind` is the error of a
+/// file of another kind.
+pub(super) fn read_kind<T>(
+    path: &Path,
+    (name, reads): (&str, (u32, u32)),
+    other_kind: impl FnOnce(PathBuf) -> StoreError,
+    read: impl FnOnce(&File) -> hdf5::Result<T>,
+) -> Result<T, StoreError> {
+    check_file(path)?;
+    let file = open(path)?;
+    if read_attribute::<_, String>(&file, "format_name").ok().as_deref() != Some(name) {
+        return Err(other_kind(path.to_owned()));
+    }
+    let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
+    check_version(path, parse_version(&version).unwrap_or((u32::MAX, 0)), reads)?;
+    read(&file).map_err(damaged(path))
 }
 
 /// The error of a file that could not be read.

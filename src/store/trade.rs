@@ -2,7 +2,8 @@
 
 use super::StoreError;
 use super::at_once::write_at_once;
-use super::reader::read_from;
+use super::reader::read_kind;
+use crate::dataset::trade::{TRADE_FORMAT_NAME, TRADE_FORMAT_VERSION};
 use crate::dataset::{StoredTrade, trade};
 use crate::engine::Provenance;
 use crate::study::trade::Trade;
@@ -14,7 +15,8 @@ pub fn write_trade(target: &Path, header: &Provenance, trade: &Trade, force: boo
     write_at_once(target, header.units.clone(), force, |place| trade::write(place, header, trade))
 }
 
-/// Read a trade from its file.
+/// Read a trade from its file. A file that is not one, has another format or is damaged is an error.
 pub fn read_trade(path: &Path) -> Result<StoredTrade, StoreError> {
-    read_from(path, trade::read)
+    let format = (TRADE_FORMAT_NAME, TRADE_FORMAT_VERSION);
+    read_kind(path, format, |path| StoreError::Foreign { path }, trade::read)
 }

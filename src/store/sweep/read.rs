@@ -1,11 +1,10 @@
 //! Reading the file of a sweep, finished or not.
 
-use crate::dataset::header::parse_version;
+use crate::dataset::StoredSweep;
 use crate::dataset::sweep::{self, SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION, name, program};
-use crate::dataset::{StoredSweep, read_attribute};
 use crate::engine::Provenance;
 use crate::store::StoreError;
-use crate::store::reader::{check_file, check_version, damaged, open};
+use crate::store::reader::read_kind;
 use crate::study::sweep::{Design, SweepQuestion};
 use std::path::Path;
 
@@ -47,15 +46,7 @@ fn lines(text: &str) -> Vec<String> {
     said.filter(|line| !line.is_empty()).collect()
 }
 
-/// Read the file of a sweep. A file that is not one, is newer than this program or is damaged is an
-/// error.
+/// Read the file of a sweep. A file that is not one, has another format or is damaged is an error.
 pub fn read_sweep(path: &Path) -> Result<StoredSweep, StoreError> {
-    check_file(path)?;
-    let file = open(path)?;
-    if read_attribute::<_, String>(&file, "format_name").ok().as_deref() != Some(SWEEP_FORMAT_NAME) {
-        return Err(StoreError::NotASweep { path: path.to_owned() });
-    }
-    let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
-    check_version(path, parse_version(&version).unwrap_or((u32::MAX, 0)), SWEEP_FORMAT_VERSION)?;
-    sweep::read(&file).map_err(damaged(path))
+    read_kind(path, (SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION), |path| StoreError::NotASweep { path }, sweep::read)
 }
