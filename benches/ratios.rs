@@ -158,7 +158,7 @@ fn writing(c: &mut Criterion) {
     let scenario = scenario("rho025", &[STEP]);
     let plan = Plan { paths: 10_000, ..common::scenario("rho025", &["time.step=0.05"]).plan() };
     let blocks: Vec<BlockResult> = (0..plan.blocks()).map(|k| plan.block(k)).collect();
-    let mut totals = Totals::empty(plan.model(), plan.timeline());
+    let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
     blocks.iter().for_each(|block| totals.merge(&block.totals));
     let summary = totals.summary();
     let folder = tempfile::tempdir().expect("a temporary folder");

@@ -67,8 +67,8 @@ impl Tally<2> for Inspections {
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut scenario = Scenario::shipped("rho025")?;
     scenario.ensemble.paths = 4_000;
-    let outcome = Run::of(&scenario).without_bias().tallied(&Inspections(Exp::new(0.2)?))?;
-    let Measurement { estimate, standard_error, .. } = outcome.tally;
+    let (outcome, stuck) = Run::of(&scenario).without_bias().tallied(&Inspections(Exp::new(0.2)?))?;
+    let Measurement { estimate, standard_error, .. } = stuck;
     let sticking = outcome.summary.estimate(Statistic::StickingFraction).estimate;
     println!("stuck at {estimate:.4} +- {standard_error:.4} of inspections; sticking fraction {sticking:.4}");
     // 4 standard errors: wrong once in 16 000 seeds.

@@ -27,7 +27,7 @@ static STATE: LazyLock<(Vec<u8>, Vec<u8>)> = LazyLock::new(|| {
     scenario.time.output_step = scenario.time.end;
     let asked = Run::of(&scenario).question();
     let mut head = RunQuestion { scenario: scenario.clone(), asked, note: String::new() }.to_bytes();
-    let sums = RunTotals::empty(&scenario.model, &scenario.timeline()).to_bytes();
+    let sums = RunTotals::empty(&scenario.model, &scenario.timeline(), &scenario.record).to_bytes();
     let mut length = Vec::new();
     (sums.len() as u64).write(&mut length);
     let tail = [length, sums].concat();

@@ -12,7 +12,6 @@
 
 mod differences;
 mod extrapolation;
-mod groups;
 mod no_bias;
 mod reference_run;
 mod widening;
@@ -72,17 +71,17 @@ impl BiasPlan {
         Ok(BiasPlan { differences: Some(differences).filter(|_| !is_corrected), reference })
     }
 
-    /// The same for a run of antithetic pairs.
-    pub fn in_pairs(self) -> Self {
-        BiasPlan { differences: self.differences.map(Differences::in_pairs), ..self }
-    }
-
-    /// The same for a run that records this.
-    pub fn recording(self, record: &Record) -> Self {
-        BiasPlan {
-            differences: self.differences.map(|differences| differences.recording(record)),
-            reference: self.reference.map(|reference| reference.recording(record)),
+    /// The same for a run that records this, and perhaps of antithetic pairs.
+    pub fn recording(mut self, record: &Record, antithetic: bool) -> Self {
+        let record = record.of_no_path();
+        if let Some(reference) = &mut self.reference {
+            reference.record = record;
         }
+        let of_run = |mut differences: Differences| {
+            differences.record = record;
+            if antithetic { differences.in_pairs() } else { differences }
+        };
+        BiasPlan { differences: self.differences.map(of_run), ..self }
     }
 
     /// The bias of every statistic that exists in `run`. The result has the same bits for any

@@ -10,7 +10,7 @@ use crate::ensemble::{Plan, in_order_while};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
-use crate::sums::Merge as _;
+use crate::sums::{Merge as _, Unit};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -65,7 +65,8 @@ pub struct ReferenceRun {
     budget: u64,
     /// The number of paths of the run, which the reference run does not exceed.
     paths: u64,
-    record: Record,
+    /// What the run records, without anything of single paths.
+    pub(super) record: Record,
 }
 
 impl ReferenceRun {
@@ -78,11 +79,6 @@ impl ReferenceRun {
         // gives other random numbers than those of the run.
         let (model, timeline, record) = (model.clone(), timeline.without_rows(), Record::NOTHING);
         ReferenceRun { model, timeline, seed: !seed, budget, paths, record }
-    }
-
-    /// The same for a run that records this.
-    pub fn recording(self, record: &Record) -> Self {
-        ReferenceRun { record: record.of_no_path(), ..self }
     }
 
     /// The bias of the statistics of a run, without an order; none where the reference run costs
@@ -100,7 +96,7 @@ impl ReferenceRun {
         let size = pricing.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan { simulation, record: self.record, seed: self.seed, paths, antithetic: false };
-        let mut totals = Totals::empty(plan.model(), plan.timeline());
+        let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
         let make = |index: u64| Some(plan.piece_until(index * size, size.min(paths - index * size), stop)?.totals);
         let deliver = |piece: Totals| -> Result<_, Infallible> {
             totals.merge(&piece);
@@ -120,7 +116,7 @@ impl ReferenceRun {
             return None;
         }
         let first: Vec<u64> = (0..FIRST).collect();
-        let own = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first);
+        let own = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first, Unit::Path);
         let mut observer = (own, stop);
         let limited = exact.clone().with_work_limit(evaluations / FIRST);
         let Simulated { lost, evaluations: spent, .. } = limited.simulate_counting(self.seed, &first, &mut observer);

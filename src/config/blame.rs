@@ -1,26 +1,17 @@
 //! Where a message shows values that do not go together, and which of them it names.
 
-use super::error::Fault;
 use super::fields::Fields;
 use super::source::Sources;
 use crate::scheme::Misfit;
 
-/// Report values that do not go together; nothing is reported if they do.
-pub(super) fn report_misfit(sources: &Sources<'_>, root: &Fields<'_>, check: Result<(), Misfit>) {
-    if let Err(misfit) = check {
-        sources.report_misfit(*blame(sources, root, &misfit));
-    }
-}
-
-/// The fault for a misfit. It is shown at the first of the values that an override set, or else at
-/// the first value. An override is preferred because the file was probably valid before the command
-/// line changed it. A default value has no place in any text.
-pub(super) fn blame(sources: &Sources<'_>, root: &Fields<'_>, misfit: &Misfit) -> Box<Fault> {
+/// Report values that do not go together. They are shown at the first of the values that an override
+/// set, or else at the first value. An override is preferred because the file was probably valid
+/// before the command line changed it. A default value has no place in any text.
+pub(super) fn report_misfit(sources: &Sources<'_>, root: &Fields<'_>, misfit: Misfit) {
     let Misfit { about, problem, remedy } = misfit;
     let is_override = |(key, _): &&(&'static str, f64)| sources.is_override(root.place_of(key));
-    let (problem, remedy) = (problem.clone(), remedy.clone());
-    match about.iter().find(is_override).or(about.first()) {
+    sources.report_misfit(*match about.iter().find(is_override).or(about.first()) {
         Some((key, value)) => sources.fault(root.place_of(key), problem, remedy).of(key).value(format!("{value:?}")),
         None => sources.fault(None, problem, remedy),
-    }
+    });
 }

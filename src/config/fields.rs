@@ -9,12 +9,101 @@ use super::source::{Place, Sources};
 use super::tree::{KeyValue, Node, Value};
 use crate::excerpt::short;
 use crate::model::LARGEST;
+use std::ops::RangeInclusive;
 
 /// A number with its place. `place` is `None` if the number is a default.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Read {
     pub value: f64,
     pub place: Option<Place>,
+}
+
+/// A value with its dotted key.
+struct ValueAt<'a> {
+    sources: &'a Sources<'a>,
+    path: String,
+    node: &'a Node,
+}
+
+impl ValueAt<'_> {
+    fn fault(&self, problem: impl Into<String>, remedy: impl Into<String>) -> Box<Fault> {
+        let fault = self.sources.fault(Some(self.node.place), problem, remedy).of(&self.path);
+        match self.node.value {
+            // The text of a whole table or array would not help as a value.
+            Value::Array(_) | Value::Table(_) => fault,
+            _ => fault.value(self.sources.quote(self.node.place)),
+        }
+    }
+
+    fn wrong_kind(&self, expected: &str, remedy: impl Into<String>) -> Box<Fault> {
+        self.fault(format!("is {}; it must be {expected}", self.node.value.kind()), remedy)
+    }
+
+    /// A number, checked.
+    fn number(&self, key: Key) -> Result<f64, Box<Fault>> {
+        let allowed = key.range.words();
+        let symbol = if key.symbol.is_empty() { String::new() } else { format!("{}, ", key.symbol) };
+        let remedy = format!("give {allowed} ({symbol}{})", key.meaning);
+        let Some(value) = float(self.node) else { return Err(self.wrong_kind(allowed, remedy)) };
+        let problem = match value {
+            x if x.is_nan() => "is not a number".to_string(),
+            x if x.is_infinite() => "is not finite".to_string(),
+            x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
+            x if x.abs() > LARGEST && key.range != Allowed::Threshold => {
+                let problem = format!("is above {LARGEST:e}, too large to compute with");
+                return Err(self.fault(problem, format!("choose units in which it is closer to 1, or {remedy}")));
+            }
+            _ => return Ok(value),
+        };
+        Err(self.fault(problem, remedy))
+    }
+
+    fn whole(&self, range: RangeInclusive<u64>) -> Result<u64, Box<Fault>> {
+        let allowed = format!("a whole number from {} to {}", range.start(), range.end());
+        let number = match &self.node.value {
+            Value::Integer { digits, radix } => Some(i128::from_str_radix(digits, *radix).unwrap_or(-1)),
+            // 1e4 and "10k" are natural ways to write ten thousand, but not TOML integers.
+            Value::Float(text) | Value::Text(text) => count(text),
+            _ => None,
+        };
+        let remedy = format!("give {allowed}");
+        let Some(number) = number else { return Err(self.wrong_kind(&allowed, remedy)) };
+        let inside = u64::try_from(number).ok().filter(|n| range.contains(n));
+        inside.ok_or_else(|| self.fault(format!("is out of range: it must be {allowed}"), remedy))
+    }
+
+    fn flag(&self) -> Result<bool, Box<Fault>> {
+        match self.node.value {
+            Value::Boolean(value) => Ok(value),
+            _ => Err(self.wrong_kind("true or false", "write true or false")),
+        }
+    }
+
+    fn text(&self, is_wrong: fn(char) -> bool) -> Result<String, Box<Fault>> {
+        match &self.node.value {
+            Value::Text(text) if text.chars().any(is_wrong) => {
+                Err(self.fault("holds a line break or another control character", "write it on one line"))
+            }
+            Value::Text(text) => Ok(text.clone()),
+            _ => Err(self.wrong_kind("a string", "put it in quotes")),
+        }
+    }
+
+    /// A word from a list, which `allowed` introduces.
+    fn word(&self, words: &[&'static str], allowed: &str) -> Result<&'static str, Box<Fault>> {
+        let Value::Text(text) = &self.node.value else {
+            return Err(self.wrong_kind("a string", format!("write {allowed} {}", quoted(words))));
+        };
+        if let Some(word) = words.iter().find(|word| **word == text) {
+            return Ok(word);
+        }
+        let likeness = |word: &&'static str| (strsim::jaro_winkler(text, word), *word);
+        let alike = words.iter().map(likeness).filter(|(likeness, _)| *likeness > 0.8);
+        let nearest = alike.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, word)| word);
+        let hint = nearest.map_or(String::new(), |word| format!("; did you mean \"{word}\"?"));
+        let words = quoted(words);
+        Err(self.fault(format!("is not {allowed} {words}{hint}"), format!("write {allowed} {words}")))
+    }
 }
 
 /// A table of which the known keys can be read.
@@ -41,26 +130,26 @@ impl<'a> Fields<'a> {
     /// Open a table of the kind `schema` (see `keys::TABLES`) and report its unknown keys.
     fn open(sources: &'a Sources<'a>, schema: &str, path: String, node: &'a Node) -> Self {
         let place = Some(node.place);
-        let Value::Table(entries) = &node.value else {
-            let names = keys::of_table(schema).join(", ");
-            let remedy = format!("write a table with the keys {names}");
-            sources.report(wrong_kind(sources, node, &path, "a table", &remedy));
-            return Fields { sources, path, place, entries: &[], is_misread: true };
-        };
         let known = keys::of_table(schema);
+        let Value::Table(entries) = &node.value else {
+            let at = ValueAt { sources, path, node };
+            sources.report(at.wrong_kind("a table", format!("write a table with the keys {}", known.join(", "))));
+            return Fields { sources, path: at.path, place, entries: &[], is_misread: true };
+        };
         let mut is_misread = false;
         for entry in entries.iter().filter(|entry| !known.contains(&entry.key.as_str())) {
             is_misread = true;
             let table = if schema.is_empty() { "a scenario".to_string() } else { format!("`{schema}`") };
-            let (hint, remedy) = match keys::suggestion(schema, &entry.key) {
+            let meant = keys::suggestion(schema, &entry.key);
+            let hint = meant.as_ref().map_or(String::new(), |name| format!("; did you mean `{name}`?"));
+            let remedy = match meant {
                 // Harmonics form an array, so the remedy shows a harmonic within its array.
                 Some(name) if name.starts_with("temperature.harmonics.") && schema != "temperature.harmonics" => {
-                    let example =
-                        "write `harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]` under [temperature]";
-                    (format!("; did you mean `{name}`?"), example.to_string())
+                    "write `harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }]` under [temperature]"
+                        .to_string()
                 }
-                Some(name) => (format!("; did you mean `{name}`?"), format!("write `{name}`, or remove it")),
-                None => (String::new(), "remove it".to_string()),
+                Some(name) => format!("write `{name}`, or remove it"),
+                None => "remove it".to_string(),
             };
             let problem = format!("unknown key `{}`{hint}", short(&entry.key));
             let remedy = format!("{remedy}; {table} takes {}", known.join(", "));
@@ -77,11 +166,19 @@ impl<'a> Fields<'a> {
         self.entries.iter().find(|entry| entry.key == name).map(|entry| &entry.node)
     }
 
+    fn value(&self, name: &str) -> Option<ValueAt<'a>> {
+        Some(ValueAt { sources: self.sources, path: self.dotted(name), node: self.node(name)? })
+    }
+
+    /// What is read of a key; none if it is missing, or cannot be used, which is reported.
+    fn sound<T>(&self, key: Key, read: impl FnOnce(&ValueAt<'a>) -> Result<T, Box<Fault>>) -> Option<T> {
+        self.sources.or_report(read(&self.value(key.name)?))
+    }
+
     /// The place of the value of a key, if it is there. The key may be dotted, for a table within
     /// this one; in an array of tables it is that of the first table that has the key.
     pub fn place_of(&self, dotted: &str) -> Option<Place> {
-        let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
-        place_in(self.node(first)?, rest)
+        place_in(self.entries, dotted)
     }
 
     /// A table within this one; an empty one if it is missing.
@@ -100,14 +197,14 @@ impl<'a> Fields<'a> {
 
     /// The tables of an array of tables; a missing array is empty.
     pub fn tables(&self, name: &str) -> Vec<Fields<'a>> {
-        let path = self.dotted(name);
-        let Some(node) = self.node(name) else { return Vec::new() };
-        let Value::Array(items) = &node.value else {
-            let remedy = format!("write {name} = [{{ ... }}], with the keys {}", keys::of_table(&path).join(", "));
-            self.sources.report(wrong_kind(self.sources, node, &path, "an array of tables", &remedy));
+        let Some(at) = self.value(name) else { return Vec::new() };
+        let (sources, path) = (self.sources, &at.path);
+        let Value::Array(items) = &at.node.value else {
+            let remedy = format!("write {name} = [{{ ... }}], with the keys {}", keys::of_table(path).join(", "));
+            sources.report(at.wrong_kind("an array of tables", remedy));
             return Vec::new();
         };
-        items.iter().enumerate().map(|(i, item)| Self::open(self.sources, &path, format!("{path}.{i}"), item)).collect()
+        items.iter().enumerate().map(|(i, item)| Self::open(sources, path, format!("{path}.{i}"), item)).collect()
     }
 
     /// The tables of a key that may hold one table or an array of tables.
@@ -119,20 +216,19 @@ impl<'a> Fields<'a> {
     }
 
     /// The numbers of a table whose keys are free, with their places; none if it is missing.
-    pub fn numbers(&self, name: &str) -> Vec<(String, f64, Option<Place>)> {
-        let Some(node) = self.node(name) else { return Vec::new() };
-        let path = self.dotted(name);
-        let Value::Table(entries) = &node.value else {
-            self.sources.report(wrong_kind(self.sources, node, &path, "a table", "write names with numbers"));
-            return Vec::new();
+    pub fn numbers(&self, key: Key) -> Vec<(String, f64, Option<Place>)> {
+        let free = Key { name: "", symbol: "", meaning: "a parameter of the force", range: Allowed::Any };
+        let read = |at: &ValueAt<'a>| {
+            let Value::Table(entries) = &at.node.value else {
+                return Err(at.wrong_kind("a table", "write names with numbers"));
+            };
+            let read = |KeyValue { key, key_place, node }: &'a KeyValue| {
+                let inside = ValueAt { path: format!("{}.{key}", at.path), node, ..*at };
+                (key.clone(), self.sources.or_report(inside.number(free)).unwrap_or(1.0), Some(*key_place))
+            };
+            Ok(entries.iter().map(read).collect())
         };
-        let table = Fields { sources: self.sources, path, place: Some(node.place), entries, is_misread: false };
-        let read = |entry: &KeyValue| {
-            let key = Key { name: "", symbol: "", meaning: "a parameter of the force", range: Allowed::Any };
-            let value = self.sources.or_report(table.number_of(&entry.node, &entry.key, key)).unwrap_or(1.0);
-            (entry.key.clone(), value, Some(entry.key_place))
-        };
-        entries.iter().map(read).collect()
+        self.sound(key, read).unwrap_or_default()
     }
 
     /// A number that must be there; if it is missing, this is reported.
@@ -147,196 +243,84 @@ impl<'a> Fields<'a> {
 
     /// A number, if it is there.
     pub fn number_if_present(&self, key: Key) -> Option<Read> {
-        let node = self.node(key.name)?;
-        let value = self.sources.or_report(self.number_in(node, key)).unwrap_or_else(|| key.range.stand_in());
-        Some(Read { value, place: Some(node.place) })
+        let at = self.value(key.name)?;
+        let value = self.sources.or_report(at.number(key)).unwrap_or_else(|| key.range.stand_in());
+        Some(Read { value, place: Some(at.node.place) })
     }
 
     /// The numbers of a list, at most `most` of them; none if the key is missing.
     pub fn list(&self, key: Key, most: usize) -> Vec<f64> {
-        let Some(node) = self.node(key.name) else { return Vec::new() };
-        let path = self.dotted(key.name);
-        match &node.value {
+        let read = |at: &ValueAt<'a>| match &at.node.value {
             Value::Array(items) if items.len() <= most => {
-                let read = |item: &Node| self.sources.or_report(self.number_in(item, key));
-                items.iter().map(|item| read(item).unwrap_or_else(|| key.range.stand_in())).collect()
+                let number = |node| ValueAt { path: at.path.clone(), node, ..*at }.number(key);
+                let sound = |node| self.sources.or_report(number(node)).unwrap_or_else(|| key.range.stand_in());
+                Ok(items.iter().map(sound).collect())
             }
             Value::Array(items) => {
                 let problem = format!("holds {} numbers, more than {most}", items.len());
-                self.sources.report(self.fault(node, &path, problem, format!("leave out all but {most} of them")));
-                Vec::new()
+                Err(at.fault(problem, format!("leave out all but {most} of them")))
             }
-            _ => {
-                let remedy = format!("write {} = [1.0, 2.0]", key.name);
-                self.sources.report(wrong_kind(self.sources, node, &path, "a list of numbers", &remedy));
-                Vec::new()
-            }
-        }
-    }
-
-    /// The number in the node of a key, checked.
-    fn number_in(&self, node: &Node, key: Key) -> Result<f64, Box<Fault>> {
-        self.number_of(node, key.name, key)
-    }
-
-    /// The number in the node of a key that is called `name`, checked.
-    fn number_of(&self, node: &Node, name: &str, key: Key) -> Result<f64, Box<Fault>> {
-        let path = self.dotted(name);
-        let allowed = key.range.words();
-        let symbol = if key.symbol.is_empty() { String::new() } else { format!("{}, ", key.symbol) };
-        let remedy = format!("give {allowed} ({symbol}{})", key.meaning);
-        let value = float(node).ok_or_else(|| wrong_kind(self.sources, node, &path, allowed, &remedy))?;
-        let problem = match value {
-            x if x.is_nan() => "is not a number".to_string(),
-            x if x.is_infinite() => "is not finite".to_string(),
-            x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
-            x if x.abs() > LARGEST && key.range != Allowed::Threshold => {
-                let remedy = format!("choose units in which it is closer to 1, or {remedy}");
-                return Err(self.fault(
-                    node,
-                    &path,
-                    format!("is above {:e}, too large to compute with", LARGEST),
-                    remedy,
-                ));
-            }
-            _ => return Ok(value),
+            _ => Err(at.wrong_kind("a list of numbers", format!("write {} = [1.0, 2.0]", key.name))),
         };
-        Err(self.fault(node, &path, problem, remedy))
+        self.sound(key, read).unwrap_or_default()
     }
 
     /// A length of time, if it is there: a number as it is, or a text such as "6h" in seconds.
     pub fn span_if_present(&self, key: Key) -> Option<f64> {
-        let node = self.node(key.name)?;
-        let Value::Text(text) = &node.value else { return Some(self.number_or(key, key.range.stand_in())) };
-        let read = crate::data::seconds(text).ok_or_else(|| {
-            let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number".to_string();
-            self.fault(node, &self.dotted(key.name), "is no length of time".into(), remedy)
-        });
-        self.sources.or_report(read)
+        let read = |at: &ValueAt<'a>| match &at.node.value {
+            Value::Text(text) => crate::data::seconds(text).ok_or_else(|| {
+                let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number";
+                at.fault("is no length of time", remedy)
+            }),
+            _ => at.number(key),
+        };
+        self.sound(key, read)
     }
 
     /// The fault for a table that should not be there.
     pub fn fault_of_table(&self, problem: &str, remedy: &str) -> Box<Fault> {
-        self.sources.fault(self.place, problem.to_string(), remedy.to_string()).of(&self.path)
+        self.sources.fault(self.place, problem, remedy).of(&self.path)
     }
 
     /// The fault for a text that is missing.
-    pub fn missing_text(&self, name: &str, remedy: &str) -> Box<Fault> {
-        self.sources.fault(self.place, format!("missing key `{}`", self.dotted(name)), remedy.to_string())
+    pub fn missing_text(&self, key: Key, remedy: &str) -> Box<Fault> {
+        self.sources.fault(self.place, format!("missing key `{}`", self.dotted(key.name)), remedy)
     }
 
     /// A number or a word from a list, if it is there: `Ok(number)` or `Err(word)`.
     pub fn number_or_word(&self, key: Key, words: &[&'static str]) -> Option<Result<f64, &'static str>> {
-        let node = self.node(key.name)?;
-        let Value::Text(text) = &node.value else { return Some(Ok(self.number(key))) };
-        match words.iter().find(|word| **word == text) {
-            Some(word) => Some(Err(word)),
-            None => {
-                let allowed = format!("{} or one of", key.range.words());
-                self.sources.report(self.unknown_word(node, key.name, words, &allowed));
-                Some(Ok(key.range.stand_in()))
-            }
+        let at = self.value(key.name)?;
+        if !matches!(at.node.value, Value::Text(_)) {
+            return Some(Ok(self.number(key)));
         }
+        let word = at.word(words, &format!("{} or one of", key.range.words()));
+        Some(self.sources.or_report(word).map_or_else(|| Ok(key.range.stand_in()), Err))
     }
 
     /// A word from a list, if it is there.
     pub fn word(&self, key: Key, words: &[&'static str]) -> Option<&'static str> {
-        self.sources.or_report(self.word_in(self.node(key.name)?, key.name, words))
+        self.sound(key, |at| at.word(words, "one of"))
     }
 
-    fn word_in(&self, node: &Node, name: &str, words: &[&'static str]) -> Result<&'static str, Box<Fault>> {
-        match &node.value {
-            Value::Text(text) => match words.iter().find(|word| **word == text) {
-                Some(word) => Ok(word),
-                None => Err(self.unknown_word(node, name, words, "one of")),
-            },
-            _ => {
-                let remedy = format!("write one of {}", quoted(words));
-                Err(wrong_kind(self.sources, node, &self.dotted(name), "a string", &remedy))
-            }
-        }
-    }
-
-    fn unknown_word(&self, node: &Node, name: &str, words: &[&'static str], allowed: &str) -> Box<Fault> {
-        let text = if let Value::Text(text) = &node.value { text.as_str() } else { "" };
-        let likeness = |word: &&'static str| (strsim::jaro_winkler(text, word), *word);
-        let alike = words.iter().map(likeness).filter(|(likeness, _)| *likeness > 0.8);
-        let nearest = alike.max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, word)| word);
-        let hint = nearest.map_or(String::new(), |word| format!("; did you mean \"{word}\"?"));
-        let problem = format!("is not {allowed} {}{hint}", quoted(words));
-        self.fault(node, &self.dotted(name), problem, format!("write {allowed} {}", quoted(words)))
-    }
-
-    /// A whole number within a range, or its default if it is missing.
-    pub fn whole_or(&self, key: Key, default: u64, range: (u64, u64)) -> u64 {
-        let name = key.name;
-        self.node(name).and_then(|node| self.sources.or_report(self.whole_in(node, name, range))).unwrap_or(default)
-    }
-
-    fn whole_in(&self, node: &Node, name: &str, range: (u64, u64)) -> Result<u64, Box<Fault>> {
-        let path = self.dotted(name);
-        let (low, high) = range;
-        let allowed = format!("a whole number from {low} to {high}");
-        let inside = |n: i128| u64::try_from(n).ok().filter(|n| (low..=high).contains(n));
-        match &node.value {
-            Value::Integer { digits, radix } => {
-                i128::from_str_radix(digits, *radix).ok().and_then(inside).ok_or_else(|| {
-                    let problem = format!("is out of range: it must be {allowed}");
-                    self.fault(node, &path, problem, format!("give {allowed}"))
-                })
-            }
-            // 1e4 and "10k" are natural ways to write ten thousand, but not TOML integers.
-            Value::Float(text) | Value::Text(text) if count(text).is_some() => {
-                count(text).and_then(inside).ok_or_else(|| {
-                    let problem = format!("is out of range: it must be {allowed}");
-                    self.fault(node, &path, problem, format!("give {allowed}"))
-                })
-            }
-            _ => Err(wrong_kind(self.sources, node, &path, &allowed, &format!("give {allowed}"))),
-        }
+    /// A whole number within a range, if it is there.
+    pub fn whole_if_present(&self, key: Key, range: RangeInclusive<u64>) -> Option<u64> {
+        self.sound(key, |at| at.whole(range))
     }
 
     /// True or false, or the default if it is missing.
     pub fn flag_or(&self, key: Key, default: bool) -> bool {
-        match self.node(key.name) {
-            None => default,
-            Some(Node { value: Value::Boolean(value), .. }) => *value,
-            Some(node) => {
-                let path = self.dotted(key.name);
-                self.sources.report(wrong_kind(self.sources, node, &path, "true or false", "write true or false"));
-                default
-            }
-        }
+        self.sound(key, ValueAt::flag).unwrap_or(default)
     }
 
     /// One line of text, or the default if it is missing.
     pub fn line_or(&self, key: Key, default: &str) -> String {
-        let name = key.name;
-        let read = self.node(name).and_then(|node| self.sources.or_report(self.line_in(node, name)));
-        read.unwrap_or_else(|| default.to_string())
-    }
-
-    fn line_in(&self, node: &Node, name: &str) -> Result<String, Box<Fault>> {
-        self.text_in(node, name, char::is_control)
+        self.sound(key, |at| at.text(char::is_control)).unwrap_or_else(|| default.to_string())
     }
 
     /// A text that may have line breaks and tabs; none if it is missing or cannot be used, which is
     /// reported.
     pub fn lines_if_sound(&self, key: Key) -> Option<String> {
-        let is_wrong = |c: char| c.is_control() && !matches!(c, '\n' | '\r' | '\t');
-        self.sources.or_report(self.text_in(self.node(key.name)?, key.name, is_wrong))
-    }
-
-    fn text_in(&self, node: &Node, name: &str, is_wrong: fn(char) -> bool) -> Result<String, Box<Fault>> {
-        let path = self.dotted(name);
-        match &node.value {
-            Value::Text(text) if text.chars().any(is_wrong) => {
-                let problem = "holds a line break or another control character".to_string();
-                Err(self.fault(node, &path, problem, "write it on one line".into()))
-            }
-            Value::Text(text) => Ok(text.clone()),
-            _ => Err(wrong_kind(self.sources, node, &path, "a string", "put it in quotes")),
-        }
+        self.sound(key, |at| at.text(|c| c.is_control() && !matches!(c, '\n' | '\r' | '\t')))
     }
 
     /// One line of text, if it is there and not empty.
@@ -347,18 +331,16 @@ impl<'a> Fields<'a> {
     /// Numbers and texts of an array, as texts; none if it is missing. A number or a text alone is
     /// accepted as well.
     pub fn marks(&self, key: Key) -> Vec<String> {
-        let Some(node) = self.node(key.name) else { return Vec::new() };
-        let items = if let Value::Array(items) = &node.value { &items[..] } else { std::slice::from_ref(node) };
-        let text = |item: &Node| match &item.value {
-            Value::Text(text) => Some(text.clone()),
-            _ => float(item).map(|number| number.to_string()),
+        let read = |at: &ValueAt<'a>| {
+            let items = if let Value::Array(items) = &at.node.value { items } else { std::slice::from_ref(at.node) };
+            let text = |item: &Node| match &item.value {
+                Value::Text(text) => Some(text.clone()),
+                _ => float(item).map(|number| number.to_string()),
+            };
+            let texts: Option<Vec<String>> = items.iter().map(text).collect();
+            texts.ok_or_else(|| at.wrong_kind("numbers and texts", "write e.g. [-9999, \"no data\"]"))
         };
-        let read: Option<Vec<String>> = items.iter().map(text).collect();
-        read.unwrap_or_else(|| {
-            let remedy = "write e.g. [-9999, \"no data\"]";
-            self.sources.report(wrong_kind(self.sources, node, &self.dotted(key.name), "numbers and texts", remedy));
-            Vec::new()
-        })
+        self.sound(key, read).unwrap_or_default()
     }
 
     /// Report that a key is missing, and return the number that replaces it.
@@ -372,10 +354,6 @@ impl<'a> Fields<'a> {
         let remedy = format!("add `{} = ...` {under}: {symbol}, {meaning}; {}", key.name, key.range.words());
         self.sources.report(self.sources.fault(self.place, problem, remedy));
         key.range.stand_in()
-    }
-
-    fn fault(&self, node: &Node, path: &str, problem: String, remedy: String) -> Box<Fault> {
-        self.sources.fault(Some(node.place), problem, remedy).of(path).value(self.sources.quote(node.place))
     }
 }
 
@@ -408,26 +386,15 @@ fn float(node: &Node) -> Option<f64> {
     }
 }
 
-/// The place of a value below a node, by its dotted key; that of the node itself without one.
-fn place_in(node: &Node, dotted: Option<&str>) -> Option<Place> {
-    let Some(dotted) = dotted else { return Some(node.place) };
+/// The place of a value below a table, by its dotted key.
+fn place_in(entries: &[KeyValue], dotted: &str) -> Option<Place> {
+    let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
+    let node = &entries.iter().find(|entry| entry.key == first)?.node;
+    let Some(rest) = rest else { return Some(node.place) };
+    let below = |node: &Node| if let Value::Table(entries) = &node.value { place_in(entries, rest) } else { None };
     match &node.value {
-        Value::Table(entries) => {
-            let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
-            place_in(&entries.iter().find(|entry| entry.key == first)?.node, rest)
-        }
-        Value::Array(items) => items.iter().find_map(|item| place_in(item, Some(dotted))),
-        _ => None,
-    }
-}
-
-fn wrong_kind(sources: &Sources<'_>, node: &Node, path: &str, expected: &str, remedy: &str) -> Box<Fault> {
-    let problem = format!("is {}; it must be {expected}", node.value.kind());
-    let fault = sources.fault(Some(node.place), problem, remedy.to_string());
-    // The text of a whole table or array would not help as a value.
-    match node.value {
-        Value::Array(_) | Value::Table(_) => fault.of(path),
-        _ => fault.of(path).value(sources.quote(node.place)),
+        Value::Array(items) => items.iter().find_map(below),
+        _ => below(node),
     }
 }
 

@@ -25,10 +25,10 @@ pub(super) fn force(sources: &Sources<'_>, root: &Fields<'_>, oscillator: Oscill
     let place = table.place_of(keys::EXPRESSION.name);
     let Some(place) = place else {
         let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), which is added to b";
-        sources.report(table.missing_text(keys::EXPRESSION.name, remedy));
+        sources.report(table.missing_text(keys::EXPRESSION, remedy));
         return free;
     };
-    let parameters = table.numbers(keys::PARAMETERS.name);
+    let parameters = table.numbers(keys::PARAMETERS);
     let Some(text) = table.lines_if_sound(keys::EXPRESSION) else { return free };
     // Line breaks and tabs are spaces, each in the same place.
     let line = text.replace(['\n', '\r', '\t'], " ");

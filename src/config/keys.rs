@@ -232,14 +232,9 @@ pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
     keys.iter().map(|key| key.name).collect()
 }
 
-/// Other names that users write for a key: the symbols of the paper and common synonyms.
-const SYNONYMS: [(&str, &str); 42] = [
-    ("m", "oscillator.mass"),
-    ("k", "oscillator.stiffness"),
-    ("alpha", "oscillator.damping"),
-    ("beta", "oscillator.dilatation"),
+/// Other names that users write for a key, besides the symbol of the paper.
+const SYNONYMS: [(&str, &str); 25] = [
     ("dilation", "oscillator.dilatation"),
-    ("c", "oscillator.force_per_temperature"),
     ("gain", "oscillator.force_per_temperature"),
     ("belt", "temperature.trend"),
     ("slope", "temperature.trend"),
@@ -249,27 +244,15 @@ const SYNONYMS: [(&str, &str); 42] = [
     ("formula", "force.expression"),
     ("params", "force.parameters"),
     ("constants", "force.parameters"),
-    ("f_s", "friction.static"),
     ("fs", "friction.static"),
-    ("f_d", "friction.dynamic"),
     ("fd", "friction.dynamic"),
     ("kinetic", "friction.dynamic"),
-    ("a", "temperature.harmonics.amplitude"),
-    ("w", "temperature.harmonics.angular_frequency"),
     ("omega", "temperature.harmonics.angular_frequency"),
     ("frequency", "temperature.harmonics.angular_frequency"),
-    ("phi", "temperature.harmonics.phase"),
-    ("rho", "temperature.noise.intensity"),
-    ("theta", "temperature.noise.relaxation_rate"),
-    ("sigma", "temperature.noise.diffusion"),
     ("v0", "temperature.noise.initial"),
-    ("x0", "initial.displacement"),
-    ("z0", "bearing.offset"),
     ("k_bp", "bearing.stiffness"),
     ("csv", "temperature.series.file"),
-    ("t_end", "time.end"),
     ("until", "time.end"),
-    ("h", "time.step"),
     ("dt", "time.step"),
     ("burn_in", "statistics.after"),
     ("burnin", "statistics.after"),
@@ -288,9 +271,14 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
     let word = key.to_lowercase();
     let dotted = |home: &str, name: &str| if home.is_empty() { name.to_string() } else { format!("{home}.{name}") };
     let within = || most_alike(&word, &of_table(table), ALIKE_WITHIN).map(|(_, name)| name.to_string());
+    let from_here = |home: &str, name: &str| if home == table { name.to_string() } else { dotted(home, name) };
+    let symbol = || {
+        let is_meant = |key: &&Key| !word.is_empty() && key.symbol.eq_ignore_ascii_case(&word);
+        TABLES.iter().find_map(|(home, keys)| Some(from_here(home, keys.iter().find(is_meant)?.name)))
+    };
     let synonym = || {
         let (home, name) = SYNONYMS.iter().find(|(synonym, _)| *synonym == word)?.1.rsplit_once('.')?;
-        Some(if home == table { name.to_string() } else { dotted(home, name) })
+        Some(from_here(home, name))
     };
     let across = || {
         TABLES
@@ -304,7 +292,7 @@ pub(super) fn suggestion(table: &str, key: &str) -> Option<String> {
         let mut homes = TABLES.iter().filter(|(home, keys)| *home != table && names(keys).contains(&word.as_str()));
         homes.next().filter(|_| homes.next().is_none()).map(|(home, _)| dotted(home, &word))
     };
-    synonym().or_else(elsewhere).or_else(within).or_else(across)
+    symbol().or_else(synonym).or_else(elsewhere).or_else(within).or_else(across)
 }
 
 /// The name most like a word, if one is alike enough. Likeness to a part of a name, such as

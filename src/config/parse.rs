@@ -34,8 +34,8 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     };
     let ensemble = root.table("ensemble");
     let ensemble = Ensemble {
-        paths: ensemble.whole_or(keys::PATHS, DEFAULT_PATHS, (1, MAX_PATHS)),
-        seed: ensemble.whole_or(keys::SEED, DEFAULT_SEED, (0, u64::MAX)),
+        paths: ensemble.whole_if_present(keys::PATHS, 1..=MAX_PATHS).unwrap_or(DEFAULT_PATHS),
+        seed: ensemble.whole_if_present(keys::SEED, 0..=u64::MAX).unwrap_or(DEFAULT_SEED),
         antithetic: ensemble.flag_or(keys::ANTITHETIC, false),
     };
     let record = root.table("record");
@@ -54,7 +54,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
         record: Record {
             paths: record.flag_or(keys::RECORD_PATHS, true),
             events: record.flag_or(keys::EVENTS, false),
-            trajectories: record.whole_or(keys::TRAJECTORIES, 0, (0, MAX_TRAJECTORIES)),
+            trajectories: record.whole_if_present(keys::TRAJECTORIES, 0..=MAX_TRAJECTORIES).unwrap_or(0),
             laws: record.flag_or(keys::LAWS, false),
             density: record.flag_or(keys::DENSITY, false),
             spectrum: record.flag_or(keys::SPECTRUM, false),
@@ -68,7 +68,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             temperature: units.line_or(keys::TEMPERATURE_LABEL, ""),
         },
     };
-    scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, Err(misfit)));
+    scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, misfit));
     sources.outcome(scenario)
 }
 

@@ -32,14 +32,12 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let friction = Friction { static_force: table.number(keys::STATIC), dynamic_force: table.number(keys::DYNAMIC) };
 
     let table = root.table("temperature");
-    let mut harmonics = Vec::new();
-    for harmonic in table.tables("harmonics") {
-        harmonics.push(Harmonic {
-            amplitude: harmonic.number(keys::AMPLITUDE),
-            angular_frequency: harmonic.number(keys::ANGULAR_FREQUENCY),
-            phase: harmonic.number_or(keys::PHASE, 0.0),
-        });
-    }
+    let harmonic = |of: &Fields<'_>| Harmonic {
+        amplitude: of.number(keys::AMPLITUDE),
+        angular_frequency: of.number(keys::ANGULAR_FREQUENCY),
+        phase: of.number_or(keys::PHASE, 0.0),
+    };
+    let harmonics = table.tables("harmonics").iter().map(harmonic).collect();
     let noises = table.one_or_more("noise");
     if let [_, _, third, ..] = &noises[..] {
         let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
@@ -51,10 +49,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     // Only a calibration reads this table, but mistakes in it are reported by every command.
     series::source(&root.table("displacement").table("series"), None);
     let (series, measured) = sources.or_report(series::series(sources, root)).flatten().unzip();
-    let mut is_pinned = false;
-    for table in &noises {
-        is_pinned |= table.flag_or(keys::PINNED, false);
-    }
+    let is_pinned = noises.iter().fold(false, |is_pinned, of| is_pinned | of.flag_or(keys::PINNED, false));
     let (offset, trend) = (table.number_or(keys::TEMPERATURE_OFFSET, 0.0), table.number_or(keys::TREND, 0.0));
     let temperature = Temperature { offset, trend, harmonics, series, is_pinned, noise, second_noise };
 
@@ -79,7 +74,7 @@ fn balanced(sources: &Sources<'_>, table: &Fields<'_>, oscillator: &Oscillator, 
     }
     let problem = "`initial.displacement` = \"balanced\" is where no spring force acts, and there is no spring";
     let place = table.place_of(keys::DISPLACEMENT.name);
-    sources.report(sources.fault(place, problem.into(), "write a number, e.g. `displacement = 0`".into()));
+    sources.report(sources.fault(place, problem, "write a number, e.g. `displacement = 0`"));
     0.0
 }
 
@@ -89,9 +84,9 @@ fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
         return Drive::Dilatation(table.number(keys::DILATATION));
     };
     if let Some(beta) = table.number_if_present(keys::DILATATION) {
-        let problem = "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given".to_string();
+        let problem = "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given";
         let remedy = "keep one: the rest position of the spring is beta T, or the force c T acts on the body";
-        sources.report(sources.fault(force.place.or(beta.place), problem, remedy.into()));
+        sources.report(sources.fault(force.place.or(beta.place), problem, remedy));
     }
     Drive::Force(force.value)
 }

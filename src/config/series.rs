@@ -37,7 +37,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
     let place = table.place_of("file");
     if measured.file.is_empty() {
         let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
-        return Err(table.missing_text("file", remedy));
+        return Err(table.missing_text(keys::FILE, remedy));
     }
     let hash = table.line_or(keys::HASH, "");
     let is_override = sources.is_override(place);
@@ -50,7 +50,7 @@ pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<
         let problem =
             format!("the samples are others than those of `temperature.series.hash` = \"{hash}\" (now {found})");
         let remedy = "give the file as it was, or remove the line `hash` to take it as it is";
-        return Err(sources.fault(table.place_of("hash"), problem, remedy.into()));
+        return Err(sources.fault(table.place_of("hash"), problem, remedy));
     }
     Ok(Some((series, measured)))
 }
@@ -62,10 +62,10 @@ pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> Column
         time: table.line_if_present(keys::SERIES_TIME),
         zone: table.line_if_present(keys::ZONE),
         dates: table.word(keys::DATES, &DateOrder::WORDS.map(|(word, _)| word)).and_then(DateOrder::from_word),
-        skip: table.place_of(keys::SKIP.name).map(|_| table.whole_or(keys::SKIP, 0, (0, 1_000_000))),
+        skip: table.whole_if_present(keys::SKIP, 0..=1_000_000),
         decimal: table.word(keys::DECIMAL, &[".", ","]).and_then(|mark| mark.chars().next()),
         missing: table.marks(keys::MISSING),
-        outliers: table.place_of(keys::OUTLIERS.name).map(|_| table.whole_or(keys::OUTLIERS, 8, (1, 1_000_000))),
+        outliers: table.whole_if_present(keys::OUTLIERS, 1..=1_000_000),
         ..Layout::default()
     };
     ColumnSource {

@@ -122,12 +122,12 @@ impl Sources<'_> {
     }
 
     /// A fault at a place, or of the file as a whole.
-    pub fn fault(&self, place: Option<Place>, problem: String, remedy: String) -> Box<Fault> {
+    pub fn fault(&self, place: Option<Place>, problem: impl Into<String>, remedy: impl Into<String>) -> Box<Fault> {
         let origin = match place.and_then(|p| self.override_at(p)) {
             Some(o) => o.shown.clone(),
             None => self.name.to_string(),
         };
-        let mut fault = Fault::new(origin, problem, remedy);
+        let mut fault = Fault::new(origin, problem.into(), remedy.into());
         if let Some(Excerpt { line, column, drawing }) = place.and_then(|p| self.excerpt(p)) {
             (fault.line, fault.column, fault.excerpt) = (Some(line), Some(column), Some(drawing));
         }

@@ -4,71 +4,101 @@ use super::keys::{self, Key};
 use crate::model::{Drive, Expression, InitialNoise, Noise, Series, Temperature};
 use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WrittenForce};
 use crate::stats::Record;
-use std::fmt::Write as _;
+use std::fmt::{Display, Write as _};
+
+/// The lines of a scenario.
+struct Written(String);
+
+/// Column at which comments start if the value is short enough.
+const COMMENT_COLUMN: usize = 32;
+
+impl Written {
+    fn plain(&mut self, line: impl Display) {
+        let _ = writeln!(self.0, "{line}");
+    }
+
+    fn table(&mut self, name: &str) {
+        self.plain(format!("\n[{name}]"));
+    }
+
+    fn number(&mut self, key: Key, value: f64) {
+        self.other(key, format!("{value:?}"));
+    }
+
+    /// A line with the meaning of its key as a comment.
+    fn other(&mut self, Key { name, symbol, meaning, .. }: Key, value: impl Display) {
+        let colon = if symbol.is_empty() { "" } else { ": " };
+        self.line(name, value, &format!("{symbol}{colon}{meaning}"));
+    }
+
+    fn line(&mut self, name: &str, value: impl Display, comment: &str) {
+        self.plain(format!("{:COMMENT_COLUMN$}# {comment}", format!("{name} = {value}  ")));
+    }
+}
 
 /// The text of a scenario. Each number is the shortest decimal that reads back as the same double.
 pub(super) fn resolved(scenario: &Scenario) -> String {
     let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, .. } = scenario;
-    let mut text = format!("title = {}\n", string(title));
+    let mut text = Written(format!("title = {}\n", string(title)));
     physics(&mut text, scenario);
     if let Some(SensorBearing { stiffness, offset }) = *bearing {
-        table(&mut text, "bearing");
+        text.table("bearing");
         match stiffness {
-            Some(stiffness) => number(&mut text, keys::BEARING_STIFFNESS, stiffness),
-            None => text.push_str("# no stiffness: the bearing is rigid\n"),
+            Some(stiffness) => text.number(keys::BEARING_STIFFNESS, stiffness),
+            None => text.plain("# no stiffness: the bearing is rigid"),
         }
-        number(&mut text, keys::OFFSET, offset);
+        text.number(keys::OFFSET, offset);
     }
     let Time { end, output_step } = *time;
-    table(&mut text, "time");
-    number(&mut text, keys::END, end);
+    text.table("time");
+    text.number(keys::END, end);
     match scheme.step() {
-        Some(step) => number(&mut text, keys::STEP, step),
-        None => drop(writeln!(text, "# no step: the {} scheme has none", scheme.name())),
+        Some(step) => text.number(keys::STEP, step),
+        None => text.plain(format!("# no step: the {} scheme has none", scheme.name())),
     }
-    number(&mut text, keys::OUTPUT_STEP, output_step);
-    table(&mut text, "scheme");
+    text.number(keys::OUTPUT_STEP, output_step);
+    text.table("scheme");
     let is_followed = scenario.model.force.is_some() && !scheme.kind().has_step();
     let meaning =
         if is_followed { "from event to event, your force to the tolerance" } else { scheme.kind().meaning() };
-    line(&mut text, keys::KIND.name, &string(scheme.name()), meaning);
+    text.line(keys::KIND.name, string(scheme.name()), meaning);
     if let Some(tolerance) = scheme.tolerance() {
-        number(&mut text, keys::TOLERANCE, tolerance);
+        text.number(keys::TOLERANCE, tolerance);
     }
-    table(&mut text, "statistics");
+    text.table("statistics");
     let Statistics { after, period } = *statistics;
-    number(&mut text, keys::AFTER, after);
+    text.number(keys::AFTER, after);
     if !record.levels.is_empty() {
         let levels: Vec<String> = record.levels.iter().map(|level| format!("{level:?}")).collect();
-        other(&mut text, keys::LEVELS, &format!("[{}]", levels.join(", ")));
+        text.other(keys::LEVELS, format!("[{}]", levels.join(", ")));
     }
     match (period, scenario.period()) {
-        (Some(period), _) => number(&mut text, keys::COMPARED, period),
+        (Some(period), _) => text.number(keys::COMPARED, period),
         (None, Some(Period { length, source })) => {
-            let _ = writeln!(text, "# no period, so P is {}, {length:?}", source.words());
+            text.plain(format!("# no period, so P is {}, {length:?}", source.words()));
         }
         (None, None) => {}
     }
-    table(&mut text, "ensemble");
-    other(&mut text, keys::PATHS, &ensemble.paths.to_string());
-    other(&mut text, keys::SEED, &ensemble.seed.to_string());
-    other(&mut text, keys::ANTITHETIC, &ensemble.antithetic.to_string());
+    text.table("ensemble");
+    text.other(keys::PATHS, ensemble.paths);
+    text.other(keys::SEED, ensemble.seed);
+    text.other(keys::ANTITHETIC, ensemble.antithetic);
     let Record { paths, events, trajectories, laws, density, spectrum, energy, levels: _ } = *record;
-    table(&mut text, "record");
-    other(&mut text, keys::RECORD_PATHS, &paths.to_string());
-    other(&mut text, keys::EVENTS, &events.to_string());
-    other(&mut text, keys::TRAJECTORIES, &trajectories.to_string());
-    other(&mut text, keys::LAWS, &laws.to_string());
-    other(&mut text, keys::DENSITY, &density.to_string());
-    other(&mut text, keys::SPECTRUM, &spectrum.to_string());
-    other(&mut text, keys::ENERGY, &energy.to_string());
+    text.table("record");
+    text.other(keys::RECORD_PATHS, paths);
+    text.other(keys::EVENTS, events);
+    text.other(keys::TRAJECTORIES, trajectories);
+    text.other(keys::LAWS, laws);
+    text.other(keys::DENSITY, density);
+    text.other(keys::SPECTRUM, spectrum);
+    text.other(keys::ENERGY, energy);
     let Units { time, length, force, temperature } = units;
-    table(&mut text, "units");
+    text.table("units");
     let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];
     for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
-        other(&mut text, key, &string(label));
+        text.other(key, string(label));
     }
-    text
+    text.0
 }
 
 /// The text of a scenario that is meant to be edited: the resolved scenario without the keys that
@@ -80,10 +110,10 @@ pub(super) fn template(scenario: &Scenario) -> String {
         resolved.lines().filter(|line| !is_of_samples(line)).map(|line| format!("{line}\n")).collect();
     let temperature = &scenario.model.temperature;
     let unused = [
-        (temperature.noise.is_none(), NOISE_PART),
-        (temperature.series.is_none(), SERIES_PART),
-        (scenario.written_force.is_none(), FORCE_PART),
-        (scenario.bearing.is_none(), BEARING_PART),
+        (temperature.noise.is_none(), include_str!("parts/noise.toml")),
+        (temperature.series.is_none(), include_str!("parts/series.toml")),
+        (scenario.written_force.is_none(), include_str!("parts/force.toml")),
+        (scenario.bearing.is_none(), include_str!("parts/bearing.toml")),
     ];
     let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
     if !unused.is_empty() {
@@ -96,141 +126,113 @@ pub(super) fn template(scenario: &Scenario) -> String {
     text
 }
 
-/// Tables that a scenario need not have, each with an example.
-pub(super) const NOISE_PART: &str = "\
-[temperature.noise]             # rho v, with v an Ornstein-Uhlenbeck process: dv = -theta v dt + sigma dW
-intensity = 0.25                # rho: weight of v in T
-relaxation_rate = 1.0           # theta
-diffusion = 1.0                 # sigma
-initial = 0.0                   # v(0), or \"stationary\"
-";
-pub(super) const SERIES_PART: &str = "\
-[temperature.series]            # a measured temperature, added to the harmonics
-file = \"temperature.csv\"        # relative to the folder of the scenario
-time = \"time\"                   # its column of times: stamps, or numbers with a unit in the name
-value = \"temperature_degC\"      # its column of temperatures
-max_gap = \"6h\"                  # longest time between two samples
-";
-pub(super) const FORCE_PART: &str = "\
-[force]                         # a force of your own, added to b
-expression = \"-k3*x^3\"         # g(x, xdot, t)
-[force.parameters]
-k3 = 0.02
-";
-pub(super) const BEARING_PART: &str = "\
-[bearing]                       # a sensor at the bearing shows z = z0 + x + F/K_B
-stiffness = 2.0e9               # K_B: shear of the bearing under F
-offset = 0.0                    # z0: what the sensor shows at x = 0
-";
-
-fn physics(text: &mut String, scenario: &Scenario) {
+fn physics(text: &mut Written, scenario: &Scenario) {
     let Scenario { model, measured, is_balanced, written_force, .. } = scenario;
     let oscillator = written_force.as_ref().and_then(|force| force.without).unwrap_or(model.oscillator);
-    table(text, "oscillator");
-    number(text, keys::MASS, oscillator.mass);
-    number(text, keys::STIFFNESS, oscillator.stiffness);
-    number(text, keys::DAMPING, oscillator.damping);
+    text.table("oscillator");
+    text.number(keys::MASS, oscillator.mass);
+    text.number(keys::STIFFNESS, oscillator.stiffness);
+    text.number(keys::DAMPING, oscillator.damping);
     match oscillator.drive {
-        Drive::Dilatation(beta) => number(text, keys::DILATATION, beta),
-        Drive::Force(c) => number(text, keys::FORCE_PER_TEMPERATURE, c),
+        Drive::Dilatation(beta) => text.number(keys::DILATATION, beta),
+        Drive::Force(c) => text.number(keys::FORCE_PER_TEMPERATURE, c),
     }
-    table(text, "friction");
-    number(text, keys::STATIC, model.friction.static_force);
-    number(text, keys::DYNAMIC, model.friction.dynamic_force);
+    text.table("friction");
+    text.number(keys::STATIC, model.friction.static_force);
+    text.number(keys::DYNAMIC, model.friction.dynamic_force);
     temperature(text, &model.temperature, measured.as_ref());
     if let Some(WrittenForce { expression, .. }) = written_force {
         force(text, expression);
     }
-    table(text, "initial");
+    text.table("initial");
     if *is_balanced {
         let x0 = model.initial_displacement;
-        line(
-            text,
+        text.line(
             keys::DISPLACEMENT.name,
             "\"balanced\"",
             &format!("x0: beta T(0) = {x0:?}, where no spring force acts"),
         );
     } else {
-        number(text, keys::DISPLACEMENT, model.initial_displacement);
+        text.number(keys::DISPLACEMENT, model.initial_displacement);
     }
     if model.initial_velocity != 0.0 {
-        number(text, keys::VELOCITY, model.initial_velocity);
+        text.number(keys::VELOCITY, model.initial_velocity);
     }
 }
 
-fn force(text: &mut String, expression: &Expression) {
-    table(text, "force");
-    other(text, keys::EXPRESSION, &string(expression.text()));
+fn force(text: &mut Written, expression: &Expression) {
+    text.table("force");
+    text.other(keys::EXPRESSION, string(expression.text()));
     if !expression.parameters().is_empty() {
-        table(text, "force.parameters");
+        text.table("force.parameters");
     }
     for (name, value) in expression.parameters() {
-        let _ = writeln!(text, "{name} = {value:?}");
+        text.plain(format!("{name} = {value:?}"));
     }
 }
 
 /// The tables of a temperature alone, harmonics and noises, to be inserted into a scenario.
 pub(super) fn of_temperature(temperature: &Temperature) -> String {
-    let mut text = String::new();
+    let mut text = Written(String::new());
     self::temperature(&mut text, temperature, None);
-    text
+    text.0
 }
 
-fn temperature(text: &mut String, of: &Temperature, measured: Option<&Measured>) {
+fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>) {
     if of.has_line() || of.harmonics.is_empty() {
-        table(text, "temperature");
+        text.table("temperature");
     }
     if of.has_line() {
-        number(text, keys::TEMPERATURE_OFFSET, of.offset);
-        number(text, keys::TREND, of.trend);
+        text.number(keys::TEMPERATURE_OFFSET, of.offset);
+        text.number(keys::TREND, of.trend);
     }
     if of.harmonics.is_empty() {
         let meaning = if of.has_line() { "no harmonics" } else { "no deterministic part" };
-        line(text, keys::HARMONICS.name, "[]", meaning);
+        text.line(keys::HARMONICS.name, "[]", meaning);
     }
     for harmonic in &of.harmonics {
-        text.push_str("\n[[temperature.harmonics]]  # a cos(w t + phi)\n");
-        number(text, keys::AMPLITUDE, harmonic.amplitude);
-        number(text, keys::ANGULAR_FREQUENCY, harmonic.angular_frequency);
-        number(text, keys::PHASE, harmonic.phase);
+        text.plain("\n[[temperature.harmonics]]  # a cos(w t + phi)");
+        text.number(keys::AMPLITUDE, harmonic.amplitude);
+        text.number(keys::ANGULAR_FREQUENCY, harmonic.angular_frequency);
+        text.number(keys::PHASE, harmonic.phase);
     }
     if let (Some(measured), Some(samples)) = (measured, &of.series) {
         series(text, measured, samples);
     }
     match (&of.noise, &of.second_noise) {
-        (None, _) => text.push_str("\n# no [temperature.noise]: rho = 0\n"),
+        (None, _) => text.plain("\n# no [temperature.noise]: rho = 0"),
         (Some(only), None) => {
-            table(text, "temperature.noise");
+            text.table("temperature.noise");
             noise(text, only);
             if of.is_pinned {
-                other(text, keys::PINNED, "true");
+                text.other(keys::PINNED, "true");
             }
         }
         (Some(first), Some(second)) => {
             for each in [first, second] {
-                text.push_str("\n[[temperature.noise]]  # rho v, one of two\n");
+                text.plain("\n[[temperature.noise]]  # rho v, one of two");
                 noise(text, each);
             }
         }
     }
 }
 
-fn noise(text: &mut String, Noise { intensity, relaxation_rate, diffusion, initial }: &Noise) {
-    number(text, keys::INTENSITY, *intensity);
-    number(text, keys::RELAXATION_RATE, *relaxation_rate);
-    number(text, keys::DIFFUSION, *diffusion);
+fn noise(text: &mut Written, Noise { intensity, relaxation_rate, diffusion, initial }: &Noise) {
+    text.number(keys::INTENSITY, *intensity);
+    text.number(keys::RELAXATION_RATE, *relaxation_rate);
+    text.number(keys::DIFFUSION, *diffusion);
     match initial {
-        InitialNoise::At(v0) => number(text, keys::INITIAL_NOISE, *v0),
+        InitialNoise::At(v0) => text.number(keys::INITIAL_NOISE, *v0),
         InitialNoise::Stationary => {
-            line(text, keys::INITIAL_NOISE.name, "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))")
+            text.line(keys::INITIAL_NOISE.name, "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))")
         }
     }
 }
 
-fn series(text: &mut String, measured: &Measured, samples: &Series) {
+fn series(text: &mut Written, measured: &Measured, samples: &Series) {
     let Measured { file, value, unit, layout, max_gap, start, .. } = measured;
-    table(text, "temperature.series");
-    other(text, keys::FILE, &string(file));
+    text.table("temperature.series");
+    text.other(keys::FILE, string(file));
     let skip = layout.skip.map(|lines| lines.to_string());
     let decimal = layout.decimal.map(|mark| string(&mark.to_string()));
     let outliers = layout.outliers.map(|far| far.to_string());
@@ -247,39 +249,17 @@ fn series(text: &mut String, measured: &Measured, samples: &Series) {
         (keys::DECIMAL, decimal),
     ] {
         if let Some(given) = given {
-            other(text, key, &given);
+            text.other(key, &given);
         }
     }
     if let Some(max_gap) = *max_gap {
-        number(text, keys::MAX_GAP, max_gap);
+        text.number(keys::MAX_GAP, max_gap);
     }
     if let Some(start) = start {
-        other(text, keys::START, &string(start));
+        text.other(keys::START, string(start));
     }
     let hash = format!("{:016x}", samples.fingerprint());
-    line(text, keys::HASH.name, &string(&hash), &format!("of the {} samples", samples.times().len()));
-}
-
-fn table(text: &mut String, name: &str) {
-    let _ = writeln!(text, "\n[{name}]");
-}
-
-fn number(text: &mut String, key: Key, value: f64) {
-    other(text, key, &format!("{value:?}"));
-}
-
-/// A line with the meaning of its key as a comment.
-fn other(text: &mut String, key: Key, value: &str) {
-    let Key { name, symbol, meaning, .. } = key;
-    let comment = if symbol.is_empty() { meaning.to_string() } else { format!("{symbol}: {meaning}") };
-    line(text, name, value, &comment);
-}
-
-/// Column at which comments start if the value is short enough.
-const COMMENT_COLUMN: usize = 32;
-
-fn line(text: &mut String, name: &str, value: &str, comment: &str) {
-    let _ = writeln!(text, "{:COMMENT_COLUMN$}# {comment}", format!("{name} = {value}  "));
+    text.line(keys::HASH.name, string(&hash), &format!("of the {} samples", samples.times().len()));
 }
 
 fn string(text: &str) -> String {

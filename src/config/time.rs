@@ -59,7 +59,7 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
         others.first().unwrap_or(&"")
     );
     let misfit = Misfit::new(&[("scheme.tolerance", tolerance.value)], problem, remedy);
-    report_misfit(sources, root, Err(misfit));
+    report_misfit(sources, root, misfit);
     (kind, None)
 }
 
@@ -73,7 +73,7 @@ fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
         "leave it out (`scheme.tolerance` sets the accuracy), or choose a scheme that has one: {}",
         listed(&names_of(true), |name| format!("`--scheme {name}`"))
     );
-    report_misfit(sources, root, Err(Misfit::new(&[("time.step", step.value)], problem, remedy)));
+    report_misfit(sources, root, Misfit::new(&[("time.step", step.value)], problem, remedy));
 }
 
 /// The names of the schemes with a step, or of those without.

@@ -76,7 +76,7 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
         let place = e.span().map(|span| Place { text: 0, start: span.start, end: span.end });
         let remedy =
             "write TOML: `key = value` lines under `[table]` headers; `mc init` prints a scenario to start from";
-        sources.fault(place, format!("not valid TOML: {}", one_line(e.message())), remedy.into())
+        sources.fault(place, format!("not valid TOML: {}", one_line(e.message())), remedy)
     })?;
     let mut root = Node { place: Place { text: 0, start: 0, end: 0 }, value: table(parsed.into_inner(), 0) };
     for i in 0..sources.overrides.len() {
@@ -118,7 +118,7 @@ fn table(entries: DeTable<'_>, text: usize) -> Value {
 fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<Fault>> {
     let this = &sources.overrides[i];
     let place = Place { text: i + 1, start: 0, end: 0 };
-    let wrong = |problem: String, remedy: String| sources.fault(Some(place), problem, remedy);
+    let wrong = |problem: String, remedy: &str| sources.fault(Some(place), problem, remedy);
 
     let is_parameter = !keys::of_table("").contains(&this.key.as_str()) && has_parameter(root, &this.key);
     let key = if is_parameter { format!("{FORCE_PARAMETERS}.{}", this.key) } else { this.key.clone() };
@@ -129,7 +129,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         if segment.is_empty() {
             return Err(wrong(
                 format!("`{}` is not a key", this.key),
-                "write table.key=value, e.g. friction.static=1.3, or temperature.harmonics.0.amplitude=2".into(),
+                "write table.key=value, e.g. friction.static=1.3, or temperature.harmonics.0.amplitude=2",
             ));
         }
         spot = match &mut spot.value {
@@ -146,7 +146,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
                 // An index one past the end appends an entry.
                 let index = segment.parse::<usize>().ok().filter(|&index| index <= n).ok_or_else(|| {
                     let problem = format!("`{walked}` has {n} entries, and `{segment}` is not one of them");
-                    wrong(problem, format!("number them from 0; `{walked}.{n}` adds one"))
+                    wrong(problem, &format!("number them from 0; `{walked}.{n}` adds one"))
                 })?;
                 if index == n {
                     items.push(Node { place, value: Value::Table(Vec::new()) });
@@ -155,7 +155,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
             }
             other => {
                 let problem = format!("`{walked}` is {}, so there is no `{}`", other.kind(), this.key);
-                return Err(wrong(problem, "`mc check` prints every key of a scenario".into()));
+                return Err(wrong(problem, "`mc check` prints every key of a scenario"));
             }
         };
         if !walked.is_empty() {
@@ -174,7 +174,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
         Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => Value::Text(text.to_string()),
         Err(e) => {
             let problem = format!("`{text}` is not a TOML value: {}", one_line(e.message()));
-            return Err(wrong(problem, "give a number, a word, true, false, \"a string\" or { key = value }".into()));
+            return Err(wrong(problem, "give a number, a word, true, false, \"a string\" or { key = value }"));
         }
     };
     relocate(spot, place);

@@ -21,7 +21,7 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
         let name = quantity.word();
         let unit = if *quantity == ColumnQuantity::Temperature { "degC" } else { "m" };
         let wanted = Wanted { column: Name::Exactly(name), quantity: *quantity, unit: Some(unit), max_gap: None };
-        let whole = |(problem, remedy): (String, String)| DataError::file(name, problem, &remedy);
+        let whole = |(problem, remedy): (String, String)| DataError::file(name, problem, remedy);
         let mut column = Column::of(name, &wanted).map_err(whole)?;
         for (place, (time, value)) in times.iter().zip(*values).enumerate() {
             let wrong = |problem: &str, remedy: &str| {

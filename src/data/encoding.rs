@@ -2,31 +2,12 @@
 
 use std::borrow::Cow;
 
-/// How a text was encoded, if it was not UTF-8.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum Encoding {
-    /// UTF-8, of which ASCII is a part.
-    Utf8,
-    /// UTF-16 with a byte-order mark, as some loggers and spreadsheets write it.
-    Utf16,
-    /// One byte for each character, as in Western Europe before UTF-8.
-    Latin1,
-}
-
-impl Encoding {
-    /// Its name, if it is worth mentioning.
-    pub fn name(self) -> Option<&'static str> {
-        match self {
-            Encoding::Utf8 => None,
-            Encoding::Utf16 => Some("UTF-16"),
-            Encoding::Latin1 => Some("Latin-1"),
-        }
-    }
-}
+/// A text in UTF-8, and how it was encoded if that is worth mentioning.
+type Decoded<'a> = (Cow<'a, [u8]>, Option<&'static str>);
 
 /// The text in UTF-8, without a byte-order mark and with lines that end in `\n`, and how it was
 /// encoded. `None` for bytes that are no text.
-pub(super) fn decoded(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
+pub(super) fn decoded(bytes: &[u8]) -> Option<Decoded<'_>> {
     let (mut text, encoding) = in_utf8(bytes)?;
     // Some programs end lines in `\r` alone.
     if text.contains(&b'\r') && !text.contains(&b'\n') {
@@ -35,11 +16,11 @@ pub(super) fn decoded(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
     Some((text, encoding))
 }
 
-fn in_utf8(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
+fn in_utf8(bytes: &[u8]) -> Option<Decoded<'_>> {
     let utf16 = |bytes: &[u8], unit: fn([u8; 2]) -> u16| {
         let units = bytes.chunks_exact(2).map(|pair| unit([pair[0], pair[1]]));
         let text: String = char::decode_utf16(units).map(|c| c.unwrap_or(char::REPLACEMENT_CHARACTER)).collect();
-        Some((Cow::Owned(text.into_bytes()), Encoding::Utf16))
+        Some((Cow::Owned(text.into_bytes()), Some("UTF-16")))
     };
     match bytes {
         [0xff, 0xfe, rest @ ..] => return utf16(rest, u16::from_le_bytes),
@@ -51,9 +32,10 @@ fn in_utf8(bytes: &[u8]) -> Option<(Cow<'_, [u8]>, Encoding)> {
         return None;
     }
     if std::str::from_utf8(bytes).is_ok() {
-        return Some((Cow::Borrowed(bytes), Encoding::Utf8));
+        return Some((Cow::Borrowed(bytes), None));
     }
-    // The first 256 characters of Unicode are those of Latin-1.
+    // One byte for each character, as in Western Europe before UTF-8: the first 256 characters of
+    // Unicode are those of Latin-1.
     let text: String = bytes.iter().map(|byte| char::from(*byte)).collect();
-    Some((Cow::Owned(text.into_bytes()), Encoding::Latin1))
+    Some((Cow::Owned(text.into_bytes()), Some("Latin-1")))
 }

@@ -36,8 +36,9 @@ const QUOTE_LENGTH: usize = 40;
 
 impl DataError {
     /// An error of the file as a whole.
-    pub(super) fn file(file: &str, problem: String, remedy: &str) -> Self {
-        DataError { file: file.into(), line: None, cell: None, problem, remedy: remedy.into(), also: None }
+    pub(super) fn file(file: &str, problem: impl Into<String>, remedy: impl Into<String>) -> Self {
+        let (problem, remedy) = (problem.into(), remedy.into());
+        DataError { file: file.into(), line: None, cell: None, problem, remedy, also: None }
     }
 
     /// This error, with another one behind it.

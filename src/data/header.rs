@@ -47,9 +47,10 @@ pub(super) fn open<'a>(
         let problem =
             if layout.skip.is_some() && !bytes.is_empty() { "it has no line of names" } else { "it is empty" };
         let remedy = "give a CSV file whose first line names its columns";
-        return Err(DataError::file(file, problem.into(), remedy));
+        return Err(DataError::file(file, problem, remedy));
     };
-    let in_line = |line: &Line| in_names(file, &line.names, layout, wanted).is_ok();
+    let in_names = |names: &[String]| Sought { file, names, layout }.columns(wanted);
+    let in_line = |line: &Line| in_names(&line.names).is_ok();
     let in_text = lines.iter().filter(|line| !line.is_comment).find(|line| in_line(line));
     // A comment names the columns only if the rows below it have as many cells.
     let in_comment = || {
@@ -57,7 +58,7 @@ pub(super) fn open<'a>(
         lines.iter().filter(|line| line.is_comment && line.names.len() == last.names.len()).find(|line| in_line(line))
     };
     if let Some(line) = in_text.or_else(in_comment) {
-        let (times, values) = in_names(file, &line.names, layout, wanted)?;
+        let (times, values) = in_names(&line.names)?;
         let skipped = lines.iter().take_while(|other| other.number < line.number).filter(|other| !other.is_comment);
         let header = Header { names: line.names.clone(), times, values, skipped: skipped.count() as u64 };
         let mut rows = CsvRows::at(file, bytes, line.offset, line.separator, true);
@@ -68,7 +69,7 @@ pub(super) fn open<'a>(
     let width = lines.last().map_or(0, |line| line.names.len());
     let numbered: Vec<String> = (1..=width).map(|number| number.to_string()).collect();
     if let Some(line) = lines.iter().find(|line| !line.is_comment && line.names.len() == width)
-        && let Ok((times, values)) = in_names(file, &numbered, layout, wanted)
+        && let Ok((times, values)) = in_names(&numbered)
     {
         let header = Header { names: numbered, times, values, skipped: line.number.saturating_sub(first.number) };
         return Ok((CsvRows::at(file, bytes, line.offset, line.separator, true).numbered(width), header));
@@ -76,7 +77,7 @@ pub(super) fn open<'a>(
     let best =
         likeliest(file, &lines, layout, wanted).filter(|best| best.number == first.number || !is_data(&first.names));
     let Some(best) = best else {
-        let problem = "its first line holds numbers or dates, and no line names the columns".to_string();
+        let problem = "its first line holds numbers or dates, and no line names the columns";
         let [time, value] = [
             layout.wording.option("time", "1"),
             layout.wording.column(wanted.first().map_or(ColumnQuantity::Temperature, |one| one.quantity), "2"),
@@ -84,10 +85,10 @@ pub(super) fn open<'a>(
         let remedy = format!(
             "put a line such as `time_s,temperature_degC` before it, or give the numbers of the columns, e.g. {time} and {value}"
         );
-        return Err(DataError::file(file, problem, &remedy).line(first.number));
+        return Err(DataError::file(file, problem, remedy).line(first.number));
     };
-    let error = in_names(file, &best.names, layout, wanted).err();
-    let error = error.unwrap_or_else(|| DataError::file(file, "it has no line of names".into(), "add one"));
+    let error = in_names(&best.names).err();
+    let error = error.unwrap_or_else(|| DataError::file(file, "it has no line of names", "add one"));
     Err(if best.number == first.number { error } else { error.line(best.number) })
 }
 
@@ -109,8 +110,8 @@ fn is_datum(cell: &str) -> bool {
 fn likeliest<'l>(file: &str, lines: &'l [Line], layout: &Layout, wanted: &[Wanted<'_>]) -> Option<&'l Line> {
     let width = lines.last()?.names.len();
     let found = |line: &Line| {
-        let values = wanted.iter().filter(|one| find(file, &line.names, one, layout).is_ok()).count();
-        values + usize::from(times(file, &line.names, layout).is_ok())
+        let sought = Sought { file, names: &line.names, layout };
+        wanted.iter().filter(|one| sought.value(one).is_ok()).count() + usize::from(sought.times().is_ok())
     };
     let is_named = |line: &&Line| {
         !line.is_comment && (line.names.len() > 1 || width == 1) && !line.names.iter().any(|name| is_datum(name))
@@ -149,23 +150,6 @@ fn lines(file: &str, bytes: &[u8], skip: Option<u64>) -> Vec<Line> {
     found
 }
 
-/// The columns of times and of the values that are wanted.
-pub(super) fn in_names(
-    file: &str,
-    names: &[String],
-    layout: &Layout,
-    wanted: &[Wanted<'_>],
-) -> Result<(Vec<usize>, Vec<usize>), DataError> {
-    let times = times(file, names, layout);
-    let (found, missing): (Vec<_>, Vec<_>) =
-        wanted.iter().map(|one| find(file, names, one, layout)).partition(Result::is_ok);
-    let errors = times.as_ref().err().cloned().into_iter().chain(missing.into_iter().filter_map(Result::err));
-    match DataError::of_all(errors) {
-        Some(error) => Err(error),
-        None => Ok((times?, found.into_iter().flatten().collect())),
-    }
-}
-
 /// Names of columns that hold date and time, those that hold a time, and those that hold a date, as
 /// loggers and spreadsheets write them in lower case.
 const DATE_AND_TIME: [&str; 6] = ["timestamp", "time stamp", "datetime", "date time", "date/time", "date_time"];
@@ -177,127 +161,145 @@ const YEAR: [&str; 2] = ["year", "yr"];
 const DAY_OF_YEAR: [&str; 6] = ["doy", "day of year", "day_of_year", "dayofyear", "jday", "julian day"];
 const HOUR: [&str; 6] = ["hour", "hr", "hours", "hhmm", "hour_min", "time"];
 
-/// The column of times, or those of dates and of times of day.
-fn times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, DataError> {
-    let Some(name) = &layout.time else { return usual_times(file, names, layout) };
-    let listed = || listed_remedy(names);
-    let whole = fields_called(names, name);
-    let parts: Vec<Vec<usize>> = name.split(',').map(|part| fields_called(names, part.trim())).collect();
-    match (&whole[..], &parts[..]) {
-        ([field], _) => Ok(vec![*field]),
-        ([], [_, _] | [_, _, _]) if parts.iter().all(|part| part.len() == 1) => Ok(parts.concat()),
-        ([], [_]) => Err(none(file, names, Name::Exactly(name), &listed())),
-        ([], [_, _] | [_, _, _]) => {
-            let missing = name
-                .split(',')
-                .zip(&parts)
-                .find(|(_, found)| found.len() != 1)
-                .map_or(name.as_str(), |(part, _)| part.trim());
-            Err(none(file, names, Name::Exactly(missing), &listed()))
-        }
-        ([], _) => Err(none(file, names, Name::Exactly(name), &listed())),
-        _ => Err(several(file, Name::Exactly(name), whole.len(), "give the columns different names")),
-    }
+/// A line of names in which columns are sought.
+#[derive(Clone, Copy)]
+struct Sought<'a> {
+    file: &'a str,
+    names: &'a [String],
+    layout: &'a Layout,
 }
 
-/// The columns of times that a file has under a usual name.
-fn usual_times(file: &str, names: &[String], layout: &Layout) -> Result<Vec<usize>, DataError> {
-    let lower: Vec<String> = names.iter().map(|name| name.to_lowercase()).collect();
-    let of = |is: &dyn Fn(&str) -> bool| -> Vec<usize> { (0..lower.len()).filter(|i| is(&lower[*i])).collect() };
-    let exact = fields_called(names, "time");
-    if let [field] = exact[..]
-        && names[field] == "time"
-    {
-        return Ok(vec![field]);
-    }
-    let one_of = |words: &[&str]| of(&|name| words.contains(&name));
-    if let ([year], [day], [hour, ..]) = (&one_of(&YEAR)[..], &one_of(&DAY_OF_YEAR)[..], &one_of(&HOUR)[..]) {
-        return Ok(vec![*year, *day, *hour]);
-    }
-    let both = of(&|name| DATE_AND_TIME.iter().any(|word| name.starts_with(word)));
-    let time = of(&|name| TIME.contains(&name));
-    let date = of(&|name| DATE.contains(&name));
-    let beginning = of(&|name| name.starts_with("time"));
-    match (&both[..], &time[..], &date[..], &beginning[..]) {
-        ([field], ..) => Ok(vec![*field]),
-        ([], [time], [date], _) => Ok(vec![*date, *time]),
-        ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
-        ([], [], [], []) => {
-            let example = names.iter().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
-            let remedy = format!("say which it is, e.g. {}: {}", layout.wording.option("time", example), listed(names));
-            Err(none(file, names, Name::Exactly("time"), &(remedy + one_column(names))))
-        }
-        _ => {
-            let remedy = format!(
-                "say which, e.g. {}; they are {}",
-                layout.wording.option(
-                    "time",
-                    &names[both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0)]
-                ),
-                listed(names)
-            );
-            Err(several(
-                file,
-                Name::Beginning("time"),
-                both.len() + time.len().max(beginning.len()).max(date.len()),
-                &remedy,
-            ))
+impl Sought<'_> {
+    /// The columns of times and of the values that are wanted.
+    fn columns(&self, wanted: &[Wanted<'_>]) -> Result<(Vec<usize>, Vec<usize>), DataError> {
+        let times = self.times();
+        let (found, missing): (Vec<_>, Vec<_>) = wanted.iter().map(|one| self.value(one)).partition(Result::is_ok);
+        let errors = times.as_ref().err().cloned().into_iter().chain(missing.into_iter().filter_map(Result::err));
+        match DataError::of_all(errors) {
+            Some(error) => Err(error),
+            None => Ok((times?, found.into_iter().flatten().collect())),
         }
     }
-}
 
-/// The columns of this name: exactly, or in other case, or followed by a unit or a note.
-fn fields_called(names: &[String], name: &str) -> Vec<usize> {
-    let fields = |is: &dyn Fn(&str) -> bool| -> Vec<usize> {
-        names.iter().enumerate().filter(|(_, column)| is(column)).map(|(field, _)| field).collect()
-    };
-    let found = fields(&|column| column == name);
-    if !found.is_empty() {
-        return found;
+    /// The columns whose names are like this.
+    fn fields(&self, is: impl Fn(&str) -> bool) -> Vec<usize> {
+        (0..self.names.len()).filter(|field| is(&self.names[*field])).collect()
     }
-    let found = fields(&|column| column.to_lowercase() == name.to_lowercase());
-    if !found.is_empty() || name.is_empty() {
-        return found;
-    }
-    fields(&|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with([' ', ',', '(', '['])))
-}
 
-/// The place of a wanted column; if there is not exactly one, the error lists the names.
-fn find(file: &str, names: &[String], wanted: &Wanted<'_>, layout: &Layout) -> Result<usize, DataError> {
-    let name = wanted.column;
-    let beginning = |start: &str| -> Vec<usize> {
-        (0..names.len()).filter(|field| names[*field].to_lowercase().starts_with(start)).collect()
-    };
-    let found = match name {
-        Name::Exactly(name) => fields_called(names, name),
-        Name::Beginning(start) => {
-            let whole = beginning(start);
-            if whole.is_empty() { beginning(&start[..start.len().min(4)]) } else { whole }
+    /// The columns of this name: exactly, or in other case, or followed by a unit or a note.
+    fn called(&self, name: &str) -> Vec<usize> {
+        let found = self.fields(|column| column == name);
+        if !found.is_empty() {
+            return found;
         }
-    };
-    match (&found[..], name) {
-        ([field], _) => Ok(*field),
-        ([], Name::Exactly(_)) => Err(none(file, names, name, &listed_remedy(names))),
-        ([], Name::Beginning(_)) => {
-            let example = proposal(names, wanted.quantity);
-            let remedy =
-                format!("say which it is, e.g. {}: {}", layout.wording.column(wanted.quantity, example), listed(names));
-            Err(none(file, names, name, &(remedy + one_column(names))))
+        let found = self.fields(|column| column.to_lowercase() == name.to_lowercase());
+        if !found.is_empty() || name.is_empty() {
+            return found;
         }
-        (all, _) => {
-            let has_own_name = all.iter().all(|field| names.iter().filter(|name| **name == names[*field]).count() == 1);
-            let remedy = if has_own_name {
-                let which: Vec<String> = all.iter().map(|field| names[*field].clone()).collect();
-                format!(
-                    "say which, e.g. {}; they are {}",
-                    layout.wording.column(wanted.quantity, &which[0]),
-                    listed(&which)
-                )
-            } else {
-                format!("give each column of the file a name of its own: {}", listed(names))
-            };
-            Err(several(file, name, all.len(), &remedy))
+        self.fields(|column| column.strip_prefix(name).is_some_and(|rest| rest.starts_with([' ', ',', '(', '['])))
+    }
+
+    /// The column of times, or those of dates and of times of day.
+    fn times(&self) -> Result<Vec<usize>, DataError> {
+        let Some(name) = &self.layout.time else { return self.usual_times() };
+        let whole = self.called(name);
+        let parts: Vec<(&str, Vec<usize>)> =
+            name.split(',').map(|part| (part.trim(), self.called(part.trim()))).collect();
+        let is_list = matches!(parts.len(), 2 | 3);
+        match whole[..] {
+            [field] => Ok(vec![field]),
+            [] => match parts.iter().find(|(_, found)| !is_list || found.len() != 1) {
+                None => Ok(parts.into_iter().flat_map(|(_, found)| found).collect()),
+                Some((part, _)) => {
+                    Err(self.none(Name::Exactly(if is_list { part } else { name }), "name one of its columns"))
+                }
+            },
+            _ => Err(self.several(Name::Exactly(name), whole.len(), "give the columns different names")),
         }
+    }
+
+    /// The columns of times that a file has under a usual name.
+    fn usual_times(&self) -> Result<Vec<usize>, DataError> {
+        let (names, wording) = (self.names, self.layout.wording);
+        if let [field] = self.called("time")[..]
+            && names[field] == "time"
+        {
+            return Ok(vec![field]);
+        }
+        let one_of = |words: &[&str]| self.fields(|name| words.contains(&&*name.to_lowercase()));
+        let begins_with =
+            |words: &[&str]| self.fields(|name| words.iter().any(|word| name.to_lowercase().starts_with(word)));
+        if let ([year], [day], [hour, ..]) = (&one_of(&YEAR)[..], &one_of(&DAY_OF_YEAR)[..], &one_of(&HOUR)[..]) {
+            return Ok(vec![*year, *day, *hour]);
+        }
+        let (both, beginning) = (begins_with(&DATE_AND_TIME), begins_with(&["time"]));
+        let (time, date) = (one_of(&TIME), one_of(&DATE));
+        match (&both[..], &time[..], &date[..], &beginning[..]) {
+            ([field], ..) => Ok(vec![*field]),
+            ([], [time], [date], _) => Ok(vec![*date, *time]),
+            ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
+            ([], [], [], []) => {
+                let example = names.iter().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
+                let say = format!("say which it is, e.g. {}", wording.option("time", example));
+                Err(self.none(Name::Exactly("time"), &say))
+            }
+            _ => {
+                let first = both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0);
+                let example = wording.option("time", &names[first]);
+                let remedy = format!("say which, e.g. {example}; they are {}", listed(names));
+                let count = both.len() + time.len().max(beginning.len()).max(date.len());
+                Err(self.several(Name::Beginning("time"), count, remedy))
+            }
+        }
+    }
+
+    /// The place of a wanted column; if there is not exactly one, the error lists the names.
+    fn value(&self, wanted: &Wanted<'_>) -> Result<usize, DataError> {
+        let (name, names) = (wanted.column, self.names);
+        let example = |of: &str| self.layout.wording.column(wanted.quantity, of);
+        let beginning = |start: &str| self.fields(|name| name.to_lowercase().starts_with(start));
+        let found = match name {
+            Name::Exactly(name) => self.called(name),
+            Name::Beginning(start) => {
+                let whole = beginning(start);
+                if whole.is_empty() { beginning(&start[..start.len().min(4)]) } else { whole }
+            }
+        };
+        match (&found[..], name) {
+            ([field], _) => Ok(*field),
+            ([], Name::Exactly(_)) => Err(self.none(name, "name one of its columns")),
+            ([], Name::Beginning(_)) => {
+                let example = example(proposal(names, wanted.quantity));
+                Err(self.none(name, &format!("say which it is, e.g. {example}")))
+            }
+            (all, _) => {
+                let has_own_name = |field: &usize| names.iter().filter(|name| **name == names[*field]).count() == 1;
+                let remedy = if all.iter().all(has_own_name) {
+                    let which: Vec<String> = all.iter().map(|field| names[*field].clone()).collect();
+                    format!("say which, e.g. {}; they are {}", example(&which[0]), listed(&which))
+                } else {
+                    format!("give each column of the file a name of its own: {}", listed(names))
+                };
+                Err(self.several(name, all.len(), remedy))
+            }
+        }
+    }
+
+    /// No column is the one that is meant. What to do is followed by the names that there are.
+    fn none(&self, name: Name<'_>, remedy: &str) -> DataError {
+        let (Name::Exactly(text) | Name::Beginning(text)) = name;
+        let alike = |column: &&String| strsim::jaro_winkler(text, column);
+        let near = self.names.iter().filter(|column| alike(column) > 0.8);
+        let nearest = near.max_by(|a, b| alike(a).total_cmp(&alike(b)));
+        let hint = nearest.map_or(String::new(), |column| format!("; did you mean `{column}`?"));
+        let is_one = self.names.len() == 1;
+        let separators = if is_one { "; columns are separated by commas, semicolons or tabs" } else { "" };
+        let remedy = format!("{remedy}: {}{separators}", listed(self.names));
+        DataError::file(self.file, format!("no column {}{hint}", name.description()), remedy)
+    }
+
+    fn several(&self, name: Name<'_>, count: usize, remedy: impl Into<String>) -> DataError {
+        DataError::file(self.file, format!("{count} columns are meant, because each {}", name.description()), remedy)
     }
 }
 
@@ -313,24 +315,4 @@ fn proposal(names: &[String], quantity: ColumnQuantity) -> &str {
         if is_time || name.is_empty() { (false, false, false, false) } else { (true, rank.0, rank.1, rank.2) }
     };
     names.iter().max_by_key(likeness).filter(|name| !name.is_empty()).map_or("NAME", String::as_str)
-}
-
-fn listed_remedy(names: &[String]) -> String {
-    format!("name one of its columns: {}{}", listed(names), one_column(names))
-}
-
-fn one_column(names: &[String]) -> &'static str {
-    if names.len() == 1 { "; columns are separated by commas, semicolons or tabs" } else { "" }
-}
-
-fn none(file: &str, names: &[String], name: Name<'_>, remedy: &str) -> DataError {
-    let (Name::Exactly(text) | Name::Beginning(text)) = name;
-    let alike = |column: &&String| strsim::jaro_winkler(text, column);
-    let nearest = names.iter().filter(|column| alike(column) > 0.8).max_by(|a, b| alike(a).total_cmp(&alike(b)));
-    let hint = nearest.map_or(String::new(), |column| format!("; did you mean `{column}`?"));
-    DataError::file(file, format!("no column {}{hint}", name.description()), remedy)
-}
-
-fn several(file: &str, name: Name<'_>, count: usize, remedy: &str) -> DataError {
-    DataError::file(file, format!("{count} columns are meant, because each {}", name.description()), remedy)
 }

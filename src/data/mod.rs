@@ -70,9 +70,9 @@ const MAX_FILE: u64 = 1 << 30;
 /// and the remedy.
 pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let name = path.display().to_string();
-    let unreadable = |problem: String, remedy: &str| DataError::file(&name, problem, remedy);
+    let unreadable = |problem: &str, remedy: &str| DataError::file(&name, problem, remedy);
     if path.is_dir() {
-        return Err(unreadable("it is a directory".into(), "give the path of a CSV file"));
+        return Err(unreadable("it is a directory", "give the path of a CSV file"));
     }
     let mut bytes = Vec::new();
     let mut fits = || -> std::io::Result<bool> {
@@ -84,9 +84,10 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
         }
         Ok(file.take(MAX_FILE + 1).read_to_end(&mut bytes)? as u64 <= MAX_FILE)
     };
-    let fits = fits().map_err(|error| unreadable(format!("cannot be read: {error}"), "give the path of a CSV file"))?;
+    let fits =
+        fits().map_err(|error| unreadable(&format!("cannot be read: {error}"), "give the path of a CSV file"))?;
     if !fits {
-        return Err(unreadable("it is larger than 1 GiB".into(), "cut it, or keep only the columns that are needed"));
+        return Err(unreadable("it is larger than 1 GiB", "cut it, or keep only the columns that are needed"));
     }
     parse(&name, &bytes, layout, wanted)
 }
@@ -120,6 +121,6 @@ pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -
     };
     let (rows, header) = header::open(name, &text, layout, wanted)?;
     let mut table = table::table(name, &header, rows, layout, wanted)?;
-    table.repairs.encoding = encoding.name();
+    table.repairs.encoding = encoding;
     Ok(table)
 }

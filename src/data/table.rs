@@ -51,7 +51,7 @@ pub(super) fn table(
     let time_name = header.times.iter().map(|field| names[*field].as_str()).collect::<Vec<_>>().join(",");
     let columns = wanted.iter().zip(&header.values).map(|(wanted, field)| Column::of(&names[*field], wanted));
     let mut columns =
-        columns.collect::<Result<Vec<_>, _>>().map_err(|(problem, remedy)| DataError::file(file, problem, &remedy))?;
+        columns.collect::<Result<Vec<_>, _>>().map_err(|(problem, remedy)| DataError::file(file, problem, remedy))?;
     let marks = Marks::of(layout);
     let told = if layout.dates.is_none() { told_order(&mut rows, header)? } else { None };
     rows.rewind();
@@ -64,7 +64,7 @@ pub(super) fn table(
     let (mut count, mut unit_rows) = (0, 0);
     while rows.next()? {
         let at = |field: usize, (problem, remedy): ProblemAndRemedy| {
-            let error = DataError::file(file, problem, &remedy).line(rows.line(rows.place()));
+            let error = DataError::file(file, problem, remedy).line(rows.line(rows.place()));
             error.cell(&names[field], rows.cell(field))
         };
         let cell = time_cell(&rows, header);
@@ -90,7 +90,7 @@ pub(super) fn table(
         let mut errors = Vec::new();
         if clock.is_none() {
             let settled = columns.iter_mut().filter_map(|column| column.settle_unit(layout.wording).err());
-            errors.extend(settled.map(|(problem, remedy)| DataError::file(file, problem, &remedy)));
+            errors.extend(settled.map(|(problem, remedy)| DataError::file(file, problem, remedy)));
             let elsewhere = |field: &usize| {
                 !header.times.contains(field) && is_time_of_day(&String::from_utf8_lossy(rows.cell(*field)))
             };
@@ -120,19 +120,18 @@ pub(super) fn table(
         }
     }
     let Some(clock) = clock else {
-        return Err(DataError::file(file, "it has a header and no rows".into(), "give a file with measurements"));
+        return Err(DataError::file(file, "it has a header and no rows", "give a file with measurements"));
     };
     if let Some(error) = undecided.filter(|_| !decimals.are_known()) {
         return Err(error);
     }
     if clock.is_disordered() {
-        let problem =
-            "two rows of five are earlier than the row before, or later in a file that runs backwards".to_string();
+        let problem = "two rows of five are earlier than the row before, or later in a file that runs backwards";
         let remedy = format!(
             "see whether its dates are in the order of {}, and sort its rows",
             layout.wording.option("dates", "ymd, dmy or mdy")
         );
-        return Err(DataError::file(file, problem, &remedy));
+        return Err(DataError::file(file, problem, remedy));
     }
     let mut repairs = Repairs {
         skipped: header.skipped,

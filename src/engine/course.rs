@@ -29,35 +29,23 @@ impl Elapsed {
 
 /// What a run has come to, and what has ended it.
 pub(super) struct Course<'r, 's, X> {
-    asked: &'r Asked,
-    endings: &'r Endings,
+    pub asked: &'r Asked,
+    pub endings: &'r Endings,
     /// Makes the threads give up their unfinished blocks.
-    halt: &'r AtomicBool,
-    clock: Elapsed,
-    progress: &'r mut dyn Progress,
-    sinks: Vec<&'s mut dyn Sink>,
+    pub halt: &'r AtomicBool,
+    pub clock: Elapsed,
+    pub progress: &'r mut dyn Progress,
+    pub sinks: Vec<&'s mut dyn Sink>,
     pub totals: RunTotals<X>,
     /// What ended the run before its last block.
     pub ended_by: Option<EndedBy>,
     /// The error of a sink, which ends the run as well.
     pub broken: Option<SinkError>,
     /// Whether a portion is being taken. After a panic, the totals may then be half done.
-    is_taking: bool,
+    pub is_taking: bool,
 }
 
-impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
-    pub fn new(
-        asked: &'r Asked,
-        endings: &'r Endings,
-        halt: &'r AtomicBool,
-        clock: Elapsed,
-        progress: &'r mut dyn Progress,
-        sinks: Vec<&'s mut dyn Sink>,
-        totals: RunTotals<X>,
-    ) -> Self {
-        Course { asked, endings, halt, clock, progress, sinks, totals, ended_by: None, broken: None, is_taking: false }
-    }
-
+impl<X: Merge + Clone> Course<'_, '_, X> {
     /// The blocks that are left. None are if an earlier process reached the end of the run, and was
     /// interrupted before it could finish.
     pub fn left(&mut self) -> Range<u64> {
@@ -153,9 +141,5 @@ impl<'r, 's, X: Merge + Clone> Course<'r, 's, X> {
         if self.broken.is_none() {
             self.broken = self.sinks.iter_mut().try_for_each(|sink| sink.finish(outcome)).err();
         }
-    }
-
-    pub fn progress(&mut self) -> &mut dyn Progress {
-        self.progress
     }
 }

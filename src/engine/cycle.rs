@@ -4,6 +4,7 @@ use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
 use crate::scheme::{Glide, Instant, Observer, Simulate as _, Snapshot};
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
+use crate::sums::Unit;
 
 /// The longest cycle that is looked for, in periods of the forcing, or in slips without a forcing.
 const LONGEST: usize = 32;
@@ -45,7 +46,8 @@ impl LimitCycle {
         }
         let timeline = scenario.timeline();
         let plan = scenario.plan();
-        let mut both = (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0]), CycleWatch::default());
+        let mut both =
+            (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Unit::Path), CycleWatch::default());
         if !plan.simulation.simulate(plan.seed, &[0], &mut both).is_empty() {
             return None;
         }

@@ -221,7 +221,7 @@ mod tests {
     fn intervals_of_runs_ended_by_a_goal_hold_what_they_promise() {
         let statistic = Statistic::StickDurationMean;
         let totals = |plan: &Plan, blocks: u64| {
-            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+            let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
             (0..blocks).for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
             totals
         };
@@ -230,7 +230,7 @@ mod tests {
         let (mut held, mut lengths) = (0, Vec::new());
         for seed in 0..400 {
             let plan = plan(seed);
-            let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+            let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
             let blocks = (1..=400).find(|&blocks| {
                 totals.push(blocks - 1, plan.block(blocks - 1).totals).expect("once");
                 matches!(endings.look(blocks, &totals, Duration::ZERO), Judgement::Stop(EndedBy::Goals { .. }))

@@ -50,9 +50,9 @@ pub struct BiasReport {
     pub absence: Option<NoBias>,
 }
 
-/// The outcome of a run. `T` is the result of a user's own statistic.
+/// The outcome of a run.
 #[derive(Clone, Debug)]
-pub struct Outcome<T = ()> {
+pub struct Outcome {
     /// Every statistic with its interval, and with its bias if that is known.
     pub summary: Summary,
     /// Whether all paths were simulated.
@@ -73,11 +73,9 @@ pub struct Outcome<T = ()> {
     pub threads: usize,
     /// Wall-clock seconds, including those for the bias.
     pub seconds: f64,
-    /// The result of a user's own statistic.
-    pub tally: T,
 }
 
-impl<T> Outcome<T> {
+impl Outcome {
     /// Whether all simulated paths have diverged or were given up, and there is at least one.
     pub fn is_all_lost(&self) -> bool {
         let lost = self.summary.diverged.len() as u64;
@@ -87,11 +85,5 @@ impl<T> Outcome<T> {
     /// Wall-clock seconds without those for the bias.
     pub fn ensemble_seconds(&self) -> f64 {
         self.seconds - self.bias.seconds
-    }
-
-    /// The same outcome with this result of a user's own statistic.
-    pub(super) fn with_tally<U>(self, tally: U) -> Outcome<U> {
-        let Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: _ } = self;
-        Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally }
     }
 }

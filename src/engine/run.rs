@@ -137,7 +137,7 @@ impl<'a> Run<'a> {
     /// Simulate the run.
     pub fn simulate(self) -> Result<Outcome, RunError> {
         let so_far = SoFar {
-            totals: RunTotals::with((), &self.scenario.model, &self.scenario.timeline()),
+            totals: RunTotals::empty(&self.scenario.model, &self.scenario.timeline(), &self.scenario.record),
             spent: Duration::ZERO,
         };
         self.go_on(so_far)
@@ -146,16 +146,16 @@ impl<'a> Run<'a> {
     /// Simulate the rest of a run. The outcome has the same bits as that of a run which was never
     /// interrupted.
     pub fn go_on(self, so_far: SoFar) -> Result<Outcome, RunError> {
-        self.simulate_beside(&(), so_far.totals, so_far.spent)
+        Ok(self.simulate_beside(&(), so_far.totals, so_far.spent)?.0)
     }
 
     /// Simulate the run, and compute a statistic of the caller's own beside those of the program.
-    pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<Outcome<Measurement>, RunError> {
+    pub fn tallied<T: Tally<N>, const N: usize>(self, tally: &T) -> Result<(Outcome, Measurement), RunError> {
         let tallied = Tallied { tally, seed: self.scenario.ensemble.seed };
-        let totals = RunTotals::with(tallied.empty(), &self.scenario.model, &self.scenario.timeline());
-        let outcome = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
-        let estimate = tally.estimate(&outcome.tally);
-        Ok(outcome.with_tally(estimate))
+        let Scenario { model, record, .. } = self.scenario;
+        let totals = RunTotals::with(tallied.empty(), model, &self.scenario.timeline(), record);
+        let (outcome, means) = self.simulate_beside(&tallied, totals, Duration::ZERO)?;
+        Ok((outcome, tally.estimate(&means)))
     }
 
     /// Simulate the blocks that `totals` do not contain, with a companion that observes each of them.
@@ -164,7 +164,7 @@ impl<'a> Run<'a> {
         companion: &C,
         totals: RunTotals<C::Sums>,
         spent: Duration,
-    ) -> Result<Outcome<C::Sums>, RunError> {
+    ) -> Result<(Outcome, C::Sums), RunError> {
         check_threads(self.threads)?;
         let (clock, endings, never, mut nobody) = (Elapsed::after(spent), self.endings(), AtomicBool::new(false), ());
         let (stop, progress) = (self.stop.unwrap_or(&never), self.progress.take().unwrap_or(&mut nobody));
@@ -175,7 +175,9 @@ impl<'a> Run<'a> {
             sink.begin(self.scenario, &self.asked).map_err(|error| RunError::Sink { error, outcome: None })?;
         }
         let plan = self.asked.plan(self.scenario);
-        let mut course = Course::new(&self.asked, &endings, &alarm.halt, clock, progress, sinks, totals);
+        let (asked, halt) = (&self.asked, &alarm.halt);
+        let (endings, ended_by, broken, is_taking) = (&endings, None, None, false);
+        let mut course = Course { asked, endings, halt, clock, progress, sinks, totals, ended_by, broken, is_taking };
         let left = course.left();
         let done = alarm.watching(|| {
             let deliver = |block| course.deliver(block);
@@ -199,7 +201,7 @@ impl<'a> Run<'a> {
             // The alarm looks at the flag only from time to time, so it is checked here as well.
             alarm.end.fetch_or(is_stopped(), Ordering::Relaxed);
             let paths = summary.completed_paths;
-            let estimate = || self.add_bias(paths, &alarm.end, course.progress(), &mut summary);
+            let estimate = || self.add_bias(paths, &alarm.end, &mut *course.progress, &mut summary);
             match alarm.watching(|| guarded(estimate)) {
                 Ok(report) => bias = report,
                 Err(found) => flaw = Some(found),
@@ -223,14 +225,14 @@ impl<'a> Run<'a> {
         let missed = if is_reached { endings.missed(&course.totals, summary.completed_paths) } else { Vec::new() };
         let (paths, part, threads) = (plan.paths, self.asked.part, self.threads);
         let seconds = clock.spent().as_secs_f64();
-        let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds, tally: () };
+        let mut outcome = Outcome { summary, status, paths, part, ended_by, missed, bias, threads, seconds };
         course.finish(&outcome);
         outcome.seconds = clock.spent().as_secs_f64();
         match course.broken {
             Some(error) => Err(RunError::Sink { error, outcome: Some(Box::new(outcome)) }),
             None => match flaw {
                 Some(flaw) => Err(RunError::Flaw { flaw, outcome: Box::new(outcome) }),
-                None => Ok(outcome.with_tally(course.totals.own())),
+                None => Ok((outcome, course.totals.own())),
             },
         }
     }

@@ -7,29 +7,31 @@
 use crate::model::Event;
 use crate::scheme::{Glide, Instant, Observer, Snapshot};
 
-/// The observers of the blocks. All blocks have `LANES` paths except perhaps the last one, which
-/// may have fewer. Lane i of the flight is lane `i % LANES` of block `i / LANES`; since the number
-/// is a constant, this takes no division.
-pub(super) struct Flight<O, const LANES: usize>(pub Vec<O>);
+/// The observers of blocks of `lanes` paths each, except perhaps the last one, which may have
+/// fewer. Lane i of the flight is lane `i % lanes` of block `i / lanes`.
+pub(crate) struct Flight<O> {
+    pub observers: Vec<O>,
+    pub lanes: usize,
+}
 
-impl<O: Observer, const LANES: usize> Observer for Flight<O, LANES> {
+impl<O: Observer> Observer for Flight<O> {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
-        self.0[lane / LANES].event(lane % LANES, event);
+        self.observers[lane / self.lanes].event(lane % self.lanes, event);
     }
 
     fn follows(&self) -> bool {
-        self.0.iter().any(Observer::follows)
+        self.observers.iter().any(Observer::follows)
     }
 
     fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.0[lane / LANES].glide(lane % LANES, glide);
+        self.observers[lane / self.lanes].glide(lane % self.lanes, glide);
     }
 
     fn snapshot(&mut self, instant: Instant, all: Snapshot<'_>) {
-        for (block, observer) in self.0.iter_mut().enumerate() {
-            let first = block * LANES;
-            let lanes = first..all.displacement.len().min(first + LANES);
+        let all_lanes = all.displacement.len();
+        for (observer, first) in self.observers.iter_mut().zip((0..).step_by(self.lanes)) {
+            let lanes = first..all_lanes.min(first + self.lanes);
             let snapshot = Snapshot {
                 time: all.time,
                 displacement: &all.displacement[lanes.clone()],

@@ -14,6 +14,7 @@ mod piece;
 mod threads;
 
 pub use flaw::{Flaw, guarded};
+pub(crate) use flight::Flight;
 #[doc(hidden)]
 pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
@@ -25,7 +26,6 @@ use crate::scheme::{Observer, Simulate as _, Simulation, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
-use flight::Flight;
 use in_order::PIECES_AHEAD;
 use piece::PathRange;
 use std::ops::{ControlFlow, Range};
@@ -151,14 +151,14 @@ impl Plan {
         }
         let pieces: Vec<PathRange> = blocks.clone().map(|index| self.block_piece(index)).collect();
         let observers = pieces.iter().map(|piece| self.observers(piece, companion)).collect();
-        let mut all = (Flight::<_, { BLOCK_SIZE as usize }>(observers), halt);
+        let mut all = (Flight { observers, lanes: BLOCK_SIZE as usize }, halt);
         let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
         let lost = self.simulated(&paths, &mut all);
         if halt.load(Ordering::Relaxed) {
             return None;
         }
         let mut delivered = Vec::with_capacity(pieces.len());
-        for ((piece, both), index) in pieces.into_iter().zip(all.0.0).zip(blocks.clone()) {
+        for ((piece, both), index) in pieces.into_iter().zip(all.0.observers).zip(blocks.clone()) {
             let block = index - blocks.start;
             delivered.push(if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
                 // The block is simulated again, without the paths that diverge.
@@ -209,9 +209,8 @@ impl Plan {
 
     /// The observers of the kept paths of a piece: that of the program and that of the companion.
     fn observers<C: Companion>(&self, piece: &PathRange, companion: &C) -> (BlockObserver, C::Observer) {
-        let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept)
-            .with_step(self.simulation.step())
-            .in_units(piece.unit);
+        let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept, piece.unit)
+            .with_step(self.simulation.step());
         (own, companion.observer(&piece.kept))
     }
 
@@ -242,7 +241,7 @@ impl Plan {
 
     /// Simulate the whole ensemble on `threads` threads, and return the summary of its statistics.
     pub fn run(&self, threads: usize) -> Summary {
-        let mut totals = RunTotals::empty(self.model(), self.timeline());
+        let mut totals = RunTotals::empty(self.model(), self.timeline(), &self.record);
         let deliver = |block: BlockResult| {
             totals.push(block.first_path / BLOCK_SIZE, block.totals)?;
             Ok::<_, Overlap>(ControlFlow::Continue(()))

@@ -119,7 +119,8 @@ impl Parts {
         if !missing.is_empty() {
             return Err(PartsError::Missing { missing: missing.join(", ") });
         }
-        let mut totals = RunTotals::empty(&question.scenario.model, &question.scenario.timeline());
+        let mut totals =
+            RunTotals::empty(&question.scenario.model, &question.scenario.timeline(), &question.scenario.record);
         for (path, state) in &parts {
             let damaged = |_| SavedError::Damaged { path: path.clone() };
             totals.merge(state.so_far.totals.clone()).map_err(damaged)?;

@@ -57,7 +57,7 @@ impl RunQuestion {
 
     /// The question as the bytes of a state without paths.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline());
+        let totals = RunTotals::empty(&self.scenario.model, &self.scenario.timeline(), &self.scenario.record);
         to_bytes(self, &totals.to_bytes(), Duration::ZERO, Position::default())
     }
 }
@@ -219,7 +219,7 @@ fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     let spent = Duration::from_nanos(count(from)?);
     let rows = Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? };
     let length = from.length()?;
-    let empty = RunTotals::empty(&scenario.model, &scenario.timeline());
+    let empty = RunTotals::empty(&scenario.model, &scenario.timeline(), &scenario.record);
     // If the sums cannot be read and the state names another program, that difference is reported
     // instead of damage.
     let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
@@ -322,7 +322,7 @@ mod tests {
     fn state(blocks: std::ops::Range<u64>) -> Vec<u8> {
         let question = question();
         let plan = question.scenario.plan();
-        let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+        let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         blocks.for_each(|block| totals.push(block, plan.block(block).totals).expect("once"));
         let rows = Position { length: 1 << 40, checksum: 0xdead_beef };
         to_bytes(&question, &totals.to_bytes(), Duration::new(3, 5), rows)

@@ -18,21 +18,24 @@ impl Scenario {
     pub(crate) fn misfits(&self) -> Vec<Misfit> {
         let Scenario { model, time, scheme, statistics, ensemble, .. } = self;
         let Temperature { noise: first, second_noise: second, .. } = &model.temperature;
-        let mut found = Misfits(Vec::new());
-        found.note(|| friction(&model.friction));
-        [first, second].into_iter().flatten().for_each(|one| found.note(|| noise(one)));
-        found.note(|| pinned(&model.temperature));
-        found.note_if_sound(|| forces(model, time.end));
-        found.note(|| series(model, time.end));
-        found.note(|| check_end(*scheme, time.end));
+        let mut found: Vec<Misfit> = Vec::new();
+        found.extend(friction(&model.friction));
+        found.extend([first, second].into_iter().flatten().filter_map(noise));
+        found.extend(pinned(&model.temperature));
+        if found.is_empty() {
+            found.extend(forces(model, time.end));
+        }
+        found.extend(series(model, time.end));
+        found.extend(check_end(*scheme, time.end));
         // These use many values, so they mean something only if the values before them go together.
-        found.note_if_sound(|| phases(model, time.end));
-        found.note_if_sound(|| check_extent(model, time.end));
-        found.note_if_sound(|| scheme.check(model, time.end));
-        found.note_if_sound(|| time.check_rows(*scheme));
-        found.note(|| statistics.check(time.end));
-        found.note(|| ensemble.check());
-        found.0.into_iter().map(|misfit| self.as_written(misfit)).collect()
+        if found.is_empty() {
+            let so_far = phases(model, time.end).or_else(|| check_extent(model, time.end));
+            let so_far = so_far.or_else(|| scheme.check(model, time.end).err());
+            found.extend(so_far.or_else(|| time.check_rows(*scheme)));
+        }
+        found.extend(statistics.check(time.end));
+        found.extend(ensemble.check());
+        found.into_iter().map(|misfit| self.as_written(misfit)).collect()
     }
 
     /// A misfit of the stiffness or the damping is one of a linear force, if that made it what it
@@ -65,93 +68,77 @@ impl Scenario {
     }
 }
 
-/// What does not go together, in the order of the checks.
-struct Misfits(Vec<Misfit>);
-
-impl Misfits {
-    fn note(&mut self, check: impl FnOnce() -> Result<(), Misfit>) {
-        self.0.extend(check().err());
-    }
-
-    /// The same for a check that takes it for granted that nothing was found before.
-    fn note_if_sound(&mut self, check: impl FnOnce() -> Result<(), Misfit>) {
-        if self.0.is_empty() {
-            self.note(check);
-        }
-    }
-}
-
 impl Ensemble {
     /// Antithetic paths come in pairs, so their number must be even.
-    fn check(&self) -> Result<(), Misfit> {
+    fn check(&self) -> Option<Misfit> {
         let paths = self.paths;
         if !self.antithetic || paths.is_multiple_of(2) {
-            return Ok(());
+            return None;
         }
         let problem = format!("`ensemble.antithetic` makes pairs of paths, and `ensemble.paths` = {paths} is odd");
         let remedy = format!("write `paths = {}`", paths + 1);
-        Err(Misfit::new(&[("ensemble.paths", paths as f64)], problem, remedy))
+        Some(Misfit::new(&[("ensemble.paths", paths as f64)], problem, remedy))
     }
 }
 
 impl Statistics {
     /// after < t_end, or after = 0 for no burn-in.
-    fn check(&self, end: f64) -> Result<(), Misfit> {
+    fn check(&self, end: f64) -> Option<Misfit> {
         let after = self.after;
         if after == 0.0 || after < end {
-            return Ok(());
+            return None;
         }
         let problem = format!("`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}");
         let remedy = "lower `statistics.after`, or raise `time.end` to some periods beyond it";
-        Err(Misfit::new(&[("statistics.after", after), ("time.end", end)], problem, remedy))
+        Some(Misfit::new(&[("statistics.after", after), ("time.end", end)], problem, remedy))
     }
 }
 
 /// f_d <= f_s.
-fn friction(friction: &Friction) -> Result<(), Misfit> {
+fn friction(friction: &Friction) -> Option<Misfit> {
     let Friction { static_force: f_s, dynamic_force: f_d } = *friction;
     if f_d <= f_s {
-        return Ok(());
+        return None;
     }
     let problem = format!("`friction.dynamic` = {f_d:?} is above `friction.static` = {f_s:?}");
     let remedy = "0 <= f_d <= f_s must hold: lower `friction.dynamic` or raise `friction.static`";
-    Err(Misfit::new(&[("friction.dynamic", f_d), ("friction.static", f_s)], problem, remedy))
+    Some(Misfit::new(&[("friction.dynamic", f_d), ("friction.static", f_s)], problem, remedy))
 }
 
 /// The stationary standard deviations of v and of rho v are neither too large nor subnormal.
-fn noise(noise: &Noise) -> Result<(), Misfit> {
+fn noise(noise: &Noise) -> Option<Misfit> {
     let sd = noise.stationary_sd();
     if can_be_computed_with(&[noise.intensity * sd, sd]) && (noise.diffusion == 0.0 || sd.is_normal()) {
-        return Ok(());
+        return None;
     }
     let about = [
         ("temperature.noise.diffusion", noise.diffusion),
         ("temperature.noise.relaxation_rate", noise.relaxation_rate),
     ];
     let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, that cannot be computed with";
-    Err(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
+    Some(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
 }
 
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
-fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
+fn forces(model: &Model, end: f64) -> Option<Misfit> {
     let Model { oscillator, initial_displacement, .. } = model;
     let mass = ("oscillator.mass", oscillator.mass);
     let stiffness = ("oscillator.stiffness", oscillator.stiffness);
     if oscillator.stiffness > 0.0 && !oscillator.natural_frequency().powi(2).is_normal() {
         let problem = format!("gives K/m = {:e}, which a double cannot hold", oscillator.stiffness / oscillator.mass);
         let remedy = "choose units in which mass and stiffness are closer to 1";
-        return Err(Misfit::new(&[stiffness, mass], problem, remedy));
+        return Some(Misfit::new(&[stiffness, mass], problem, remedy));
     }
     let rate = oscillator.damping_rate();
     if rate.abs() > LARGEST {
         let problem = format!("gives alpha/m = {rate:e}, too large to compute with");
         let remedy = "choose units in which mass and damping are closer to 1";
-        return Err(Misfit::new(&[("oscillator.damping", oscillator.damping), mass], problem, remedy));
+        return Some(Misfit::new(&[("oscillator.damping", oscillator.damping), mass], problem, remedy));
     }
     let largest = model.largest_force(end);
     let acceleration = largest / oscillator.mass;
     if can_be_computed_with(&[largest, acceleration]) {
-        return Ok(());
+        return None;
     }
     let (own, time) = model.largest_at_start(end);
     if own > 0.5 * largest || !own.is_finite() {
@@ -164,7 +151,7 @@ fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
             short(acceleration)
         );
         let remedy = "write a force that is smaller there, or choose units in which mass and forces are closer to 1";
-        return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
+        return Some(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
     }
     let problem = format!(
         "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {LARGEST:e} is too large to \
@@ -178,18 +165,18 @@ fn forces(model: &Model, end: f64) -> Result<(), Misfit> {
     };
     let mut factors = [stiffness, drive, ("initial.displacement", *initial_displacement)];
     factors.sort_by(|a, b| b.1.abs().total_cmp(&a.1.abs()));
-    Err(Misfit::new(&factors, problem, remedy))
+    Some(Misfit::new(&factors, problem, remedy))
 }
 
 /// The phases of all harmonics keep their digits up to t_end.
-fn phases(model: &Model, end: f64) -> Result<(), Misfit> {
+fn phases(model: &Model, end: f64) -> Option<Misfit> {
     for (i, harmonic) in model.temperature.harmonics.iter().enumerate().filter(|(_, one)| one.amplitude != 0.0) {
         let Harmonic { angular_frequency: w, phase, .. } = *harmonic;
         let key = format!("temperature.harmonics.{i}");
         if phase.abs() > MAX_PHASE {
             let problem =
                 format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase has lost its digits");
-            return Err(Misfit::new(&[], problem, format!("write `phase = {:?}`, which is the same", reduced(phase))));
+            return Some(Misfit::new(&[], problem, format!("write `phase = {:?}`, which is the same", reduced(phase))));
         }
         let turned = w * end;
         if turned > MAX_PHASE {
@@ -198,10 +185,10 @@ fn phases(model: &Model, end: f64) -> Result<(), Misfit> {
                  {MAX_PHASE:e} the phase of the forcing has lost its digits"
             );
             let remedy = "lower `time.end` or the frequency, or write `amplitude = 0`";
-            return Err(Misfit::new(&[("time.end", end)], problem, remedy));
+            return Some(Misfit::new(&[("time.end", end)], problem, remedy));
         }
     }
-    Ok(())
+    None
 }
 
 /// The same phase between -pi and pi.
@@ -211,21 +198,21 @@ pub(crate) fn reduced(phase: f64) -> f64 {
 }
 
 /// A measured temperature has samples up to t_end.
-fn series(model: &Model, end: f64) -> Result<(), Misfit> {
-    let Some(series) = &model.temperature.series else { return Ok(()) };
+fn series(model: &Model, end: f64) -> Option<Misfit> {
+    let Some(series) = &model.temperature.series else { return None };
     let last = series.end();
     if end <= last {
-        return Ok(());
+        return None;
     }
     let problem = format!("`time.end` = {end:?} is beyond the last sample of the measured temperature, at {last:?}");
     let remedy = "lower `time.end`, or leave it out to end with the series";
-    Err(Misfit::new(&[("time.end", end)], problem, remedy))
+    Some(Misfit::new(&[("time.end", end)], problem, remedy))
 }
 
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
 /// sample.
-fn pinned(temperature: &Temperature) -> Result<(), Misfit> {
-    let Some(noise) = temperature.noise.filter(|_| temperature.is_pinned) else { return Ok(()) };
+fn pinned(temperature: &Temperature) -> Option<Misfit> {
+    let Some(noise) = temperature.noise.filter(|_| temperature.is_pinned) else { return None };
     let (problem, remedy) = if temperature.series.is_none() {
         ("and there is no [temperature.series] to pin the noise to", "remove it, or give a series")
     } else if temperature.second_noise.is_some() {
@@ -234,14 +221,14 @@ fn pinned(temperature: &Temperature) -> Result<(), Misfit> {
         let problem = "so v is zero at the first sample, and `temperature.noise.initial` is not";
         (problem, "leave out `temperature.noise.initial`, or write 0")
     } else {
-        return Ok(());
+        return None;
     };
     let key = "temperature.noise.pinned";
-    Err(Misfit::new(&[(key, 1.0)], format!("`{key}` = true, {problem}"), remedy))
+    Some(Misfit::new(&[(key, 1.0)], format!("`{key}` = true, {problem}"), remedy))
 }
 
 /// |x| and |x'| stay small enough for a double up to `end`.
-fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
+fn check_extent(model: &Model, end: f64) -> Option<Misfit> {
     // The bound is that of motion without friction, because friction does not drive the body.
     // Negative damping does, but friction may confine what it drives, and paths that run away are
     // counted.
@@ -252,11 +239,11 @@ fn check_extent(model: &Model, end: f64) -> Result<(), Misfit> {
     let rate = if model.oscillator.stiffness > 0.0 { model.oscillator.natural_frequency() } else { 2.0 / end.max(1.0) };
     let speed = extent * rate;
     if can_be_computed_with(&[extent, speed]) {
-        return Ok(());
+        return None;
     }
     let problem = format!(
         "lets |x| grow towards {extent:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
     );
     let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
-    Err(Misfit::new(&[("time.end", end)], problem, remedy))
+    Some(Misfit::new(&[("time.end", end)], problem, remedy))
 }

@@ -16,6 +16,7 @@
 //! from it before it is run.
 
 #[cfg(test)]
+#[path = "tests/arbitrary.rs"]
 pub(crate) mod arbitrary;
 mod bridge;
 pub(crate) mod check;

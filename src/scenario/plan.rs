@@ -89,7 +89,6 @@ impl Scenario {
     /// an error if the scenario allows no such estimate.
     pub fn bias_plan(&self, paths: u64) -> Result<BiasPlan, NoBias> {
         let plan = BiasPlan::new(self.scheme, &self.model, &self.timeline(), self.ensemble.seed, paths)?;
-        let plan = plan.recording(&self.record);
-        Ok(if self.ensemble.antithetic { plan.in_pairs() } else { plan })
+        Ok(plan.recording(&self.record, self.ensemble.antithetic))
     }
 }

@@ -15,17 +15,17 @@ pub struct Time {
 }
 
 /// Check that `end` is a whole number of steps, and not too many to count, if the scheme has steps.
-pub(crate) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
-    let Some(h) = scheme.step() else { return Ok(()) };
+pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
+    let Some(h) = scheme.step() else { return None };
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
     if ratio > MAX_STEPS {
         let problem = format!("makes t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
         let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", tidy(end / MAX_STEPS * 1.001));
-        return Err(Misfit::new(&about, problem, remedy));
+        return Some(Misfit::new(&about, problem, remedy));
     }
     if whole_multiple(end, h).is_some() {
-        return Ok(());
+        return None;
     }
     let (below, above) = (ratio.floor(), ratio.ceil());
     let problem = format!("`time.end` = {end:?} is not a whole number of steps `time.step` = {h:?}");
@@ -38,7 +38,7 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Result<(), Misfit> {
         list(&|n| end / n, [above, below]),
         list(&|n| n * h, [below, above]),
     );
-    Err(Misfit::new(&about, problem, remedy))
+    Some(Misfit::new(&about, problem, remedy))
 }
 
 /// Number of rows of a default output grid, without the row at t = 0.
@@ -57,26 +57,26 @@ impl Time {
 
     /// Check that the output grid falls on steps of the scheme, if it has steps, and has at most
     /// [`MAX_ROWS`] rows.
-    pub(crate) fn check_rows(&self, scheme: Scheme) -> Result<(), Misfit> {
+    pub(crate) fn check_rows(&self, scheme: Scheme) -> Option<Misfit> {
         let Time { end, output_step } = *self;
-        if let Some(h) = scheme.step() {
-            check_between_steps(output_step, h)?;
+        if let Some(misfit) = scheme.step().and_then(|h| check_between_steps(output_step, h)) {
+            return Some(misfit);
         }
         let rows = (end / output_step * (1.0 + WHOLE)).floor() + 1.0;
         if rows <= MAX_ROWS as f64 {
-            return Ok(());
+            return None;
         }
         let most = (MAX_ROWS - 1) as f64;
         let least = scheme.step().map_or(end / most, |h| (end / h / most).ceil() * h);
         let problem = format!("makes an output grid of {rows} rows, and at most {MAX_ROWS} are kept");
         let remedy = format!("write `time.output_step` = {:?} or more, or lower `time.end`", tidy(least));
-        Err(Misfit::new(&[("time.output_step", output_step), ("time.end", end)], problem, remedy))
+        Some(Misfit::new(&[("time.output_step", output_step), ("time.end", end)], problem, remedy))
     }
 }
 
-fn check_between_steps(output_step: f64, h: f64) -> Result<(), Misfit> {
+fn check_between_steps(output_step: f64, h: f64) -> Option<Misfit> {
     if whole_multiple(output_step, h).is_some() {
-        return Ok(());
+        return None;
     }
     let ratio = output_step / h;
     let problem = format!("`time.output_step` = {output_step:?} is not a whole number of steps `time.step` = {h:?}");
@@ -84,7 +84,7 @@ fn check_between_steps(output_step: f64, h: f64) -> Result<(), Misfit> {
     let values = if nearest[0] == nearest[1] { &nearest[..1] } else { &nearest[..] };
     let values: Vec<String> = values.iter().map(|x| format!("{x:?}")).collect();
     let remedy = format!("the nearest output steps are {}", values.join(" or "));
-    Err(Misfit::new(&[("time.output_step", output_step), ("time.step", h)], problem, remedy))
+    Some(Misfit::new(&[("time.output_step", output_step), ("time.step", h)], problem, remedy))
 }
 
 /// Largest relative distance of a duration from a whole number of steps. It only allows for the

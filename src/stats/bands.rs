@@ -41,12 +41,9 @@ pub(super) struct BandSums {
 
 impl Merge for BandSums {
     fn merge(&mut self, other: &Self) {
-        for (mine, more) in self.rows.iter_mut().flatten().zip(other.rows.iter().flatten()) {
-            mine.merge(more);
-        }
+        self.rows.merge(&other.rows);
         if let Some(more) = &other.within {
-            let within = self.within.get_or_insert_with(|| no_squares(more[0].len()));
-            within.iter_mut().flatten().zip(more.iter().flatten()).for_each(|(mine, more)| *mine += more);
+            self.within.get_or_insert_with(|| no_squares(more[0].len())).merge(more);
         }
     }
 }
@@ -157,12 +154,8 @@ pub(super) struct BandCounts {
 
 impl Merge for BandCounts {
     fn merge(&mut self, other: &Self) {
-        let theirs = other.rows.iter().flatten();
-        self.rows.iter_mut().flatten().zip(theirs).for_each(|(mine, more)| mine.merge(more));
-        for (mine, more) in self.occupancy.iter_mut().zip(&other.occupancy) {
-            mine[0] += more[0];
-            mine[1] += more[1];
-        }
+        self.rows.merge(&other.rows);
+        self.occupancy.merge(&other.occupancy);
         self.waiting.extend_from_slice(&other.waiting);
         let together = |of: fn(&BlockValues) -> usize| self.waiting.iter().map(|block| of(block)).sum::<usize>();
         if together(|block| block.paths) >= WAITING_PATHS || together(|block| block.values.len()) >= WAITING_VALUES {

@@ -8,6 +8,7 @@ use super::need::Need;
 use crate::sums::range::Range;
 
 /// What is known of a statistic before any path is simulated.
+#[derive(Clone, Copy)]
 pub(crate) struct CatalogueRow {
     /// Its name in tables, JSON and HDF5.
     name: &'static str,
@@ -28,6 +29,13 @@ pub(crate) struct CatalogueRow {
     pub median_of: Option<PhaseLaw>,
     /// What a run measures only on request, if the statistic belongs to it.
     pub asked_by: Option<Extra>,
+}
+
+impl CatalogueRow {
+    /// A row like this one with these names and this meaning.
+    const fn called(self, name: &'static str, words: &'static str, meaning: &'static str) -> Self {
+        CatalogueRow { name, words, meaning, ..self }
+    }
 }
 
 /// What a run measures only on request.
@@ -142,380 +150,283 @@ const OF_PERIODS: CatalogueRow = CatalogueRow { needs: &[Need::Period], ..OF_PAT
 
 catalogue! {
     /// Mean stick duration D_j = tau_{j+1/2} - tau_j over completed sticks, j >= 1.
-    StickDurationMean: CatalogueRow {
-        name: "stick_duration_mean",
-        words: "mean stick duration",
-        meaning: "mean duration of the completed sticks",
-        ..OF_STICKS
-    },
+    StickDurationMean: OF_STICKS.called(
+        "stick_duration_mean", "mean stick duration", "mean duration of the completed sticks"),
     /// Standard deviation of the stick duration D_j over completed sticks, j >= 1.
     StickDurationSd: CatalogueRow {
-        name: "stick_duration_sd",
-        words: "sd of stick durations",
-        meaning: "standard deviation of the durations of the completed sticks",
         step_error: StepError::RootOfRare,
         needs: &[Need::Stick, Need::TwoSticks],
-        ..OF_STICKS
+        ..OF_STICKS.called(
+            "stick_duration_sd", "sd of stick durations",
+            "standard deviation of the durations of the completed sticks")
     },
     /// Median stick duration D_j over completed sticks, j >= 1.
     StickDurationMedian: CatalogueRow {
-        name: "stick_duration_median",
-        words: "median stick duration",
-        meaning: "median duration of the completed sticks",
         step_error: StepError::Jumps,
         median_of: Some(PhaseLaw::Stick),
-        ..OF_STICKS
+        ..OF_STICKS.called(
+            "stick_duration_median", "median stick duration", "median duration of the completed sticks")
     },
     /// Mean duration D_0 of the first stick over the paths in which it ended.
     FirstStickDurationMean: CatalogueRow {
-        name: "first_stick_duration_mean",
-        words: "mean first stick",
-        meaning: "mean duration of the first sticks that ended",
         over: Over::FirstSticks,
         is_certain: |scene| scene.first_stick,
         needs: &[Need::FirstStick],
-        ..OF_STICKS
+        ..OF_STICKS.called(
+            "first_stick_duration_mean", "mean first stick", "mean duration of the first sticks that ended")
     },
     /// Number of completed sticks, j >= 1, per path.
-    SticksPerPath: CatalogueRow {
-        name: "sticks_per_path",
-        words: "sticks per path",
-        meaning: "completed sticks per path, the first left out",
-        ..COUNTED
-    },
+    SticksPerPath: COUNTED.called(
+        "sticks_per_path", "sticks per path", "completed sticks per path, the first left out"),
     /// Number of completed dynamic phases per path.
-    SlipsPerPath: CatalogueRow {
-        name: "slips_per_path",
-        words: "slips per path",
-        meaning: "completed dynamic phases per path",
-        ..COUNTED
-    },
+    SlipsPerPath: COUNTED.called(
+        "slips_per_path", "slips per path", "completed dynamic phases per path"),
     /// Mean number k(j) of sub-phases over completed dynamic phases.
     SubPhasesMean: CatalogueRow {
-        name: "sub_phases_mean",
-        words: "mean number of sub-phases",
-        meaning: "mean number of sub-phases of a dynamic phase",
         dimension: Dimension::ONE,
         range: Range::FROM_ONE,
-        ..OF_SLIPS
+        ..OF_SLIPS.called(
+            "sub_phases_mean", "mean number of sub-phases", "mean number of sub-phases of a dynamic phase")
     },
     /// Share of completed dynamic phases with several sub-phases, k(j) >= 2.
     SubPhasesMultipleShare: CatalogueRow {
-        name: "sub_phases_multiple_share",
-        words: "share of slips with sub-phases",
-        meaning: "share of dynamic phases with two or more sub-phases",
         dimension: Dimension::ONE,
         range: Range::SHARE,
-        ..OF_SLIPS
+        ..OF_SLIPS.called(
+            "sub_phases_multiple_share", "share of slips with sub-phases",
+            "share of dynamic phases with two or more sub-phases")
     },
     /// Share of the counted time, [after, t_end], that is spent static, the first and the last
     /// stick included.
     StickingFraction: CatalogueRow {
-        name: "sticking_fraction",
-        words: "share of time spent static",
-        meaning: "share of the time spent in static phases",
         dimension: Dimension::ONE,
         range: Range::SHARE,
         step_error: StepError::Root,
         is_certain: |scene| scene.never_sticks && scene.first_stick,
         needs: &[Need::Duration],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "sticking_fraction", "share of time spent static", "share of the time spent in static phases")
     },
     /// Mean displacement at the end, x(t_end).
-    DisplacementEndMean: CatalogueRow {
-        name: "displacement_end_mean",
-        words: "mean final displacement",
-        meaning: "mean displacement at the end",
-        ..OF_PATHS
-    },
+    DisplacementEndMean: OF_PATHS.called(
+        "displacement_end_mean", "mean final displacement", "mean displacement at the end"),
     /// Standard deviation of the displacement at the end, x(t_end).
     DisplacementEndSd: CatalogueRow {
-        name: "displacement_end_sd",
-        words: "sd of final displacement",
-        meaning: "standard deviation of the displacement at the end",
         range: Range::NOT_NEGATIVE,
         needs: &[Need::TwoPaths],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "displacement_end_sd", "sd of final displacement", "standard deviation of the displacement at the end")
     },
     /// Drift velocity: slope of the mean of x(nP) over the whole periods n >= 1 from
     /// `after` on.
     DriftVelocity: CatalogueRow {
-        name: "drift_velocity",
-        words: "drift velocity",
-        meaning: "slope of the mean displacement over whole periods",
         dimension: Dimension::VELOCITY,
-        ..OF_PERIODS
+        ..OF_PERIODS.called(
+            "drift_velocity", "drift velocity", "slope of the mean displacement over whole periods")
     },
     /// Diffusion coefficient: half the slope of the variance of x(nP) over the whole
     /// periods n >= 1 from `after` on.
     DiffusionCoefficient: CatalogueRow {
-        name: "diffusion_coefficient",
-        words: "diffusion coefficient",
-        meaning: "half the slope of the variance of the displacement over whole periods",
         dimension: Dimension::DIFFUSIVITY,
         needs: &[Need::Period, Need::TwoPaths],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "diffusion_coefficient", "diffusion coefficient",
+            "half the slope of the variance of the displacement over whole periods")
     },
     /// Mean of u_n = x((n + 1)P) - x(nP) over paths and over the whole periods n >= 1 from
     /// `after` on.
-    PeriodDisplacementMean: CatalogueRow {
-        name: "period_displacement_mean",
-        words: "mean displacement per period",
-        meaning: "mean displacement from one period to the next",
-        ..OF_PERIODS
-    },
+    PeriodDisplacementMean: OF_PERIODS.called(
+        "period_displacement_mean", "mean displacement per period", "mean displacement from one period to the next"),
     /// Standard deviation of u_n over the same paths and periods.
     PeriodDisplacementSd: CatalogueRow {
-        name: "period_displacement_sd",
-        words: "sd of displacement per period",
-        meaning: "standard deviation of the displacement from one period to the next",
         range: Range::NOT_NEGATIVE,
         needs: &[Need::Period, Need::TwoDisplacements],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "period_displacement_sd", "sd of displacement per period",
+            "standard deviation of the displacement from one period to the next")
     },
     /// Correlation of u_n and u_{n+1}, over the same paths and periods.
     PeriodDisplacementCorrelation: CatalogueRow {
-        name: "period_displacement_correlation",
-        words: "correlation of successive periods",
-        meaning: "correlation of the displacements in successive periods",
         dimension: Dimension::ONE,
         range: Range::CORRELATION,
         needs: &[Need::TwoPeriods, Need::DifferentDisplacements],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "period_displacement_correlation", "correlation of successive periods",
+            "correlation of the displacements in successive periods")
     },
     /// Standard deviation of x(nP) over paths, as the root mean square over the whole
     /// periods n >= 1 from `after` on.
     PhaseDisplacementSd: CatalogueRow {
-        name: "phase_displacement_sd",
-        words: "sd of displacement at one phase",
-        meaning: "standard deviation of the displacement at one phase",
         range: Range::NOT_NEGATIVE,
         needs: &[Need::TwoPaths, Need::EndOfPeriod],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "phase_displacement_sd", "sd of displacement at one phase",
+            "standard deviation of the displacement at one phase")
     },
     /// Mean jump of the displacement, x_{j+1} - x_j, over completed dynamic phases.
-    JumpMean: CatalogueRow {
-        name: "jump_mean",
-        words: "mean jump",
-        meaning: "mean jump of the displacement in a dynamic phase",
-        ..OF_SLIPS
-    },
+    JumpMean: OF_SLIPS.called(
+        "jump_mean", "mean jump", "mean jump of the displacement in a dynamic phase"),
     /// Mean size of that jump, |x_{j+1} - x_j|, over completed dynamic phases.
     JumpAbsMean: CatalogueRow {
-        name: "jump_abs_mean",
-        words: "mean size of a jump",
-        meaning: "mean size of the jump of the displacement in a dynamic phase",
         range: Range::NOT_NEGATIVE,
-        ..OF_SLIPS
+        ..OF_SLIPS.called(
+            "jump_abs_mean", "mean size of a jump", "mean size of the jump of the displacement in a dynamic phase")
     },
     /// Mean over paths of the friction work, the integral of f_d |x'| dt over [after, t_end].
     FrictionWorkMean: CatalogueRow {
-        name: "friction_work_mean",
-        words: "mean friction work",
-        meaning: "mean work done against dynamic friction",
         dimension: Dimension::WORK,
         range: Range::NOT_NEGATIVE,
         is_certain: |scene| scene.frictionless,
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "friction_work_mean", "mean friction work", "mean work done against dynamic friction")
     },
     /// Mean over paths of the sliding path, the integral of |x'| dt over [after, t_end], divided by
     /// that time.
     SlidingPathRate: CatalogueRow {
-        name: "sliding_path_rate",
-        words: "sliding path per time",
-        meaning: "mean sliding path per unit of time",
         dimension: Dimension::VELOCITY,
         range: Range::NOT_NEGATIVE,
         needs: &[Need::Duration],
-        ..OF_PATHS
+        ..OF_PATHS.called(
+            "sliding_path_rate", "sliding path per time", "mean sliding path per unit of time")
     },
     /// Coefficient of variation of the stick duration D_j over completed sticks, j >= 1.
     StickDurationCv: CatalogueRow {
-        name: "stick_duration_cv",
-        words: "variation of stick durations",
-        meaning: "coefficient of variation of the durations of the completed sticks",
         dimension: Dimension::ONE,
         step_error: StepError::RootOfRare,
         needs: &[Need::Stick, Need::TwoSticks],
         asked_by: Some(Extra::Laws),
-        ..OF_STICKS
+        ..OF_STICKS.called(
+            "stick_duration_cv", "variation of stick durations",
+            "coefficient of variation of the durations of the completed sticks")
     },
     /// Mean duration tau_{j+1} - tau_{j+1/2} over completed dynamic phases.
-    SlipDurationMean: CatalogueRow {
-        name: "slip_duration_mean",
-        words: "mean slip duration",
-        meaning: "mean duration of the completed dynamic phases",
-        ..OF_SLIP_DURATIONS
-    },
+    SlipDurationMean: OF_SLIP_DURATIONS.called(
+        "slip_duration_mean", "mean slip duration", "mean duration of the completed dynamic phases"),
     /// Standard deviation of these durations.
     SlipDurationSd: CatalogueRow {
-        name: "slip_duration_sd",
-        words: "sd of slip durations",
-        meaning: "standard deviation of the durations of the completed dynamic phases",
         needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_SLIP_DURATIONS
+        ..OF_SLIP_DURATIONS.called(
+            "slip_duration_sd", "sd of slip durations",
+            "standard deviation of the durations of the completed dynamic phases")
     },
     /// Median of these durations.
     SlipDurationMedian: CatalogueRow {
-        name: "slip_duration_median",
-        words: "median slip duration",
-        meaning: "median duration of the completed dynamic phases",
         step_error: StepError::Jumps,
         median_of: Some(PhaseLaw::Slip),
-        ..OF_SLIP_DURATIONS
+        ..OF_SLIP_DURATIONS.called(
+            "slip_duration_median", "median slip duration", "median duration of the completed dynamic phases")
     },
     /// Coefficient of variation of these durations.
     SlipDurationCv: CatalogueRow {
-        name: "slip_duration_cv",
-        words: "variation of slip durations",
-        meaning: "coefficient of variation of the durations of the completed dynamic phases",
         dimension: Dimension::ONE,
         needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_SLIP_DURATIONS
+        ..OF_SLIP_DURATIONS.called(
+            "slip_duration_cv", "variation of slip durations",
+            "coefficient of variation of the durations of the completed dynamic phases")
     },
     /// Standard deviation of the jump x_{j+1} - x_j over completed dynamic phases.
     JumpSd: CatalogueRow {
-        name: "jump_sd",
-        words: "sd of jumps",
-        meaning: "standard deviation of the jump of the displacement in a dynamic phase",
         needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_LAWS
+        ..OF_LAWS.called(
+            "jump_sd", "sd of jumps", "standard deviation of the jump of the displacement in a dynamic phase")
     },
     /// Standard deviation of its size |x_{j+1} - x_j|.
     JumpAbsSd: CatalogueRow {
-        name: "jump_abs_sd",
-        words: "sd of sizes of jumps",
-        meaning: "standard deviation of the size of the jump in a dynamic phase",
         needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_LAWS
+        ..OF_LAWS.called(
+            "jump_abs_sd", "sd of sizes of jumps", "standard deviation of the size of the jump in a dynamic phase")
     },
     /// Median of its size.
     JumpAbsMedian: CatalogueRow {
-        name: "jump_abs_median",
-        words: "median size of a jump",
-        meaning: "median size of the jump in a dynamic phase",
         median_of: Some(PhaseLaw::Jump),
-        ..OF_LAWS
+        ..OF_LAWS.called(
+            "jump_abs_median", "median size of a jump", "median size of the jump in a dynamic phase")
     },
     /// Coefficient of variation of its size.
     JumpAbsCv: CatalogueRow {
-        name: "jump_abs_cv",
-        words: "variation of sizes of jumps",
-        meaning: "coefficient of variation of the size of the jump in a dynamic phase",
         dimension: Dimension::ONE,
         needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_LAWS
+        ..OF_LAWS.called(
+            "jump_abs_cv", "variation of sizes of jumps",
+            "coefficient of variation of the size of the jump in a dynamic phase")
     },
     /// Mean time tau_{j+3/2} - tau_{j+1/2} from the beginning of a dynamic phase to that of the
     /// next.
-    RecurrenceTimeMean: CatalogueRow {
-        name: "recurrence_time_mean",
-        words: "mean time from slip to slip",
-        meaning: "mean time from the beginning of a dynamic phase to that of the next",
-        ..OF_RECURRENCE
-    },
+    RecurrenceTimeMean: OF_RECURRENCE.called(
+        "recurrence_time_mean", "mean time from slip to slip",
+        "mean time from the beginning of a dynamic phase to that of the next"),
     /// Standard deviation of this time.
     RecurrenceTimeSd: CatalogueRow {
-        name: "recurrence_time_sd",
-        words: "sd of times from slip to slip",
-        meaning: "standard deviation of the time from a dynamic phase to the next",
         needs: &[Need::Recurrence, Need::TwoRecurrences],
-        ..OF_RECURRENCE
+        ..OF_RECURRENCE.called(
+            "recurrence_time_sd", "sd of times from slip to slip",
+            "standard deviation of the time from a dynamic phase to the next")
     },
     /// Median of this time.
     RecurrenceTimeMedian: CatalogueRow {
-        name: "recurrence_time_median",
-        words: "median time from slip to slip",
-        meaning: "median time from the beginning of a dynamic phase to that of the next",
         step_error: StepError::Jumps,
         median_of: Some(PhaseLaw::Recurrence),
-        ..OF_RECURRENCE
+        ..OF_RECURRENCE.called(
+            "recurrence_time_median", "median time from slip to slip",
+            "median time from the beginning of a dynamic phase to that of the next")
     },
     /// Coefficient of variation of this time.
     RecurrenceTimeCv: CatalogueRow {
-        name: "recurrence_time_cv",
-        words: "variation of times from slip to slip",
-        meaning: "coefficient of variation of the time from a dynamic phase to the next",
         dimension: Dimension::ONE,
         needs: &[Need::Recurrence, Need::TwoRecurrences],
-        ..OF_RECURRENCE
+        ..OF_RECURRENCE.called(
+            "recurrence_time_cv", "variation of times from slip to slip",
+            "coefficient of variation of the time from a dynamic phase to the next")
     },
     /// Mean over paths of the work of the temperature, the integral of c T x' dt over [after,
     /// t_end].
-    TemperatureWorkMean: CatalogueRow {
-        name: "temperature_work_mean",
-        words: "mean work of the temperature",
-        meaning: "mean work of the temperature on the body",
-        ..OF_ENERGY
-    },
+    TemperatureWorkMean: OF_ENERGY.called(
+        "temperature_work_mean", "mean work of the temperature", "mean work of the temperature on the body"),
     /// Mean over paths of the work of a force of the user's own, the integral of g x' dt.
-    OwnForceWorkMean: CatalogueRow {
-        name: "own_force_work_mean",
-        words: "mean work of the own force",
-        meaning: "mean work of the force of your own on the body",
-        ..OF_ENERGY
-    },
+    OwnForceWorkMean: OF_ENERGY.called(
+        "own_force_work_mean", "mean work of the own force", "mean work of the force of your own on the body"),
     /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
-    DampingWorkMean: CatalogueRow {
-        name: "damping_work_mean",
-        words: "mean work of damping",
-        meaning: "mean work done against damping",
-        ..OF_ENERGY
-    },
+    DampingWorkMean: OF_ENERGY.called(
+        "damping_work_mean", "mean work of damping", "mean work done against damping"),
     /// Mean over paths of the change of m x'^2/2 + K x^2/2.
-    StoredEnergyMean: CatalogueRow {
-        name: "stored_energy_change_mean",
-        words: "mean change of stored energy",
-        meaning: "mean change of kinetic energy and of that of the spring",
-        ..OF_ENERGY
-    },
+    StoredEnergyMean: OF_ENERGY.called(
+        "stored_energy_change_mean", "mean change of stored energy",
+        "mean change of kinetic energy and of that of the spring"),
     /// Mean over paths of what is left of the energy balance.
-    EnergyResidualMean: CatalogueRow {
-        name: "energy_residual_mean",
-        words: "mean residual of the energy",
-        meaning: "mean of what is left of the energy balance, an error of its integrals",
-        ..OF_ENERGY
-    },
+    EnergyResidualMean: OF_ENERGY.called(
+        "energy_residual_mean", "mean residual of the energy",
+        "mean of what is left of the energy balance, an error of its integrals"),
     /// Standard deviation over paths of what is left of the energy balance.
     EnergyResidualSd: CatalogueRow {
-        name: "energy_residual_sd",
-        words: "sd of the residual of the energy",
-        meaning: "standard deviation of what is left of the energy balance",
         range: Range::NOT_NEGATIVE,
         needs: &[Need::TwoPaths],
-        ..OF_ENERGY
+        ..OF_ENERGY.called(
+            "energy_residual_sd", "sd of the residual of the energy",
+            "standard deviation of what is left of the energy balance")
     },
     /// Mean over paths of the largest |x - x0| over [0, t_end].
-    LargestDisplacementMean: CatalogueRow {
-        name: "largest_displacement_mean",
-        words: "mean largest displacement",
-        meaning: "mean of the largest distance from the initial displacement",
-        ..OF_EXTREMES
-    },
+    LargestDisplacementMean: OF_EXTREMES.called(
+        "largest_displacement_mean", "mean largest displacement",
+        "mean of the largest distance from the initial displacement"),
     /// Standard deviation over paths of the largest |x - x0|.
     LargestDisplacementSd: CatalogueRow {
-        name: "largest_displacement_sd",
-        words: "sd of the largest displacement",
-        meaning: "standard deviation of the largest distance from the initial displacement",
         needs: &[Need::TwoPaths],
-        ..OF_EXTREMES
+        ..OF_EXTREMES.called(
+            "largest_displacement_sd", "sd of the largest displacement",
+            "standard deviation of the largest distance from the initial displacement")
     },
     /// Mean over paths of the largest |x'| over [0, t_end].
     LargestSpeedMean: CatalogueRow {
-        name: "largest_speed_mean",
-        words: "mean largest speed",
-        meaning: "mean of the largest speed",
         dimension: Dimension::VELOCITY,
-        ..OF_EXTREMES
+        ..OF_EXTREMES.called(
+            "largest_speed_mean", "mean largest speed", "mean of the largest speed")
     },
     /// Standard deviation over paths of the largest |x'|.
     LargestSpeedSd: CatalogueRow {
-        name: "largest_speed_sd",
-        words: "sd of the largest speed",
-        meaning: "standard deviation of the largest speed",
         dimension: Dimension::VELOCITY,
         needs: &[Need::TwoPaths],
-        ..OF_EXTREMES
+        ..OF_EXTREMES.called(
+            "largest_speed_sd", "sd of the largest speed", "standard deviation of the largest speed")
     },
 }
 

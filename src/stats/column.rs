@@ -103,7 +103,7 @@ pub(crate) trait Element: Clone {
 /// Declares the types that the values of a variable may have: the enum `Kind` of their names, and
 /// the values themselves, borrowed as `ColumnView` and owned as `Column`.
 macro_rules! kinds {
-    ($($kind:ident($type:ty), missing $missing:expr, $meaning:literal;)*) => {
+    ($($kind:ident($type:ty), missing $missing:expr, same $same:expr, $meaning:literal;)*) => {
         /// Types of values.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub(crate) enum ElementType {
@@ -123,6 +123,14 @@ macro_rules! kinds {
         }
 
         impl ColumnView<'_> {
+            /// The first value that differs from a computed one.
+            pub(crate) fn first_difference(self, computed: ColumnView) -> Option<FirstDifference> {
+                match (self, computed) {
+                    $((ColumnView::$kind(stored), ColumnView::$kind(computed)) => first(stored, computed, $same),)*
+                    _ => Some((None, "of another type".into(), "there".into())),
+                }
+            }
+
             /// Number of values.
             pub(crate) fn len(&self) -> usize {
                 match self {
@@ -216,12 +224,12 @@ macro_rules! kinds {
 }
 
 kinds! {
-    F64(f64), missing f64::NAN, "Real numbers.";
-    U64(u64), missing 0, "Counts and seeds.";
-    U32(u32), missing 0, "Small counts.";
-    I8(i8), missing 0, "Flags.";
-    U8(u8), missing 0, "Bytes.";
-    Text(String), missing String::new(), "Names.";
+    F64(f64), missing f64::NAN, same is_same_real, "Real numbers.";
+    U64(u64), missing 0, same u64::eq, "Counts and seeds.";
+    U32(u32), missing 0, same u32::eq, "Small counts.";
+    I8(i8), missing 0, same i8::eq, "Flags.";
+    U8(u8), missing 0, same u8::eq, "Bytes.";
+    Text(String), missing String::new(), same String::eq, "Names.";
 }
 
 impl Column {
@@ -261,32 +269,21 @@ impl ColumnView<'_> {
             ColumnView::Text(texts) => texts.iter().for_each(|text| out.extend(text.bytes().chain([0]))),
         }
     }
-
-    /// The first value that differs from a computed one. Reals are compared bit for bit, except
-    /// that all NaN are equal, since NaN means a missing value.
-    pub(crate) fn first_difference(self, computed: ColumnView) -> Option<FirstDifference> {
-        let same_real = |a: &f64, b: &f64| a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan();
-        match (self, computed) {
-            // `first` prints reals with `{:?}`, which gives enough digits to distinguish any two of
-            // them.
-            (ColumnView::F64(stored), ColumnView::F64(computed)) => first(stored, computed, same_real),
-            (ColumnView::U64(stored), ColumnView::U64(computed)) => first(stored, computed, u64::eq),
-            (ColumnView::U32(stored), ColumnView::U32(computed)) => first(stored, computed, u32::eq),
-            (ColumnView::I8(stored), ColumnView::I8(computed)) => first(stored, computed, i8::eq),
-            (ColumnView::U8(stored), ColumnView::U8(computed)) => first(stored, computed, u8::eq),
-            (ColumnView::Text(stored), ColumnView::Text(computed)) => first(stored, computed, String::eq),
-            _ => Some((None, "of another type".into(), "there".into())),
-        }
-    }
 }
 
 /// The index of a difference, and the stored and the computed value as text.
 pub(crate) type FirstDifference = (Option<usize>, String, String);
 
+/// Reals are compared bit for bit, except that all NaN are equal, since NaN means a missing value.
+fn is_same_real(a: &f64, b: &f64) -> bool {
+    a.to_bits() == b.to_bits() || a.is_nan() && b.is_nan()
+}
+
 fn first<T: Debug>(stored: &[T], computed: &[T], is_same: impl Fn(&T, &T) -> bool) -> Option<FirstDifference> {
     if stored.len() != computed.len() {
         return Some((None, format!("one of {} values", stored.len()), format!("one of {}", computed.len())));
     }
+    // `{:?}` gives enough digits to distinguish any two reals.
     let at = stored.iter().zip(computed).position(|(stored, computed)| !is_same(stored, computed))?;
     Some((Some(at), format!("{:?}", stored[at]), format!("{:?}", computed[at])))
 }

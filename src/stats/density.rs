@@ -13,7 +13,6 @@ use super::{Densities, DensityCurve};
 use crate::model::{Event, EventKind, Phase};
 use crate::scheme::{Along, Glide, Timeline};
 use crate::sums::Ends;
-use crate::sums::Unit;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::codec::sums_of_fields;
 use crate::sums::grid::Grid;
@@ -113,21 +112,16 @@ pub(super) struct DensityFold {
 }
 
 impl DensityFold {
-    /// The paths with these numbers, at rest at x0.
-    pub fn new(timeline: &Timeline, x0: f64, paths: &[u64]) -> Self {
+    /// The paths of these units, at rest at x0.
+    pub fn new(timeline: &Timeline, x0: f64, units: &[u64]) -> Self {
         DensityFold {
             timeline: *timeline,
-            batches: paths.iter().map(|path| batch_of(*path)).collect(),
-            rests: vec![Some((0.0, x0)); paths.len()],
+            batches: units.iter().map(|unit| batch_of(*unit)).collect(),
+            rests: vec![Some((0.0, x0)); units.len()],
             resting: Vec::new(),
             moving: Vec::new(),
             counts: DensityCounts::default(),
         }
-    }
-
-    /// Set another independent unit than the path.
-    pub fn set_unit(&mut self, unit: Unit, paths: &[u64]) {
-        self.batches = paths.iter().map(|path| batch_of(unit.of(*path))).collect();
     }
 
     /// The ticks of a time.

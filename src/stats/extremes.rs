@@ -4,12 +4,11 @@ use super::law_counts::LawCounts;
 use super::measure::{Measure, Sampled};
 use super::motion::MotionFold;
 use super::{Extremes, PassageLevels, Passages, Statistic};
-use crate::scheme::Timeline;
-use crate::sums::codec::{Codec, Damaged, Reader, sums_of_fields};
+use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::range::Sample;
 use crate::sums::spread::SpreadMoments;
-use crate::sums::{Ends, Merge, Unit};
+use crate::sums::{Ends, Unit};
 
 /// Moments over paths of the largest |x - x0| and the largest |x'|.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -44,38 +43,40 @@ impl Measure for ExtremeSums {
 /// Counts of the largest |x - x0| and |x'|, and of the paths that have not yet reached a level.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct ExtremeCounts {
+    levels: PassageLevels,
     largest: [LawCounts; 2],
     /// For each level and row of the output grid, the number of paths whose |x - x0| has stayed
     /// below the level until then.
     below: Vec<u64>,
 }
 
-impl Merge for ExtremeCounts {
-    fn merge(&mut self, other: &Self) {
-        self.largest.iter_mut().zip(&other.largest).for_each(|(mine, more)| mine.merge(more));
-        if self.below.is_empty() {
-            self.below = vec![0; other.below.len()];
-        }
-        self.below.iter_mut().zip(&other.below).for_each(|(mine, more)| *mine += more);
-    }
-}
+sums_of_fields!(ExtremeCounts { largest, below });
 
 impl ExtremeCounts {
-    /// No paths. The largest duration and the largest length that are to be expected, roughly,
-    /// determine the bins.
-    pub fn empty([time, length]: [f64; 2]) -> Self {
+    /// No paths, on so many rows of the output grid. The largest duration and the largest length
+    /// that are to be expected, roughly, determine the bins.
+    pub fn empty(levels: PassageLevels, rows: usize, [time, length]: [f64; 2]) -> Self {
         let speed = if time > 0.0 { length / time } else { length };
-        ExtremeCounts { largest: [length, speed].map(LawCounts::empty), below: Vec::new() }
+        ExtremeCounts {
+            levels,
+            largest: [length, speed].map(LawCounts::empty),
+            below: vec![0; levels.iter().count() * rows],
+        }
     }
 
     pub fn settle(&mut self) {
         self.largest.iter_mut().for_each(LawCounts::settle);
     }
 
+    /// The number of rows of the output grid.
+    fn rows(&self) -> usize {
+        self.below.len() / self.levels.iter().count()
+    }
+
     /// Add the paths of a block at a row of the output grid, where they are at these x.
-    pub fn row(&mut self, row: usize, rows: usize, levels: &PassageLevels, paths: &[MotionFold], at: &[f64]) {
-        self.below.resize(levels.iter().count() * rows, 0);
-        for (i, level) in levels.iter().enumerate() {
+    pub fn row(&mut self, row: usize, paths: &[MotionFold], at: &[f64]) {
+        let rows = self.rows();
+        for (i, level) in self.levels.iter().enumerate() {
             let is_below = |(path, x): &(&MotionFold, &f64)| path.largest[0].max((*x - path.start).abs()) < level;
             self.below[i * rows + row] += paths.iter().zip(at).filter(is_below).count() as u64;
         }
@@ -87,34 +88,13 @@ impl ExtremeCounts {
     }
 
     /// What is reported. `chance` is the number of units, if these are random.
-    pub fn summary(
-        &self,
-        levels: &PassageLevels,
-        timeline: &Timeline,
-        chance: Option<u64>,
-        sample: Sample,
-    ) -> Extremes {
+    pub fn summary(&self, chance: Option<u64>, sample: Sample) -> Extremes {
         let [displacement, velocity] = self.largest.each_ref().map(|counts| counts.summary(&counts.ordered(), chance));
-        let rows = timeline.rows();
-        let below = |i: usize| self.below.get(i * rows..(i + 1) * rows).unwrap_or_default();
-        let passages = levels.iter().enumerate().map(|(i, level)| Passages {
+        let passages = self.levels.iter().zip(self.below.chunks(self.rows())).map(|(level, below)| Passages {
             level,
-            survival: below(i).iter().map(|count| *count as f64 / sample.paths as f64).collect(),
-            survival_ends: below(i).iter().map(|count| sample.share(*count)).collect::<Ends>(),
+            survival: below.iter().map(|count| *count as f64 / sample.paths as f64).collect(),
+            survival_ends: below.iter().map(|count| sample.share(*count)).collect::<Ends>(),
         });
         Extremes { displacement, velocity, passages: passages.collect() }
-    }
-}
-
-impl Codec for ExtremeCounts {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.largest.write(out);
-        self.below.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.largest.read(from)?;
-        self.below = vec![0; from.clone().length()?];
-        self.below.read(from)
     }
 }

@@ -2,8 +2,12 @@
 //! its motion where they are asked for. A run, its bias and a sweep read these and no others.
 
 use super::Record;
+use super::cascade::CascadeSums;
+use super::catalogue::Extra;
+use super::energy::EnergySums;
+use super::extremes::ExtremeSums;
 use super::law::PhaseLaw;
-use super::laws::LawFold;
+use super::laws::{LawFold, LawsSums};
 use super::motion::MotionFold;
 use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodSums;
@@ -20,7 +24,7 @@ pub(super) struct PathFolds {
     pub motion: Option<Vec<MotionFold>>,
     pub model: Model,
     timeline: Timeline,
-    record: Record,
+    pub record: Record,
 }
 
 impl PathFolds {
@@ -76,9 +80,14 @@ impl PathFolds {
         fn of<'a, T: Copy>(all: &'a [T], lanes: Option<&[usize]>) -> Cow<'a, [T]> {
             lanes.map_or(Cow::Borrowed(all), |lanes| lanes.iter().map(|&lane| all[lane]).collect())
         }
-        let laws = self.laws.as_deref().map(|laws| of(laws, lanes));
-        let motion = self.motion.as_deref().map_or(Cow::Borrowed(&[][..]), |motion| of(motion, lanes));
+        let motion = self.motion.as_deref().map(|motion| of(motion, lanes)).unwrap_or_default();
         let dynamic_force = self.model.friction.dynamic_force;
-        PhaseSums::of(&of(&self.paths, lanes), dynamic_force, periods, (laws.as_deref(), &motion, &self.record), unit)
+        PhaseSums {
+            cascade: CascadeSums::of(&of(&self.paths, lanes), dynamic_force, unit),
+            periods,
+            laws: self.laws.as_deref().map(|laws| Box::new(LawsSums::of(&of(laws, lanes), unit))),
+            energy: self.record.energy.then(|| Box::new(EnergySums::of(&motion, dynamic_force, unit))),
+            extremes: self.record.asks_for(Extra::Levels).then(|| Box::new(ExtremeSums::of(&motion, unit))),
+        }
     }
 }

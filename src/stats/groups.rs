@@ -43,9 +43,7 @@ pub struct Groups(Vec<PhaseSums>);
 
 impl Merge for Groups {
     fn merge(&mut self, other: &Groups) {
-        for (mine, more) in self.0.iter_mut().zip(&other.0) {
-            mine.merge(more);
-        }
+        self.0.merge(&other.0);
     }
 }
 
@@ -57,7 +55,7 @@ impl Groups {
     pub fn without(&self, run: &Totals) -> Vec<GroupValues> {
         let Totals { timeline, counts, .. } = run;
         let some = &self.0[..GROUPS.min(counts.units() as usize)];
-        let empty = PhaseSums::empty(timeline);
+        let empty = PhaseSums::empty(timeline, &counts.record);
         let value = |sums: &PhaseSums, statistic| sums.measured(statistic, timeline, counts).estimate();
         // The median is taken from the run, because computing it for every group would take long.
         let of = |sums: &PhaseSums| {
@@ -90,7 +88,7 @@ impl Companion for Grouping {
     type Sums = Groups;
 
     fn empty(&self) -> Groups {
-        Groups(vec![PhaseSums::empty(&self.timeline); GROUPS])
+        Groups(vec![PhaseSums::empty(&self.timeline, &self.record); GROUPS])
     }
 
     fn observer(&self, paths: &[u64]) -> GroupObserver {
@@ -99,8 +97,7 @@ impl Companion for Grouping {
             lanes[batch_of(self.unit.of(*path))].push(lane);
         }
         let group = |lanes: Vec<usize>| {
-            let mut periods = PeriodFold::new(&self.timeline, self.model.initial_displacement, lanes.len());
-            periods.set_unit(self.unit);
+            let periods = PeriodFold::new(&self.timeline, self.model.initial_displacement, lanes.len(), self.unit);
             let [displacement, velocity] = [lanes.len(); 2].map(Vec::with_capacity);
             Group { lanes, periods, displacement, velocity }
         };

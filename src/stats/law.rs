@@ -36,45 +36,52 @@ pub enum PhaseLaw {
 }
 
 impl PhaseLaw {
+    /// All laws, in the order in which runs keep them.
+    pub(super) const ALL: [PhaseLaw; 6] = [
+        PhaseLaw::Stick,
+        PhaseLaw::Slip,
+        PhaseLaw::Jump,
+        PhaseLaw::JumpForward,
+        PhaseLaw::JumpBackward,
+        PhaseLaw::Recurrence,
+    ];
+
     /// The laws that a run reports on request (`record.laws`). That of sticks is always reported.
-    pub const ASKED: [PhaseLaw; 5] =
-        [PhaseLaw::Slip, PhaseLaw::Jump, PhaseLaw::JumpForward, PhaseLaw::JumpBackward, PhaseLaw::Recurrence];
+    pub const ASKED: [PhaseLaw; 5] = {
+        let [_, asked @ ..] = PhaseLaw::ALL;
+        asked
+    };
 
     /// The law with this name, if there is one.
     pub fn from_name(name: &str) -> Option<PhaseLaw> {
-        PhaseLaw::ASKED.into_iter().chain([PhaseLaw::Stick]).find(|law| law.name() == name)
+        PhaseLaw::ALL.into_iter().find(|law| law.name() == name)
+    }
+
+    /// Name, quantity in words, and dimension.
+    const fn row(self) -> (&'static str, &'static str, Dimension) {
+        match self {
+            PhaseLaw::Stick => ("stick", "stick duration", Dimension::TIME),
+            PhaseLaw::Slip => ("slip", "slip duration", Dimension::TIME),
+            PhaseLaw::Jump => ("jump", "size of a jump", Dimension::LENGTH),
+            PhaseLaw::JumpForward => ("jump_forward", "size of a forward jump", Dimension::LENGTH),
+            PhaseLaw::JumpBackward => ("jump_backward", "size of a backward jump", Dimension::LENGTH),
+            PhaseLaw::Recurrence => ("recurrence", "time from slip to slip", Dimension::TIME),
+        }
     }
 
     /// The name of the law on the command line.
     pub fn name(self) -> &'static str {
-        match self {
-            PhaseLaw::Stick => "stick",
-            PhaseLaw::Slip => "slip",
-            PhaseLaw::Jump => "jump",
-            PhaseLaw::JumpForward => "jump_forward",
-            PhaseLaw::JumpBackward => "jump_backward",
-            PhaseLaw::Recurrence => "recurrence",
-        }
+        self.row().0
     }
 
     /// The quantity in words, e.g. "slip duration".
     pub fn words(self) -> &'static str {
-        match self {
-            PhaseLaw::Stick => "stick duration",
-            PhaseLaw::Slip => "slip duration",
-            PhaseLaw::Jump => "size of a jump",
-            PhaseLaw::JumpForward => "size of a forward jump",
-            PhaseLaw::JumpBackward => "size of a backward jump",
-            PhaseLaw::Recurrence => "time from slip to slip",
-        }
+        self.row().1
     }
 
     /// The dimension of the quantity.
     pub fn dimension(self) -> Dimension {
-        match self {
-            PhaseLaw::Stick | PhaseLaw::Slip | PhaseLaw::Recurrence => Dimension::TIME,
-            PhaseLaw::Jump | PhaseLaw::JumpForward | PhaseLaw::JumpBackward => Dimension::LENGTH,
-        }
+        self.row().2
     }
 
     /// Whether the quantity is a multiple of the step in a scheme that has one.
@@ -216,14 +223,9 @@ pub(super) fn rare_ratio<const N: usize>(
     floor: f64,
 ) -> Measured {
     let measured = Measured::ratio(units, top, bottom, contributing);
-    if are_too_few(contributing, units.count, FEWEST) {
-        return measured.without_interval();
-    }
     let mut influence = [0.0; N];
     (influence[top], influence[bottom]) = (1.0, -measured.estimate());
-    let squares = units.spread_along(influence);
-    let freedom = tails.freedom(measured.estimate(), squares, contributing);
-    measured.on_log_scale(floor, cautious(freedom, contributing, units.count))
+    rare(measured, units, influence, (tails, contributing), contributing, floor)
 }
 
 /// A number of events per path, of which these units have any.
@@ -233,12 +235,24 @@ pub(super) fn rare_mean<const N: usize>(
     tails: &Fourths,
     contributing: u64,
 ) -> Measured {
-    let measured = Measured::mean_of(units, entry);
+    let mut influence = [0.0; N];
+    influence[entry] = 1.0;
+    rare(Measured::mean_of(units, entry), units, influence, (tails, units.count), contributing, 0.0)
+}
+
+/// A measured number with the interval of one that few units may contribute to. The tails are those
+/// of so many units.
+fn rare<const N: usize>(
+    measured: Measured,
+    units: &JointMoments<N>,
+    influence: [f64; N],
+    (tails, of): (&Fourths, u64),
+    contributing: u64,
+    floor: f64,
+) -> Measured {
     if are_too_few(contributing, units.count, FEWEST) {
         return measured.without_interval();
     }
-    let mut influence = [0.0; N];
-    influence[entry] = 1.0;
-    let freedom = tails.freedom(measured.estimate(), units.spread_along(influence), units.count);
-    measured.on_log_scale(0.0, cautious(freedom, contributing, units.count))
+    let freedom = tails.freedom(measured.estimate(), units.spread_along(influence), of);
+    measured.on_log_scale(floor, cautious(freedom, contributing, units.count))
 }

@@ -9,7 +9,7 @@ use super::{Distribution, Histogram, QUANTILE_LEVELS};
 use crate::sums::Merge;
 use crate::sums::batches::{BATCHES, batch_of};
 use crate::sums::bins::Shape;
-use crate::sums::codec::{Codec, Damaged, Reader, codec_of_fields};
+use crate::sums::codec::{Codec, Damaged, Reader};
 use crate::sums::dyadic::{List, coarsen, coarsened, nearest, width};
 use crate::sums::interval::Measured;
 use crate::sums::log_scale::LogScale;
@@ -38,32 +38,14 @@ const LIMIT: usize = 16_384;
 /// Up to this many sticks are listed before they are counted in their batches.
 const LISTED: usize = 8192;
 
-/// The sticks of the units of one batch.
-#[derive(Clone, Debug, PartialEq)]
-struct Batch {
-    /// Durations of the sticks that have ended.
-    ended: Sketch,
-    /// Durations so far of the sticks that run at t_end.
-    censored: Sketch,
-}
-
-codec_of_fields!(Batch { ended, censored });
+/// The durations of the sticks of one batch that have ended, and so far of those that run at t_end.
+type Batch = [Sketch; 2];
+const ENDED: usize = 0;
+const CENSORED: usize = 1;
 
 /// The shape of the durations of this many batches together.
 fn shape(scale: LogScale, batches: usize) -> Shape {
     Shape { centre: 0.0, scale: Some(scale), values: batches * LIMIT, bins: batches * LIMIT }
-}
-
-impl Batch {
-    fn empty(scale: LogScale) -> Self {
-        let nothing = Sketch::empty(shape(scale, 1));
-        Batch { ended: nothing.clone(), censored: nothing }
-    }
-
-    fn merge(&mut self, other: &Batch) {
-        self.ended.merge(&other.ended);
-        self.censored.merge(&other.censored);
-    }
 }
 
 /// Counts of the values of one law.
@@ -86,9 +68,7 @@ impl Merge for LawCounts {
             debug_assert_eq!(self.step, None, "durations of different steps");
             self.set_step(other.step);
         }
-        for (mine, more) in self.batches.iter_mut().zip(&other.batches) {
-            mine.merge(more);
-        }
+        self.batches.merge(&other.batches);
         count(&mut self.batches, &other.listed, self.step);
     }
 }
@@ -98,7 +78,8 @@ impl LawCounts {
     /// bins.
     pub fn empty(scale: f64) -> Self {
         let scale = LogScale::new(scale * RESOLUTION);
-        LawCounts { scale, step: None, batches: std::array::from_fn(|_| Batch::empty(scale)), listed: Vec::new() }
+        let empty = |_| [0; 2].map(|_| Sketch::empty(shape(scale, 1)));
+        LawCounts { scale, step: None, batches: std::array::from_fn(empty), listed: Vec::new() }
     }
 
     /// Set the step of the scheme, if it has one, before anything is counted.
@@ -127,10 +108,7 @@ impl LawCounts {
     /// Counts what waits to be counted ([`Sketch::settle`]).
     pub fn settle(&mut self) {
         count(&mut self.batches, &std::mem::take(&mut self.listed), self.step);
-        for batch in &mut self.batches {
-            batch.ended.settle();
-            batch.censored.settle();
-        }
+        self.batches.iter_mut().flatten().for_each(Sketch::settle);
     }
 
     /// The batches with all sticks in them.
@@ -144,7 +122,7 @@ impl LawCounts {
 
     /// A stick, j >= 1, of a path of this unit runs at t_end and has lasted for `so_far`.
     pub fn censored(&mut self, unit: u64, so_far: f64) {
-        self.batches[batch_of(unit)].censored.push(so_far);
+        self.batches[batch_of(unit)][CENSORED].push(so_far);
     }
 
     /// The durations of each batch, and those of all batches, in order.
@@ -152,8 +130,8 @@ impl LawCounts {
         let batches = self.batches();
         let mut pooled = Sketch::empty(shape(self.scale, BATCHES));
         // The only form of each, because the pooled bins would keep how fine a batch happens to be.
-        batches.iter().for_each(|batch| pooled.merge(&batch.ended.normalised()));
-        let batches: Vec<Ordered> = batches.iter().map(|batch| batch.ended.ordered()).collect();
+        batches.iter().for_each(|batch| pooled.merge(&batch[ENDED].normalised()));
+        let batches: Vec<Ordered> = batches.iter().map(|batch| batch[ENDED].ordered()).collect();
         let pooled = pooled.ordered();
         match self.step {
             Some(step) => OrderedLaw::Steps {
@@ -179,10 +157,8 @@ impl LawCounts {
     /// `chance` is the number of units with a completed stick, if these are random.
     pub fn summary(&self, ordered: &OrderedLaw, chance: Option<u64>) -> Distribution {
         let batches = self.batches();
-        let finest = |batch: &Batch| batch.ended.finest_level().max(batch.censored.finest_level());
-        let level = batches.iter().map(finest).fold(FINE, i32::max);
-        let fine: Vec<[List; 2]> =
-            batches.iter().map(|batch| [&batch.ended, &batch.censored].map(|of| of.counts(level))).collect();
+        let level = batches.iter().flatten().map(Sketch::finest_level).fold(FINE, i32::max);
+        let fine: Vec<[List; 2]> = batches.iter().map(|batch| batch.each_ref().map(|of| of.counts(level))).collect();
         // Durations of exactly zero belong to the first bin.
         let bins = |list: &List| coarsen(list, (PUBLIC - level) as u32).into_iter().map(|(i, n)| ((i - 1).max(0), n));
         let public: Vec<[List; 2]> =
@@ -243,7 +219,7 @@ impl OrderedLaw {
 fn count(batches: &mut [Batch; BATCHES], sticks: &[(u32, f64)], step: Option<f64>) {
     for &(batch, duration) in sticks {
         let exact = step.map_or(duration, |step| nearest(duration / step) * step);
-        batches[batch as usize].ended.push(exact);
+        batches[batch as usize][ENDED].push(exact);
     }
 }
 

@@ -1,10 +1,8 @@
 //! The laws that a run reports on request: durations of slips, sizes of jumps, and times from slip
-//! to slip, folded path by path ([`LawFold`]), as moments ([`LawsSums`]) and as counts
-//! ([`LawsCounts`]).
+//! to slip, folded path by path ([`LawFold`]) and as moments ([`LawsSums`]).
 
 use super::Statistic;
 use super::law::{Folded, LawSums, PhaseLaw};
-use super::law_counts::LawCounts;
 use super::measure::{Measure, Sampled};
 use crate::model::{Event, EventKind};
 use crate::sums::Unit;
@@ -84,7 +82,7 @@ impl LawFold {
 
 /// The place of a law in [`PhaseLaw::ASKED`].
 fn place(law: PhaseLaw) -> usize {
-    PhaseLaw::ASKED.iter().position(|asked| *asked == law).expect("a law that is reported on request")
+    law as usize - 1
 }
 
 /// Moments over paths.
@@ -126,42 +124,6 @@ impl Measure for LawsSums {
             Statistic::RecurrenceTimeCv => recurrence.coefficient_of_variation(*unit),
             _ => return None,
         })
-    }
-}
-
-/// The values of each law.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct LawsCounts {
-    laws: [LawCounts; LAWS],
-}
-
-sums_of_fields!(LawsCounts { laws });
-
-impl LawsCounts {
-    /// No values. The largest duration and the largest length that are to be expected, roughly,
-    /// determine the bins.
-    pub fn empty([time, length]: [f64; 2]) -> Self {
-        let empty = |law: PhaseLaw| LawCounts::empty(if law.is_of_time() { time } else { length });
-        LawsCounts { laws: PhaseLaw::ASKED.map(empty) }
-    }
-
-    /// Set the step of the scheme, if it has one, before anything is counted.
-    pub fn set_step(&mut self, step: Option<f64>) {
-        let of_time = self.laws.iter_mut().zip(PhaseLaw::ASKED).filter(|(_, law)| law.is_of_time());
-        of_time.for_each(|(counts, _)| counts.set_step(step));
-    }
-
-    /// The counts of a law.
-    pub fn law(&self, law: PhaseLaw) -> &LawCounts {
-        &self.laws[place(law)]
-    }
-
-    pub fn law_mut(&mut self, law: PhaseLaw) -> &mut LawCounts {
-        &mut self.laws[place(law)]
-    }
-
-    pub fn settle(&mut self) {
-        self.laws.iter_mut().for_each(LawCounts::settle);
     }
 }
 

@@ -47,6 +47,7 @@ mod sub_phases;
 mod summary;
 mod survival;
 #[cfg(test)]
+#[path = "tests/synthetic.rs"]
 mod synthetic;
 mod tally;
 mod totals;

@@ -4,6 +4,7 @@
 use super::column::Columns as _;
 use super::density::DensityFold;
 use super::folds::PathFolds;
+use super::law::PhaseLaw;
 use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
@@ -13,151 +14,175 @@ use crate::model::{Event, Model, Sign};
 use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::sums::Unit;
 
+const STICK: usize = PhaseLaw::Stick as usize;
+
 /// The observer of one block of paths.
 pub struct BlockObserver {
-    /// Number of the path in each lane.
+    /// Number of the path in each lane, and of its independent unit.
     path_numbers: Vec<u64>,
-    folds: PathFolds,
+    units: Vec<u64>,
     unit: Unit,
-    /// Number of rows of the output grid.
-    rows: usize,
+    folds: PathFolds,
     totals: Totals,
     periods: PeriodFold,
     /// What is asked for of the output grid.
     density: Option<DensityFold>,
     spectrum: Option<SpectrumFold>,
-    record: Record,
     /// Events of each lane, if they are kept.
     events: Option<Vec<Vec<Event>>>,
-    /// How many of the first paths of the run are kept on the output grid, and which of them are in
-    /// this block.
-    trajectories: (u64, Vec<Trajectory>),
+    /// The first lanes on the output grid, which are those of the first paths of the run.
+    trajectories: Vec<TrajectoryRows>,
 }
 
-/// One path on the output grid.
-struct Trajectory {
-    lane: usize,
-    rows: TrajectoryRows,
-}
-
-impl Trajectory {
-    fn unknown(lane: usize, path: u64, rows: usize) -> Self {
-        let mut table = TrajectoryRows { path: vec![path], ..TrajectoryRows::default() };
-        (0..rows).for_each(|_| table.push(TrajectoryRows::MISSING));
-        Trajectory { lane, rows: table }
-    }
+/// A path on the output grid of which nothing is known.
+fn unknown(path: u64, rows: usize) -> TrajectoryRows {
+    let mut table = TrajectoryRows { path: vec![path], ..TrajectoryRows::default() };
+    (0..rows).for_each(|_| table.push(TrajectoryRows::MISSING));
+    table
 }
 
 impl BlockObserver {
     /// An observer of these paths, whose numbers must ascend. Lane i is path `paths[i]`. Each path
-    /// is at rest at x0, in its first static phase.
-    pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64]) -> Self {
-        let rows = timeline.rows();
-        let kept = paths.iter().take_while(|&&path| path < record.trajectories).enumerate();
-        let mut totals = Totals::empty(model, timeline);
-        if record.laws {
-            totals.counts.ask_for_laws();
-        }
-        if !record.levels.is_empty() {
-            totals.counts.ask_for_levels(record.levels);
-        }
+    /// is at rest at x0, in its first static phase. The two paths of a pair must follow one another
+    /// in the list.
+    pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64], unit: Unit) -> Self {
+        let (rows, x0) = (timeline.rows(), model.initial_displacement);
+        let units: Vec<u64> = paths.iter().map(|number| unit.of(*number)).collect();
+        let mut totals = Totals::empty(model, timeline, record);
+        let spectrum = totals.sums.spectrum.take();
         BlockObserver {
             path_numbers: paths.to_vec(),
-            unit: Unit::Path,
+            unit,
             folds: PathFolds::new(model, timeline, record, paths.len()),
-            rows,
             totals,
-            periods: PeriodFold::new(timeline, model.initial_displacement, paths.len()),
-            density: record.density.then(|| DensityFold::new(timeline, model.initial_displacement, paths)),
-            spectrum: record.spectrum.then(|| SpectrumFold::new(model, timeline, paths)),
-            record: *record,
+            periods: PeriodFold::new(timeline, x0, paths.len(), unit),
+            density: record.density.then(|| DensityFold::new(timeline, x0, &units)),
+            spectrum: spectrum.map(|sums| SpectrumFold::new(timeline, &units, *sums)),
+            units,
             events: record.events.then(|| vec![Vec::new(); paths.len()]),
-            trajectories: (
-                record.trajectories,
-                kept.map(|(lane, &path)| Trajectory::unknown(lane, path, rows)).collect(),
-            ),
+            trajectories: paths
+                .iter()
+                .take_while(|&&path| path < record.trajectories)
+                .map(|path| unknown(*path, rows))
+                .collect(),
         }
     }
 
     /// The same observer for a scheme with this step, if the scheme has one.
     pub fn with_step(mut self, step: Option<f64>) -> Self {
-        self.totals.counts.sticks.set_step(step);
-        if let Some(laws) = &mut self.totals.counts.laws {
-            laws.set_step(step);
-        }
-        self
-    }
-
-    /// The same observer with another independent unit than the path. The two paths of a pair must
-    /// follow one another in the list.
-    pub fn in_units(mut self, unit: Unit) -> Self {
-        self.unit = unit;
-        self.periods.set_unit(unit);
-        if let Some(density) = &mut self.density {
-            density.set_unit(unit, &self.path_numbers);
-        }
-        if let Some(spectrum) = &mut self.spectrum {
-            spectrum.set_unit(unit, &self.path_numbers);
-        }
+        self.totals.counts.set_step(step);
         self
     }
 
     /// The result of the block, which has `path_count` paths from number `first_path` on. The paths
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
-        let (paths, dynamic_force) = (&self.folds.paths, self.folds.model.friction.dynamic_force);
+        let PathFolds { paths, model, record, .. } = &self.folds;
         self.totals.counts.density = self.density.map(|density| Box::new(density.finish()));
         self.totals.sums.phases = self.folds.sums(None, self.periods.finish(), self.unit);
         self.totals.sums.spectrum = self.spectrum.map(|spectrum| Box::new(spectrum.finish()));
         self.totals.end(paths, &diverged, self.unit);
-        let block = Block { first_path, path_count, rows: self.rows, path_numbers: &self.path_numbers };
-        let (wanted, trajectories) = self.trajectories;
+        // Every path of the block, in order, with its lane; none for a diverged path.
+        let mut watched = (0..).zip(&self.path_numbers).peekable();
+        let lane = |number| (number, watched.next_if(|(_, path)| **path == number).map(|(lane, _)| lane));
+        let lanes: Vec<(u64, Option<usize>)> = (first_path..first_path + path_count).map(lane).collect();
+        let rows = self.totals.timeline.rows();
         BlockResult {
             first_path,
             paths: path_count,
             diverged,
-            path_columns: self.record.paths.then(|| block.path_columns(paths, dynamic_force)),
-            events: self.events.map(|events| block.event_columns(&events)),
-            trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
+            path_columns: record.paths.then(|| {
+                let mut columns = PathColumns::default();
+                for (_, lane) in &lanes {
+                    columns.push(match lane {
+                        Some(lane) => path_row(&paths[*lane], model.friction.dynamic_force),
+                        None => PathRow { diverged: 1, ..PathColumns::MISSING },
+                    });
+                }
+                columns
+            }),
+            events: self.events.map(|events| {
+                let mut columns = EventColumns::default();
+                lanes.iter().for_each(|(_, lane)| columns.push_path(lane.map_or(&[], |lane| &events[lane])));
+                columns
+            }),
+            trajectories: (first_path < record.trajectories).then(|| {
+                let mut columns = TrajectoryRows::default();
+                for (number, lane) in lanes.iter().take_while(|(number, _)| *number < record.trajectories) {
+                    match lane {
+                        Some(lane) => columns.append(&self.trajectories[*lane]),
+                        None => columns.append(&unknown(*number, rows)),
+                    }
+                }
+                columns
+            }),
             totals: self.totals,
         }
     }
 
     /// The paths have reached t_end, in these phases.
     fn end(&mut self, snapshot: &Snapshot<'_>) {
-        let BlockObserver { folds, totals, path_numbers, unit, .. } = self;
+        let BlockObserver { folds, totals, units, .. } = self;
         let counts = &mut totals.counts;
         folds.at(Instant::End, snapshot, |lane, phase| match phase {
             Some(Censored::FirstStick) => counts.first_censored += 1,
-            Some(Censored::Stick(so_far)) => counts.sticks.censored(unit.of(path_numbers[lane]), so_far),
+            Some(Censored::Stick(so_far)) => counts.laws[STICK].censored(units[lane], so_far),
             Some(Censored::Slip) => counts.sub_phases.censored(),
             None => {}
         });
-        let units = || path_numbers.iter().map(|number| unit.of(*number));
-        if let (Some(laws), Some(counts)) = (&folds.laws, &mut counts.laws) {
-            for (path, unit) in laws.iter().zip(units()) {
-                path.end(snapshot.time, |law, so_far| counts.law_mut(law).censored(unit, so_far));
-            }
+        for (path, unit) in folds.laws.iter().flatten().zip(&*units) {
+            path.end(snapshot.time, |law, so_far| counts.laws[law as usize].censored(*unit, so_far));
         }
         if let (Some(motion), Some(extremes)) = (&folds.motion, &mut counts.extremes) {
-            motion.iter().zip(units()).for_each(|(path, unit)| extremes.end(unit, path));
+            motion.iter().zip(units).for_each(|(path, unit)| extremes.end(*unit, path));
         }
+    }
+
+    /// Adds the row of a path to those that are kept.
+    fn keep(&mut self, row: usize, snapshot: &Snapshot<'_>) {
+        let PathFolds { model, paths, .. } = &self.folds;
+        for (lane, rows) in self.trajectories.iter_mut().enumerate() {
+            let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
+            let b = model.total_force(snapshot.time, t, x, v);
+            // At rest in a slip, at a turning point or at the end of a stick, the body is about to
+            // follow b.
+            let direction = if v == 0.0 { Sign::of(b) } else { paths[lane].direction };
+            let is_static = snapshot.is_static[lane];
+            let seen = TrajectoryRow {
+                displacement: x,
+                velocity: v,
+                temperature: t,
+                force: b,
+                friction: if is_static { b } else { model.friction.dynamic_force * direction.value() },
+                is_static: is_static.into(),
+            };
+            rows.set(row, seen);
+        }
+    }
+}
+
+fn path_row(path: &PathFold, dynamic_force: f64) -> PathRow {
+    PathRow {
+        displacement_end: path.displacement_end,
+        max_displacement: path.max_displacement,
+        first_stick_duration: path.first_duration.unwrap_or(f64::NAN),
+        stick_time: path.stick_time,
+        friction_work: dynamic_force * path.travel,
+        sticks: path.sticks.count,
+        slips: path.slips,
+        sub_phases: path.sub_phases,
+        diverged: 0,
     }
 }
 
 impl Observer for BlockObserver {
     #[inline]
     fn event(&mut self, lane: usize, event: Event) {
-        let (laws, unit) = (&mut self.totals.counts.laws, self.unit.of(self.path_numbers[lane]));
-        let completed = self.folds.event(lane, &event, |law, value| {
-            if let Some(laws) = laws {
-                laws.law_mut(law).completed(unit, value);
-            }
-        });
-        match completed {
-            Some(EndedPhase::FirstStick) => self.totals.counts.first_completed += 1,
-            Some(EndedPhase::Stick(duration)) => self.totals.counts.sticks.completed(unit, duration),
-            Some(EndedPhase::Slip(sub_phases)) => self.totals.counts.sub_phases.completed(unit, sub_phases),
+        let (counts, unit) = (&mut self.totals.counts, self.units[lane]);
+        match self.folds.event(lane, &event, |law, value| counts.laws[law as usize].completed(unit, value)) {
+            Some(EndedPhase::FirstStick) => counts.first_completed += 1,
+            Some(EndedPhase::Stick(duration)) => counts.laws[STICK].completed(unit, duration),
+            Some(EndedPhase::Slip(sub_phases)) => counts.sub_phases.completed(unit, sub_phases),
             None => {}
         }
         if let Some(density) = &mut self.density {
@@ -184,93 +209,17 @@ impl Observer for BlockObserver {
             Instant::Output(row) => {
                 self.totals.row(row, &snapshot, self.unit);
                 if let (Some(motion), Some(extremes)) = (&self.folds.motion, &mut self.totals.counts.extremes) {
-                    extremes.row(row, self.rows, &self.record.levels, motion, snapshot.displacement);
+                    extremes.row(row, motion, snapshot.displacement);
                 }
                 if let Some(spectrum) = &mut self.spectrum {
                     spectrum.row(row, &snapshot);
                 }
-                for kept in &mut self.trajectories.1 {
-                    let lane = kept.lane;
-                    let (x, v, t) = (snapshot.displacement[lane], snapshot.velocity[lane], snapshot.temperature[lane]);
-                    let b = self.folds.model.total_force(snapshot.time, t, x, v);
-                    // At rest in a slip, at a turning point or at the end of a stick, the body is
-                    // about to follow b.
-                    let direction = if v == 0.0 { Sign::of(b) } else { self.folds.paths[lane].direction };
-                    let sliding = self.folds.model.friction.dynamic_force * direction.value();
-                    let is_static = snapshot.is_static[lane];
-                    let seen = TrajectoryRow {
-                        displacement: x,
-                        velocity: v,
-                        temperature: t,
-                        force: b,
-                        friction: if is_static { b } else { sliding },
-                        is_static: is_static.into(),
-                    };
-                    kept.rows.set(row, seen);
-                }
+                self.keep(row, &snapshot);
             }
             Instant::Period(n) => self.periods.observe(n, &snapshot),
             Instant::Counting => self.folds.at(instant, &snapshot, |_, _| ()),
             Instant::End => self.end(&snapshot),
         }
-    }
-}
-
-/// Which paths a block has, and which of them were observed.
-struct Block<'a> {
-    first_path: u64,
-    path_count: u64,
-    rows: usize,
-    path_numbers: &'a [u64],
-}
-
-impl Block<'_> {
-    /// The number of every path of the block, in order, with its lane; none for a diverged path.
-    fn lanes(&self) -> impl Iterator<Item = (u64, Option<usize>)> {
-        let mut watched = self.path_numbers.iter().enumerate().peekable();
-        (self.first_path..self.first_path + self.path_count)
-            .map(move |number| (number, watched.next_if(|(_, path)| **path == number).map(|(lane, _)| lane)))
-    }
-
-    fn path_columns(&self, paths: &[PathFold], dynamic_force: f64) -> PathColumns {
-        let mut columns = PathColumns::default();
-        for (_, lane) in self.lanes() {
-            columns.push(match lane.map(|lane| &paths[lane]) {
-                None => PathRow { diverged: 1, ..PathColumns::MISSING },
-                Some(path) => PathRow {
-                    displacement_end: path.displacement_end,
-                    max_displacement: path.max_displacement,
-                    first_stick_duration: path.first_duration.unwrap_or(f64::NAN),
-                    stick_time: path.stick_time,
-                    friction_work: dynamic_force * path.travel,
-                    sticks: path.sticks.count,
-                    slips: path.slips,
-                    sub_phases: path.sub_phases,
-                    diverged: 0,
-                },
-            });
-        }
-        columns
-    }
-
-    fn event_columns(&self, events: &[Vec<Event>]) -> EventColumns {
-        let mut columns = EventColumns::default();
-        for (_, lane) in self.lanes() {
-            columns.push_path(lane.map_or(&[], |lane| &events[lane]));
-        }
-        columns
-    }
-
-    /// The paths of the block with numbers below `wanted`.
-    fn trajectory_rows(&self, wanted: u64, kept: &[Trajectory]) -> TrajectoryRows {
-        let mut columns = TrajectoryRows::default();
-        for (number, lane) in self.lanes().take_while(|&(number, _)| number < wanted) {
-            match lane {
-                Some(lane) => columns.append(&kept[lane].rows),
-                None => columns.append(&Trajectory::unknown(0, number, self.rows).rows),
-            }
-        }
-        columns
     }
 }
 
@@ -315,7 +264,7 @@ mod tests {
             observe(&timeline, &Record::NOTHING, from as u64, &paths[from..to], &cut(&rows), &cut(&periods)).totals
         };
         let whole = part(0, 600).summary();
-        let mut merged = Totals::empty(&model(), &timeline);
+        let mut merged = Totals::empty(&model(), &timeline, &Record::NOTHING);
         for (from, to) in [(0, 256), (256, 512), (512, 599), (599, 600)] {
             merged.merge(&part(from, to));
         }
@@ -427,7 +376,7 @@ mod tests {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
         let record = Record { trajectories: 103, ..Record::everything() };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
-        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103]);
+        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103], Unit::Path);
         observer.event(1, slip(0.5, 6.0));
         observer.event(1, stick(1.5, 7.0));
         observer.event(2, slip(1.0, 6.0));
@@ -486,7 +435,7 @@ mod tests {
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
         let record = Record { trajectories: 2, ..Record::everything() };
-        let result = BlockObserver::new(&model(), &timeline, &record, &[]).finish(0, 2, vec![0, 1]);
+        let result = BlockObserver::new(&model(), &timeline, &record, &[], Unit::Path).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));
         assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()));

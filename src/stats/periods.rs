@@ -152,7 +152,7 @@ pub(super) struct PeriodFold {
 }
 
 impl PeriodFold {
-    pub fn new(timeline: &Timeline, x0: f64, paths: usize) -> Self {
+    pub fn new(timeline: &Timeline, x0: f64, paths: usize, unit: Unit) -> Self {
         let slope = Slope::over(timeline);
         let numbers = |are_there: bool| vec![0.0; if are_there { paths } else { 0 }];
         PeriodFold {
@@ -164,13 +164,8 @@ impl PeriodFold {
             spread: numbers(slope.skipped < slope.time.len()),
             slope,
             period_displacements: PeriodDisplacementsFold::new(timeline, paths),
-            unit: Unit::Path,
+            unit,
         }
-    }
-
-    /// Set another independent unit than the path.
-    pub fn set_unit(&mut self, unit: Unit) {
-        self.unit = unit;
     }
 
     /// Add the paths at the end of period `n` = 1, 2, ... A scheme with a step gives the state at
@@ -267,7 +262,7 @@ mod tests {
         for _ in 0..ensembles {
             let mut totals = PeriodSums::empty(&timeline);
             for _ in 0..2 {
-                let mut fold = PeriodFold::new(&timeline, x0, 200);
+                let mut fold = PeriodFold::new(&timeline, x0, 200, Unit::Path);
                 let mut x = vec![x0; 200];
                 for n in 1..=6 {
                     for x in &mut x {
@@ -319,7 +314,7 @@ mod tests {
     #[test]
     fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
-        let mut fold = PeriodFold::new(&timeline, 6.0, 3);
+        let mut fold = PeriodFold::new(&timeline, 6.0, 3, Unit::Path);
         fold.fold(1, &[6.0, 7.0, 8.0]);
         fold.fold(2, &[-20.0, 30.0, 5.0]); // the middle period, where the weight is zero
         fold.fold(3, &[10.0, 6.0, 5.0]);
@@ -343,7 +338,7 @@ mod tests {
     fn x_is_told_at_the_end_of_a_period_that_the_grid_misses() {
         let period = 0.314_9;
         let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period), after: 0.0 };
-        let mut fold = PeriodFold::new(&timeline, 0.3, 1);
+        let mut fold = PeriodFold::new(&timeline, 0.3, 1, Unit::Path);
         let x = |t: f64| 2.0 * t - 0.7 * t * t;
         for n in 1..=3 {
             let time = (n as f64 * period / 0.01).round() * 0.01;
@@ -364,7 +359,7 @@ mod tests {
     #[test]
     fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 1.5 };
-        let mut fold = PeriodFold::new(&timeline, 6.0, 3);
+        let mut fold = PeriodFold::new(&timeline, 6.0, 3, Unit::Path);
         fold.fold(1, &[100.0, -20.0, 3.0]);
         fold.fold(2, &[6.0, 7.0, 11.0]);
         fold.fold(3, &[9.0, 9.0, 6.0]);
@@ -394,7 +389,7 @@ mod tests {
         let plain = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
         let reported = |after: f64| {
             let timeline = Timeline { end: 2.0, output_step: 2.0, period: Some(1.0), after };
-            let mut fold = PeriodFold::new(&timeline, 6.0, 40);
+            let mut fold = PeriodFold::new(&timeline, 6.0, 40, Unit::Path);
             fold.fold(1, &[8.0; 40]);
             fold.fold(2, &x);
             let sums = fold.finish();
@@ -413,7 +408,7 @@ mod tests {
     #[test]
     fn a_slope_takes_two_periods() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5), after: 0.0 };
-        let mut fold = PeriodFold::new(&timeline, 0.0, 3);
+        let mut fold = PeriodFold::new(&timeline, 0.0, 3, Unit::Path);
         fold.fold(1, &[1.0, 2.0, 6.0]);
         let totals = fold.finish();
         assert!(totals.drift_velocity(&timeline).measurement().estimate.is_nan());

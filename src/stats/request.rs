@@ -68,7 +68,7 @@ impl Record {
     };
 
     /// Whether this is asked for.
-    fn asks_for(&self, extra: Extra) -> bool {
+    pub(super) fn asks_for(&self, extra: Extra) -> bool {
         match extra {
             Extra::Laws => self.laws,
             Extra::Energy => self.energy,

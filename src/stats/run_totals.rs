@@ -2,7 +2,7 @@
 //! join it with other parts, and to compute its statistics.
 
 use super::totals::PhaseSums;
-use super::{Counts, Estimate, Statistic, Sums, Totals};
+use super::{Counts, Estimate, Record, Statistic, Sums, Totals};
 use crate::model::Model;
 use crate::scheme::Timeline;
 use crate::sums::{Codec, Damaged, Reader};
@@ -11,7 +11,7 @@ use std::ops::Range;
 
 /// The first bytes of a state: a name, and the version of what follows.
 const MAGIC: &[u8; 8] = b"sticksum";
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
 
 /// The totals of some blocks of a run: the nodes of the tree of sums, and the counts, which need no
 /// tree.
@@ -31,11 +31,11 @@ const VERSION: u64 = 4;
 /// scenario.ensemble.paths = 4 * 256;
 /// let plan = scenario.plan();
 /// let part = |blocks: std::ops::Range<u64>| {
-///     let mut part = RunTotals::empty(plan.model(), plan.timeline());
+///     let mut part = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
 ///     blocks.into_iter().try_for_each(|k| part.push(k, plan.block(k).totals)).map(|()| part)
 /// };
 /// let (early, mut late) = (part(0..1)?.to_bytes(), part(1..4)?);
-/// late.merge(RunTotals::empty(plan.model(), plan.timeline()).read(&early)?)?;
+/// late.merge(RunTotals::empty(plan.model(), plan.timeline(), &plan.record).read(&early)?)?;
 /// let mean = Statistic::StickDurationMean;
 /// assert_eq!(late.totals().summary().estimate(mean), plan.run(2).estimate(mean));
 /// # Ok::<(), Box<dyn std::error::Error>>(())
@@ -72,8 +72,8 @@ impl Codec for (Sums, ()) {
 
 impl RunTotals {
     /// The totals of no blocks.
-    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
-        RunTotals::with((), model, timeline)
+    pub fn empty(model: &Model, timeline: &Timeline, record: &Record) -> Self {
+        RunTotals::with((), model, timeline, record)
     }
 
     /// Add block number `block`. Each block of a run can be added once; a block that is already
@@ -85,12 +85,12 @@ impl RunTotals {
 
 impl<X: Merge + Clone> RunTotals<X> {
     /// The totals of no blocks, with empty sums of the user's own.
-    pub fn with(own: X, model: &Model, timeline: &Timeline) -> Self {
+    pub fn with(own: X, model: &Model, timeline: &Timeline, record: &Record) -> Self {
         RunTotals {
             timeline: *timeline,
-            empty: (Sums::empty(timeline), own),
+            empty: (Sums::empty(model, timeline, record), own),
             tree: Tree::default(),
-            counts: Counts::empty(model, timeline),
+            counts: Counts::empty(model, timeline, record),
         }
     }
 

@@ -24,13 +24,13 @@
 use super::{Fluctuations, Line, Spectrum};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
+use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, batch_of};
-use crate::sums::codec::{Codec, Damaged, Reader};
+use crate::sums::codec::sums_of_fields;
 use crate::sums::fourier::{COLUMNS, Fourier, Numbers};
 use crate::sums::interval::student;
 use crate::sums::jackknife::standard_error;
 use crate::sums::range::NORMAL;
-use crate::sums::{Ends, Merge, Unit};
 
 /// The longest segment.
 const LONGEST: usize = 1024;
@@ -88,7 +88,7 @@ impl Segments {
 }
 
 /// Sums of |Y_k|^2 over the paths and segments of each batch, where Y_k is the transform of y'.
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(super) struct SpectrumSums {
     /// For each of the frequencies w_0, w_1, ..., w_{N/2} and each variable, the sums of the
     /// batches.
@@ -101,20 +101,25 @@ pub(super) struct SpectrumSums {
     forcing_period: f64,
 }
 
-impl Merge for SpectrumSums {
-    fn merge(&mut self, other: &Self) {
-        self.powers.iter_mut().zip(&other.powers).for_each(|(mine, more)| *mine += more);
-        self.weights.merge(&other.weights);
-        self.differing.merge(&other.differing);
-    }
-}
+sums_of_fields!(SpectrumSums { powers, weights, differing });
 
 impl SpectrumSums {
+    /// The sums of no paths.
+    pub fn empty(model: &Model, timeline: &Timeline) -> Self {
+        SpectrumSums {
+            powers: vec![0.0; BATCHES * VARIABLES * Segments::of(timeline).frequencies()],
+            weights: [0.0; BATCHES],
+            differing: [0; VARIABLES],
+            forcing_period: model.temperature.period().unwrap_or(0.0),
+        }
+    }
+
     /// The sums of a variable over all batches but one, divided by their weight.
     fn mean_power(&self, variable: usize, without: Option<usize>) -> Vec<f64> {
         let frequencies = self.powers.len() / (BATCHES * VARIABLES);
         let sum = |of: &[f64]| -> f64 { (0..BATCHES).filter(|batch| Some(*batch) != without).map(|b| of[b]).sum() };
-        let weight = sum(&self.weights);
+        // Paths that do not differ have no spectrum.
+        let weight = if self.differing[variable] == 0 { f64::NAN } else { sum(&self.weights) };
         let at = |k: usize| sum(&self.powers[(k * VARIABLES + variable) * BATCHES..][..BATCHES]) / weight;
         (0..frequencies).map(at).collect()
     }
@@ -132,16 +137,6 @@ impl SpectrumSums {
         let overlaps: Vec<f64> = (0..segments.lags()).map(overlap).collect();
         let (energy, least) = (overlaps.first().copied().unwrap_or(f64::NAN), self.least_variance(segments));
         let [displacement, velocity] = std::array::from_fn(|variable| {
-            if self.differing[variable] == 0 {
-                let [nothing, everywhere] = [segments.lags(), segments.frequencies()].map(|n| vec![f64::NAN; n]);
-                let ends = |of: &[f64]| of.iter().map(|_| [f64::NAN; 2]).collect::<Ends>();
-                return Fluctuations {
-                    autocovariance_ends: ends(&nothing),
-                    spectrum_ends: ends(&everywhere),
-                    autocovariance: nothing,
-                    spectrum: everywhere,
-                };
-            }
             let powers: Vec<Vec<f64>> = leave_outs.iter().map(|w| self.mean_power(variable, *w)).collect();
             let covariance = |products: Vec<f64>| -> Vec<f64> {
                 products.iter().zip(&overlaps).map(|(product, overlap)| product / overlap).collect()
@@ -260,27 +255,6 @@ fn lines(period: f64, timeline: &Timeline, segments: Segments, mean_motion: [&[f
     frequencies.map(line).collect()
 }
 
-impl Codec for SpectrumSums {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.powers.write(out);
-        self.weights.write(out);
-        self.differing.write(out);
-        self.forcing_period.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        let length = from.clone().length()?;
-        if length % (BATCHES * VARIABLES) != 0 || length > BATCHES * VARIABLES * (LONGEST + 1) {
-            return Err(Damaged);
-        }
-        self.powers = vec![0.0; length];
-        self.powers.read(from)?;
-        self.weights.read(from)?;
-        self.differing.read(from)?;
-        self.forcing_period.read(from)
-    }
-}
-
 /// Transforms the paths of one block, segment by segment.
 pub(super) struct SpectrumFold {
     segments: Segments,
@@ -295,25 +269,18 @@ pub(super) struct SpectrumFold {
 }
 
 impl SpectrumFold {
-    /// The paths with these numbers.
-    pub fn new(model: &Model, timeline: &Timeline, paths: &[u64]) -> Self {
+    /// The paths of these units, added to sums of no paths.
+    pub fn new(timeline: &Timeline, units: &[u64], sums: SpectrumSums) -> Self {
         let segments = Segments::of(timeline);
-        let powers = vec![0.0; BATCHES * VARIABLES * segments.frequencies()];
-        let forcing_period = model.temperature.period().unwrap_or(0.0);
         SpectrumFold {
             segments,
             fourier: Fourier::new(segments.padded()),
             taper: segments.taper(),
             differ: [false; VARIABLES],
-            batches: paths.iter().map(|path| batch_of(*path)).collect(),
-            rows: std::array::from_fn(|_| Vec::with_capacity(segments.length * paths.len())),
-            sums: SpectrumSums { powers, forcing_period, ..SpectrumSums::default() },
+            batches: units.iter().map(|unit| batch_of(*unit)).collect(),
+            rows: std::array::from_fn(|_| Vec::with_capacity(segments.length * units.len())),
+            sums,
         }
-    }
-
-    /// Set another independent unit than the path.
-    pub fn set_unit(&mut self, unit: Unit, paths: &[u64]) {
-        self.batches = paths.iter().map(|path| batch_of(unit.of(*path))).collect();
     }
 
     /// Add a row of the output grid.
@@ -397,7 +364,7 @@ mod tests {
     fn spectrum(rng: &mut Pcg64Dxsm, paths: usize, rows: usize, velocity: f64) -> Spectrum {
         let timeline = Timeline { end: (rows - 1) as f64, output_step: 1.0, period: None, after: 0.0 };
         let numbers: Vec<u64> = (0..paths as u64).collect();
-        let mut fold = SpectrumFold::new(&model(), &timeline, &numbers);
+        let mut fold = SpectrumFold::new(&timeline, &numbers, SpectrumSums::empty(&model(), &timeline));
         let mut normal = || -> f64 { StandardNormal.sample(rng) };
         let mut x: Vec<f64> = (0..paths).map(|_| normal() / 0.75f64.sqrt()).collect();
         for row in 0..rows {

@@ -1,9 +1,8 @@
 //! How many sub-phases the dynamic phases have.
 
 use super::SubPhaseCounts;
-use crate::sums::Merge;
 use crate::sums::batches::{BATCHES, Share, batch_of};
-use crate::sums::codec::{Codec, Damaged, Reader};
+use crate::sums::codec::sums_of_fields;
 
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
@@ -23,14 +22,7 @@ impl Default for SubPhaseTotals {
     }
 }
 
-impl Merge for SubPhaseTotals {
-    fn merge(&mut self, other: &SubPhaseTotals) {
-        for (mine, more) in self.counts.iter_mut().flatten().zip(other.counts.iter().flatten()) {
-            *mine += more;
-        }
-        self.censored += other.censored;
-    }
-}
+sums_of_fields!(SubPhaseTotals { counts, censored });
 
 impl SubPhaseTotals {
     /// A dynamic phase with k >= 1 sub-phases, of a path of this unit, is complete.
@@ -44,41 +36,21 @@ impl SubPhaseTotals {
         self.censored += 1;
     }
 
-    /// The counts of each batch, for each k.
-    fn batches(&self) -> Vec<[u64; SUB_PHASE_CAP]> {
-        (0..BATCHES).map(|batch| std::array::from_fn(|k| self.counts[k][batch])).collect()
-    }
-
     /// The distribution of k(j). `chance` is the number of units that completed a dynamic phase, if
     /// these are random.
     pub fn summary(&self, chance: Option<u64>) -> SubPhaseCounts {
         let counts: Vec<u64> = self.counts.iter().map(|batches| batches.iter().sum()).collect();
         let all: u64 = counts.iter().sum();
-        let batches = self.batches();
-        let sizes: Vec<f64> = batches.iter().map(|batch| batch.iter().sum::<u64>() as f64).collect();
-        let share = |k: usize| {
-            Share::of(batches.iter().zip(&sizes).map(|(batch, &size)| (batch[k] as f64, size))).interval(chance)
+        let sizes: [f64; BATCHES] =
+            std::array::from_fn(|batch| self.counts.iter().map(|of| of[batch]).sum::<u64>() as f64);
+        let share = |of: &[u64; BATCHES]| {
+            Share::of(of.iter().zip(sizes).map(|(count, size)| (*count as f64, size))).interval(chance)
         };
         SubPhaseCounts {
             shares: counts.iter().map(|&count| count as f64 / all as f64).collect(),
-            share_ends: (0..SUB_PHASE_CAP).map(share).collect(),
+            share_ends: self.counts.iter().map(share).collect(),
             counts,
             censored: self.censored,
         }
-    }
-}
-
-/// Bytes hold the counts of one batch after the other.
-impl Codec for SubPhaseTotals {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.batches().write(out);
-        self.censored.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        let mut batches = self.batches();
-        batches.read(from)?;
-        self.counts = (0..SUB_PHASE_CAP).map(|k| std::array::from_fn(|batch| batches[batch][k])).collect();
-        self.censored.read(from)
     }
 }

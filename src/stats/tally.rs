@@ -74,8 +74,7 @@ impl PathState {
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 300;
-/// let outcome = Run::of(&scenario).without_bias().tallied(&SlipsToTheRight)?;
-/// let slips = outcome.tally;
+/// let (_, slips) = Run::of(&scenario).without_bias().tallied(&SlipsToTheRight)?;
 /// assert!(slips.low < slips.estimate && slips.estimate < slips.high);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

@@ -6,6 +6,7 @@ use crate::model::Event;
 use crate::scenario::Scenario;
 use crate::scheme::{Instant, Observer, Simulate as _, Snapshot};
 use crate::stats::BlockObserver;
+use crate::sums::Unit;
 use std::time::Duration;
 
 /// An observer that ends a simulation at a given time and records how far it came.
@@ -36,7 +37,7 @@ pub fn seconds_per_path(scenario: &Scenario, limit: Duration) -> Option<f64> {
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();
     let begun = thread_seconds();
     let time_limit = TimeLimit { until: begun + limit.as_secs_f64(), reached: 0.0 };
-    let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths);
+    let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths, Unit::Path);
     let mut watching = (block, time_limit);
     plan.simulation.simulate(plan.seed, &drawn(&paths, plan.antithetic), &mut watching);
     let spent = thread_seconds() - begun;

@@ -5,11 +5,11 @@
 //! and the level of two merged parts follows from the parts. Level and counts ([`Bins::list`]) are
 //! therefore functions of the values alone, and do not depend on the order, the grouping and the
 //! number of steps in which the values came. Only the layout of the counts in memory depends on
-//! them: bins that are close together are slots of an array, and the few others are entries of a
-//! list.
+//! them: where most of the values are, bins are slots of an array, and the few others are entries of
+//! a list.
 
 use super::codec::{Codec, Damaged, Reader};
-use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, exponent, finest, union};
+use super::dyadic::{List, MAX_INDEX, Ruler, coarsen, counted, excess, finest, union};
 use super::log_scale::{LogScale, OCTAVES};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
@@ -27,33 +27,17 @@ pub(crate) struct Shape {
     pub bins: usize,
 }
 
-/// The largest number of arrays of slots. Values in further clusters are counted in the list, which
-/// is slower.
-const MAX_RUNS: usize = 4;
-
-/// The longest gap of empty bins within an array. A longer gap ends the array.
-const LONGEST_GAP: i64 = 256;
-
-/// Number of slots beyond either end of an array, which are there for later values.
+/// Number of slots beyond either end of the array, which are there for later values.
 const MARGIN: i64 = 32;
 
-/// Limit for the total length of all clusters, in slots per bin that may be occupied.
+/// The longest array, in slots per bin that may be occupied.
 const AFFORDED: i64 = 4;
 
 /// Number of values whose slots are computed together.
 const CHUNK: usize = 64;
 
-/// If more than one in this many added values lies outside all arrays, the arrays are laid out
-/// anew.
+/// If more than one in this many added values lies outside the array, it is laid out anew.
 const ONE_OUTSIDE_IN: usize = 8;
-
-/// Consecutive bins, from `first` on, in the slots `slot .. slot + length`.
-#[derive(Clone, Copy, Debug)]
-struct BinRun {
-    first: i64,
-    length: i64,
-    slot: usize,
-}
 
 /// Counts of values that are more than `Shape::values`.
 #[derive(Clone, Debug, Default)]
@@ -61,70 +45,42 @@ pub(crate) struct Bins {
     pub level: i32,
     pub smallest: f64,
     pub largest: f64,
-    /// Ordered by their counts when they were laid out, the fullest first.
-    runs: Vec<BinRun>,
-    slots: Vec<u16>,
-    /// How many more values may be counted before a slot can be full.
-    free_counts: usize,
+    /// The counts of the bins from `first` on.
+    first: i64,
+    slots: Vec<u32>,
+    /// How many more values may be counted before a slot can overflow.
+    room: usize,
     /// How many values have been counted since the occupied bins were last counted.
     counted_since_check: usize,
-    /// Bins outside the runs, and counts that are too large for a slot.
+    /// Other bins, and counts that are too large for a slot.
     listed: List,
 }
 
-/// A count with the highest bit set. The slots are laid out anew before such a slot counts further.
-/// A single call counts at most [`MOST_AT_ONCE`] values, so that no slot overflows.
-const FULL: u16 = 1 << 15;
-
-/// The largest number of values that may be counted in one call.
-pub(crate) const MOST_AT_ONCE: usize = FULL as usize;
-
-/// With up to this many slots per value to be counted, all slots are read first.
-const SPARSE: usize = 16;
+/// Counts from this one on are kept in the list, so that as many more values can be counted before a
+/// slot overflows.
+const FULL: u32 = 1 << 31;
 
 impl Bins {
     /// The bins of these values, of which there is at least one. All must be at a finite distance
     /// from the centre.
     pub fn of(values: &[f64], shape: &Shape) -> Self {
         let (smallest, largest) = extremes(values);
-        let lowest = shape.lowest_level(smallest, largest);
-        // First try a single array over all values. If more than `shape.bins` of its slots are
-        // taken, then that also holds at any finer level.
-        let slots = (8 * shape.bins) as f64;
-        let level = lowest.max(exponent(largest / slots - smallest / slots) + 1);
-        let taken = Taken::by(values, (smallest, largest), &Ruler::new(shape.centre, level));
-        let (level, list) = if level == lowest || taken.count(0) > shape.bins as u32 {
-            let level = level + (0..GROUPS.len()).find(|&up| taken.count(up) <= shape.bins as u32).unwrap_or(0) as i32;
-            let ruler = Ruler::new(shape.centre, level);
-            let [first, last] = [smallest, largest].map(|value| ruler.index(value) as i64);
-            let mut slots = vec![0; (last - first + 1) as usize];
-            count_slots(&[values], &ruler, first, &mut slots);
-            (level, filled(first, &slots))
-        } else {
-            // The values form clusters, or there is an outlier: start from the lowest level.
-            let ruler = Ruler::new(shape.centre, lowest);
-            (lowest, counted(values.iter().map(|&value| ruler.index(value) as i64).collect()))
-        };
+        let level = shape.lowest_level(smallest, largest);
+        let ruler = Ruler::new(shape.centre, level);
+        let list = counted(values.iter().map(|&value| ruler.index(value) as i64).collect());
         let mut bins = Bins { level, smallest, largest, ..Bins::default() };
         bins.lay_out(list, shape.bins);
         bins
     }
 
-    /// Count up to [`MOST_AT_ONCE`] more values, which come in parts. Values that are not at a
-    /// finite distance from the centre are left out.
+    /// Count more values, which come in parts. Values that are not at a finite distance from the
+    /// centre are left out.
     pub fn count(&mut self, parts: &[&[f64]], shape: &Shape) {
-        let number = parts.iter().map(|part| part.len()).sum();
-        // The slots are so short that those of hundreds of rows stay in a cache. Where there are
-        // many values to be counted, reading all slots in order brings them into the nearest cache
-        // faster than the scattered accesses of counting would.
-        if self.free_counts < number || self.slots.len() <= SPARSE * number {
-            let fullest = fullest_slot(&self.slots);
-            self.free_counts = FULL.saturating_sub(fullest).into();
-            if fullest >= FULL {
-                self.lay_out(self.list(), shape.bins);
-            }
+        let number: usize = parts.iter().map(|part| part.len()).sum();
+        if self.room < number {
+            self.lay_out(self.list(), shape.bins);
         }
-        self.free_counts = self.free_counts.saturating_sub(number);
+        self.room -= number;
         let mut others = self.count_inside(parts, &Ruler::new(shape.centre, self.level));
         others.retain(|value| (value - shape.centre).is_finite());
         let (smallest, largest) = extremes(&others);
@@ -169,14 +125,7 @@ impl Bins {
 
     /// The occupied bins with their counts, in ascending order.
     pub fn list(&self) -> List {
-        let mut list = self.listed.clone();
-        for run in &self.runs {
-            let slots = &self.slots[run.slot..run.slot + run.length as usize];
-            let filled = filled(run.first, slots);
-            // The margins of two runs may overlap, so that both may have counted a bin.
-            list = if list.is_empty() { filled } else { union(&list, &filled) };
-        }
-        list
+        union(&self.listed, &filled(self.first, &self.slots))
     }
 
     /// Extend the extremes to these two values, and rise to the level that they require.
@@ -203,28 +152,30 @@ impl Bins {
         self.listed.len() + self.slots.iter().map(|&count| u32::from(count > 0)).sum::<u32>() as usize
     }
 
-    /// Count the values that lie in the first run, which is the fullest, and are surely not new
-    /// extremes. Returns the other values.
+    /// Count the values that have a slot and are surely not new extremes. Returns the other values.
     fn count_inside(&mut self, parts: &[&[f64]], ruler: &Ruler) -> Vec<f64> {
         // The bin of an extreme may hold values beyond it. Only bin 0 cannot, because it holds a
         // single value.
         let [lowest, highest] = [self.smallest, self.largest].map(|value| ruler.index(value) as i64);
         let (lowest, highest) = (lowest + i64::from(lowest != 0), highest - i64::from(highest != 0));
-        let run = self.runs.first().copied().unwrap_or(BinRun { first: 0, length: 0, slot: 0 });
-        let first = run.first.max(lowest);
-        let length = ((run.first + run.length).min(highest + 1) - first).max(0) as usize;
-        let start = run.slot + (first - run.first) as usize;
+        let first = self.first.max(lowest);
+        let length = ((self.first + self.slots.len() as i64).min(highest + 1) - first).max(0) as usize;
+        let start = (first - self.first) as usize;
         count_slots(parts, ruler, first, self.slots.get_mut(start..start + length).unwrap_or_default())
     }
 
-    /// Count values, whether or not they lie in a run. Returns how many of them lie outside all
-    /// runs.
+    /// The slot of a bin, if it has one.
+    fn slot(&mut self, index: i64) -> Option<&mut u32> {
+        usize::try_from(index.wrapping_sub(self.first)).ok().and_then(|place| self.slots.get_mut(place))
+    }
+
+    /// Count values, whether or not they have a slot. Returns how many of them have none.
     fn count_anywhere(&mut self, values: &[f64], ruler: &Ruler) -> usize {
         let mut missed = Vec::new();
         for &value in values {
             let index = ruler.index(value) as i64;
-            match self.runs.iter().find_map(|run| run.slot_of(index)) {
-                Some(slot) => self.slots[slot] += 1,
+            match self.slot(index) {
+                Some(count) => *count += 1,
                 None => missed.push(index),
             }
         }
@@ -241,22 +192,17 @@ impl Bins {
         let levels = excess(&list, limit);
         let list = if levels > 0 { coarsen(&list, levels) } else { list };
         self.level += levels as i32;
-        self.runs.clear();
         self.listed.clear();
-        let mut length = 0;
-        for cluster in fullest(clusters(&list, limit)) {
-            let run = BinRun { first: cluster.first - MARGIN, length: cluster.length + 2 * MARGIN, slot: length };
-            length += run.length as usize;
-            self.runs.push(run);
-        }
-        self.slots = vec![0; length];
+        let Cluster { first, length, .. } = fullest(&list, AFFORDED * limit as i64);
+        self.first = first - MARGIN;
+        self.slots = vec![0; (length + 2 * MARGIN) as usize];
         for (index, count) in list {
-            match self.runs.iter().find_map(|run| run.slot_of(index)).filter(|_| count < FULL.into()) {
-                Some(slot) => self.slots[slot] = count as u16,
+            match self.slot(index).filter(|_| count < FULL.into()) {
+                Some(slot) => *slot = count as u32,
                 None => self.listed.push((index, count)),
             }
         }
-        self.free_counts = FULL.saturating_sub(fullest_slot(&self.slots)).into();
+        self.room = FULL as usize;
     }
 }
 
@@ -277,53 +223,39 @@ impl Shape {
     }
 }
 
-impl BinRun {
-    #[inline]
-    fn slot_of(&self, index: i64) -> Option<usize> {
-        let offset = index.wrapping_sub(self.first);
-        (0..self.length).contains(&offset).then(|| self.slot + offset as usize)
-    }
-}
-
 /// Occupied bins that lie close together.
+#[derive(Clone, Copy, Default)]
 struct Cluster {
     first: i64,
     length: i64,
     count: u64,
 }
 
-/// Split the bins at long gaps. The longest gap within a cluster is halved until all clusters
-/// together have no more than [`AFFORDED`] slots per bin that may be occupied.
-fn clusters(list: &[(i64, u64)], limit: usize) -> Vec<Cluster> {
-    let mut gap = LONGEST_GAP;
+/// The bins with the most values between gaps of so many empty ones that they take no more than
+/// `most` slots.
+fn fullest(list: &[(i64, u64)], most: i64) -> Cluster {
+    let mut gap = most;
     loop {
-        let mut clusters: Vec<Cluster> = Vec::new();
+        let (mut fullest, mut last) = (Cluster::default(), Cluster::default());
         for &(index, count) in list {
-            match clusters.last_mut() {
-                Some(last) if index - (last.first + last.length) <= gap => {
-                    last.length = index - last.first + 1;
-                    last.count += count;
+            last = match last {
+                Cluster { first, length, count: before } if before > 0 && index - (first + length) <= gap => {
+                    Cluster { first, length: index - first + 1, count: before + count }
                 }
-                _ => clusters.push(Cluster { first: index, length: 1, count }),
-            }
+                _ => Cluster { first: index, length: 1, count },
+            };
+            fullest = if last.count > fullest.count { last } else { fullest };
         }
         // If no gap is longer than one, there are fewer than two slots per occupied bin.
-        if gap == 1 || clusters.iter().map(|cluster| cluster.length).sum::<i64>() <= AFFORDED * limit as i64 {
-            return clusters;
+        if gap <= 1 || fullest.length <= most {
+            return fullest;
         }
         gap /= 2;
     }
 }
 
-/// The clusters with the most values, the fullest first.
-fn fullest(mut clusters: Vec<Cluster>) -> Vec<Cluster> {
-    clusters.sort_by_key(|cluster| std::cmp::Reverse(cluster.count));
-    clusters.truncate(MAX_RUNS);
-    clusters
-}
-
 /// Count values in the slots of the bins from `first` on. Returns the values that have no slot.
-fn count_slots(parts: &[&[f64]], ruler: &Ruler, first: i64, slots: &mut [u16]) -> Vec<f64> {
+fn count_slots(parts: &[&[f64]], ruler: &Ruler, first: i64, slots: &mut [u32]) -> Vec<f64> {
     let mut count = CountSlots { parts, ruler, first, slots, others: Vec::new() };
     InstructionSet::detect().run(&mut count);
     count.others
@@ -334,7 +266,7 @@ struct CountSlots<'a> {
     parts: &'a [&'a [f64]],
     ruler: &'a Ruler,
     first: i64,
-    slots: &'a mut [u16],
+    slots: &'a mut [u32],
     others: Vec<f64>,
 }
 
@@ -342,30 +274,6 @@ impl LaneProgram for CountSlots<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         self.count();
-    }
-}
-
-/// The greatest count of a slot.
-fn fullest_slot(slots: &[u16]) -> u16 {
-    let mut fullest = FullestSlot { slots, count: 0 };
-    InstructionSet::detect().run(&mut fullest);
-    fullest.count
-}
-
-/// See [`fullest_slot`].
-struct FullestSlot<'a> {
-    slots: &'a [u16],
-    count: u16,
-}
-
-impl LaneProgram for FullestSlot<'_> {
-    #[inline(always)]
-    fn run<L: Lanes>(&mut self) {
-        let mut most = 0;
-        for &slot in self.slots {
-            most = if slot > most { slot } else { most };
-        }
-        self.count = most;
     }
 }
 
@@ -395,7 +303,7 @@ impl CountSlots<'_> {
 }
 
 /// The occupied bins among those from `first` on, with their counts.
-fn filled(first: i64, slots: &[u16]) -> List {
+fn filled(first: i64, slots: &[u32]) -> List {
     let mut list = List::with_capacity(slots.len());
     for (index, &count) in (first..).zip(slots) {
         if count > 0 {
@@ -403,42 +311,6 @@ fn filled(first: i64, slots: &[u16]) -> List {
         }
     }
     list
-}
-
-/// Which bins are taken, with one bit per bin.
-struct Taken {
-    /// The bins on either side of the centre, without bin 0, so that bins that become one at the
-    /// next level are neighbouring bits of one word.
-    words: Vec<u64>,
-    is_centre_taken: bool,
-}
-
-/// Each mask keeps the lowest of every 1, 2, 4, ..., 64 bits.
-const GROUPS: [u64; 7] = [!0, !0 / 0x3, !0 / 0xf, !0 / 0xff, !0 / 0xffff, !0 / 0xffff_ffff, 1];
-
-impl Taken {
-    fn by(values: &[f64], (smallest, largest): (f64, f64), ruler: &Ruler) -> Self {
-        let place = |value: f64| {
-            let index = ruler.index(value) as i64;
-            (index - i64::from(index > 0), index == 0)
-        };
-        let first = place(smallest).0.div_euclid(64) * 64;
-        let mut words = vec![0; ((place(largest).0 - first) / 64 + 1) as usize];
-        let mut is_centre_taken = false;
-        for (place, is_centre) in values.iter().map(|&value| place(value)) {
-            let bit = (place - first) as usize;
-            words[bit / 64] |= u64::from(!is_centre) << (bit % 64);
-            is_centre_taken |= is_centre;
-        }
-        Taken { words, is_centre_taken }
-    }
-
-    /// How many bins are taken `levels` levels up, for up to six levels.
-    fn count(&self, levels: usize) -> u32 {
-        let groups =
-            |word: u64| (0..levels).fold(word, |word, level| (word | word >> (1 << level)) & GROUPS[level + 1]);
-        u32::from(self.is_centre_taken) + self.words.iter().map(|&word| groups(word).count_ones()).sum::<u32>()
-    }
 }
 
 /// Smallest and largest value. Both are 0 rather than -0, whichever of the two came first.
@@ -455,64 +327,54 @@ impl PartialEq for Bins {
     }
 }
 
-/// Bytes hold the level, the extremes, the number of occupied bins, and each of these bins with its
-/// count. The first bin is given by its index, and each later one by its distance from the one
-/// before.
+/// Bytes hold the level, the extremes, the number of occupied bins, and each of these bins by its
+/// distance from the one before, with its count.
 impl Bins {
     pub fn write(&self, out: &mut Vec<u8>) {
         let list = self.list();
         signed(self.level.into()).write(out);
-        self.smallest.write(out);
-        self.largest.write(out);
+        [self.smallest, self.largest].write(out);
         (list.len() as u64).write(out);
         let mut before = 0;
-        for (place, (index, count)) in list.into_iter().enumerate() {
-            let step = index - before;
-            if place == 0 { signed(step) } else { step as u64 }.write(out);
-            count.write(out);
+        for (index, count) in list {
+            [signed(index - before), count].write(out);
             before = index;
         }
     }
 
     pub fn read(from: &mut Reader<'_>, shape: &Shape) -> Result<Self, Damaged> {
-        let (mut level, mut smallest, mut largest) = (0_u64, 0.0_f64, 0.0_f64);
+        let (mut level, mut ends) = (0_u64, [0.0_f64; 2]);
         level.read(from)?;
-        smallest.read(from)?;
-        largest.read(from)?;
+        ends.read(from)?;
         let level = i32::try_from(unsigned(level)).map_err(|_| Damaged)?;
         let is_valid = |value: f64| match shape.scale {
             Some(_) => (0.0..=OCTAVES as f64).contains(&value),
             None => (value - shape.centre).is_finite(),
         };
+        let [smallest, largest] = ends;
         if !(is_valid(smallest) && is_valid(largest) && smallest <= largest) {
             return Err(Damaged);
         }
         let lowest = shape.lowest_level(smallest, largest);
-        if !(lowest..=lowest + MAX_INDEX.ilog2() as i32).contains(&level) {
+        let number = from.length()?;
+        if !(lowest..=lowest + MAX_INDEX.ilog2() as i32).contains(&level) || number > shape.bins {
             return Err(Damaged);
         }
-        let mut list = List::new();
-        let mut total = 0_u64;
-        for place in 0..from.length()? {
-            let (mut step, mut count) = (0_u64, 0_u64);
-            step.read(from)?;
-            count.read(from)?;
-            let index = match list.last() {
-                None => Some(unsigned(step)),
-                Some(&(before, _)) => {
-                    i64::try_from(step).ok().filter(|step| *step > 0).and_then(|step| step.checked_add(before))
-                }
-            };
-            let index = index.filter(|index| index.abs() <= MAX_INDEX).ok_or(Damaged)?;
-            total = total.checked_add(count).ok_or(Damaged)?;
-            if count == 0 || place >= shape.bins {
-                return Err(Damaged);
-            }
-            list.push((index, count));
+        let mut list = List::with_capacity(number);
+        let mut index = 0_i64;
+        for _ in 0..number {
+            let mut bin = [0_u64; 2];
+            bin.read(from)?;
+            index = index.wrapping_add(unsigned(bin[0]));
+            list.push((index, bin[1]));
         }
         let ruler = Ruler::new(shape.centre, level);
-        let ends = [smallest, largest].map(|value| Some(ruler.index(value) as i64));
-        if [list.first(), list.last()].map(|bin| bin.map(|bin| bin.0)) != ends {
+        let ends = ends.map(|value| Some(ruler.index(value) as i64));
+        let is_sound = list.iter().all(|(index, count)| (-MAX_INDEX..=MAX_INDEX).contains(index) && *count > 0)
+            && list.is_sorted_by(|a, b| a.0 < b.0)
+            && list.iter().try_fold(0_u64, |all, bin| all.checked_add(bin.1)).is_some()
+            && [list.first(), list.last()].map(|bin| bin.map(|bin| bin.0)) == ends;
+        if !is_sound {
             return Err(Damaged);
         }
         let mut bins = Bins { level, smallest, largest, ..Bins::default() };

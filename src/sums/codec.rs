@@ -116,24 +116,14 @@ impl<T: Codec> Codec for Vec<T> {
     }
 }
 
-/// A value that may be there. Zero or one says whether it is.
-impl<T: Codec + Default> Codec for Option<Box<T>> {
+/// A part that the scenario asks for, or not.
+impl<T: Codec> Codec for Option<Box<T>> {
     fn write(&self, out: &mut Vec<u8>) {
-        u64::from(self.is_some()).write(out);
-        if let Some(value) = self {
-            value.write(out);
-        }
+        self.iter().for_each(|value| value.write(out));
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        let mut is_there = 0_u64;
-        is_there.read(from)?;
-        *self = match is_there {
-            0 => None,
-            1 => Some(Box::default()),
-            _ => return Err(Damaged),
-        };
-        self.as_mut().map_or(Ok(()), |value| value.read(from))
+        self.iter_mut().try_for_each(|value| value.read(from))
     }
 }
 

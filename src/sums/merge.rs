@@ -33,13 +33,9 @@ impl<T: Merge> Merge for Vec<T> {
     }
 }
 
-/// What was asked for. A part without paths has nothing of it.
-impl<T: Merge + Clone> Merge for Option<Box<T>> {
+/// A part that the scenario asks for, or not.
+impl<T: Merge> Merge for Option<Box<T>> {
     fn merge(&mut self, other: &Self) {
-        match (self, other) {
-            (Some(mine), Some(other)) => mine.merge(other),
-            (mine @ None, Some(other)) => *mine = Some(other.clone()),
-            (_, None) => {}
-        }
+        self.iter_mut().zip(other).for_each(|(mine, more)| mine.merge(more));
     }
 }

@@ -17,6 +17,7 @@ pub(crate) mod batches;
 pub(crate) mod bins;
 pub(crate) mod codec;
 #[cfg(test)]
+#[path = "tests/coverage.rs"]
 pub(crate) mod coverage;
 pub(crate) mod dyadic;
 pub(crate) mod fourier;

@@ -41,19 +41,10 @@ fn sum(values: &[f64], term: impl Fn(f64) -> f64) -> f64 {
     partial.iter().sum()
 }
 
-/// Sum of (a - mean_a)(b - mean_b), in the same order as [`sum`].
+/// The sum of (a - mean of a)(b - mean of b), in the same order.
 fn sum_of_products(a: &[f64], mean_a: f64, b: &[f64], mean_b: f64) -> f64 {
-    let mut partial = [0.0; LANES];
-    let ((chunks_a, rest_a), (chunks_b, rest_b)) = (a.as_chunks::<LANES>(), b.as_chunks::<LANES>());
-    for (a, b) in chunks_a.iter().zip(chunks_b) {
-        for i in 0..LANES {
-            partial[i] += (a[i] - mean_a) * (b[i] - mean_b);
-        }
-    }
-    for (p, (a, b)) in partial.iter_mut().zip(rest_a.iter().zip(rest_b)) {
-        *p += (a - mean_a) * (b - mean_b);
-    }
-    partial.iter().sum()
+    let products: Vec<f64> = a.iter().zip(b).map(|(a, b)| (a - mean_a) * (b - mean_b)).collect();
+    sum(&products, |product| product)
 }
 
 /// The mean, computed relative to the first entry, so that it is exact if all entries are equal.

@@ -5,9 +5,10 @@
 //! are counted in bins on a lattice that adapts itself to the values ([`Bins`]). Merging is exact,
 //! whatever the order and the grouping; quantiles of parts are never averaged.
 
-use super::bins::{Bins, MOST_AT_ONCE, Shape};
+use super::bins::{Bins, Shape};
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{List, Ruler, coarsen, counted, union};
+use super::merge::Merge;
 use super::ordered::{Binned, Kept, Ordered};
 use std::borrow::Cow;
 
@@ -50,10 +51,6 @@ impl Sketch {
     /// Add the values of all these parts. Values that are not finite are left out.
     pub fn extend_by_parts(&mut self, parts: &[&[f64]]) {
         let number: usize = parts.iter().map(|part| part.len()).sum();
-        if number > MOST_AT_ONCE {
-            let pieces = parts.iter().flat_map(|part| part.chunks(MOST_AT_ONCE));
-            return pieces.for_each(|piece| self.extend_by_parts(&[piece]));
-        }
         match &mut self.bins {
             Some(bins) if WORTHWHILE * number >= self.shape.bins => return count(bins, parts, &self.shape),
             Some(_) => parts.iter().for_each(|part| self.pending.extend_from_slice(part)),
@@ -73,17 +70,6 @@ impl Sketch {
         if self.pending.len() > self.shape.values {
             self.count_pending();
         }
-    }
-
-    /// Add the values of `other`.
-    pub fn merge(&mut self, other: &Sketch) {
-        match (&mut self.bins, &other.bins) {
-            (Some(mine), Some(theirs)) => mine.merge(theirs, &self.shape),
-            (None, Some(theirs)) => self.bins = Some(theirs.clone()),
-            (_, None) => {}
-        }
-        self.at_centre += other.at_centre;
-        self.extend(&other.pending);
     }
 
     /// The values in order.
@@ -169,6 +155,18 @@ fn count(bins: &mut Bins, parts: &[&[f64]], shape: &Shape) {
     match placed(parts, shape) {
         Some(places) => bins.count(&[&places], shape),
         None => bins.count(parts, shape),
+    }
+}
+
+impl Merge for Sketch {
+    fn merge(&mut self, other: &Sketch) {
+        match (&mut self.bins, &other.bins) {
+            (Some(mine), Some(theirs)) => mine.merge(theirs, &self.shape),
+            (None, Some(theirs)) => self.bins = Some(theirs.clone()),
+            (_, None) => {}
+        }
+        self.at_centre += other.at_centre;
+        self.extend(&other.pending);
     }
 }
 

@@ -9,7 +9,7 @@ use stick_slip::model::*;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
 use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
-use stick_slip::sums::Merge as _;
+use stick_slip::sums::{Merge as _, Unit};
 
 /// The model of a shipped scenario.
 pub fn shipped_model(name: &str) -> Model {
@@ -73,11 +73,11 @@ where
     const THREADS: u64 = 2;
     let record = Record::NOTHING;
     let work = |thread: u64| {
-        let mut totals = Totals::empty(model, timeline);
+        let mut totals = Totals::empty(model, timeline, &record);
         for block in (thread..paths.div_ceil(BLOCK_SIZE)).step_by(THREADS as usize) {
             let (first, count) = (block * BLOCK_SIZE, BLOCK_SIZE.min(paths - block * BLOCK_SIZE));
             let numbers: Vec<u64> = (first..first + count).collect();
-            let mut observer = BlockObserver::new(model, timeline, &record, &numbers);
+            let mut observer = BlockObserver::new(model, timeline, &record, &numbers, Unit::Path);
             assert!(simulate(&numbers, &mut observer).is_empty(), "no path is given up");
             totals.merge(&observer.finish(first, count, Vec::new()).totals);
         }
@@ -86,7 +86,7 @@ where
     std::thread::scope(|scope| {
         let work = &work;
         let threads: Vec<_> = (0..THREADS).map(|thread| scope.spawn(move || work(thread))).collect();
-        let mut totals = Totals::empty(model, timeline);
+        let mut totals = Totals::empty(model, timeline, &record);
         for thread in threads {
             totals.merge(&thread.join().expect("a block failed"));
         }

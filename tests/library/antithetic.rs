@@ -118,7 +118,7 @@ fn pairs_are_summed_to_the_same_bits_in_any_parts() {
     // The summaries are compared as text, because NaN does not equal itself.
     let same = |a: &Summary, b: &Summary| assert_eq!(format!("{a:?}"), format!("{b:?}"));
     same(&plan.run(2), &whole);
-    let empty = || RunTotals::empty(plan.model(), plan.timeline());
+    let empty = || RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
     let part = |blocks: std::ops::Range<u64>| {
         let mut part = empty();
         blocks.for_each(|k| part.push(k, plan.block(k).totals).expect("once"));

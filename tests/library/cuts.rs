@@ -45,7 +45,7 @@ fn blocks() -> &'static [BlockResult] {
 }
 
 fn empty() -> RunTotals {
-    RunTotals::empty(plan().model(), plan().timeline())
+    RunTotals::empty(plan().model(), plan().timeline(), &plan().record)
 }
 
 /// Every number of a summary as bits, so that NaN equals NaN, and 0 does not equal -0.
@@ -182,19 +182,18 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
     // A tally includes the burn-in, unlike the statistics of the program.
     let mut whole = scenario.clone();
     whole.statistics.after = 0.0;
-    let outcome = Run::of(&whole).threads(2).without_bias().tallied(&Count).expect("no sink");
+    let (outcome, own) = Run::of(&whole).threads(2).without_bias().tallied(&Count).expect("no sink");
     let program = outcome.summary.estimate(Statistic::SlipsPerPath);
-    let own = outcome.tally;
     assert_eq!(own.estimate.to_bits(), program.estimate.to_bits());
     assert_eq!(own.standard_error.to_bits(), program.standard_error.to_bits());
 
-    let ratio = |threads| Run::of(&scenario).threads(threads).without_bias().tallied(&Slips).expect("no sink").tally;
+    let ratio = |threads| Run::of(&scenario).threads(threads).without_bias().tallied(&Slips).expect("no sink").1;
     let one = ratio(1);
     assert!(one.low < one.estimate && one.estimate < one.high);
     assert_eq!(ratio(7), one);
     // The same in parts that are joined along the tree.
     let tallied = Tallied { tally: &Slips, seed: scenario.ensemble.seed };
-    let mut joined = RunTotals::with(tallied.empty(), plan().model(), plan().timeline());
+    let mut joined = RunTotals::with(tallied.empty(), plan().model(), plan().timeline(), &plan().record);
     let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
         Ok::<_, stick_slip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
@@ -216,10 +215,10 @@ fn the_state_of_a_run_is_as_small_as_promised() {
         scenario.scheme = DiscreteVi { step: scenario.time.output_step }.into();
         let plan = scenario.plan();
         assert_eq!(plan.timeline().rows() as u64, rows);
-        let empty = || RunTotals::empty(plan.model(), plan.timeline());
+        let empty = || RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         let state = |blocks: u64| {
             let mut totals = empty();
-            let nothing = || stick_slip::stats::Totals::empty(plan.model(), plan.timeline());
+            let nothing = || stick_slip::stats::Totals::empty(plan.model(), plan.timeline(), &plan.record);
             (0..blocks).for_each(|k| totals.push(k, nothing()).expect("each block once"));
             totals.to_bytes().len()
         };

@@ -70,7 +70,7 @@ fn bands_hold_the_quantiles_of_the_paths() {
     let mut plan = plan(paper(0.25, 0.25), 60.0, 0.01, 3000);
     plan.record.trajectories = plan.paths;
     let blocks = blocks(&plan, 2);
-    let mut totals = Totals::empty(plan.model(), plan.timeline());
+    let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
     blocks.iter().for_each(|block| totals.merge(&block.totals));
     let bands = totals.summary().bands;
     let rows = plan.timeline().rows();
@@ -119,7 +119,7 @@ fn any_number_of_threads_gives_the_same_bits() {
     let plan = plan(paper(0.25, 0.25), 30.0, 0.01, 5 * BLOCK_SIZE + 17);
     let alone = blocks(&plan, 1);
     let summed = |blocks: &[BlockResult]| {
-        let mut totals = Totals::empty(plan.model(), plan.timeline());
+        let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
         blocks.iter().for_each(|block| totals.merge(&block.totals));
         totals
     };
@@ -239,7 +239,7 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     let timeline = Timeline { end: 3000.0, output_step: 300.0, period: None, after: 0.0 };
     let plan = plan_on(&model, &timeline, 0.02, 2 * BLOCK_SIZE);
     let all = blocks(&plan, 2);
-    let mut totals = Totals::empty(plan.model(), plan.timeline());
+    let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
     all.iter().for_each(|block| totals.merge(&block.totals));
     let summary = totals.summary();
     let diverged = summary.diverged.len();

@@ -41,7 +41,7 @@ fn plan((_, [frequency, amplitude, damping, intensity, x0, static_force, after])
 
 /// The totals of these paths, in blocks of that size.
 fn totals(plan: &Plan, first: u64, paths: u64, block: u64) -> Totals {
-    let mut totals = Totals::empty(plan.model(), plan.timeline());
+    let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
     for begin in (first..first + paths).step_by(block as usize) {
         totals.merge(&plan.piece(begin, block.min(first + paths - begin)).totals);
     }

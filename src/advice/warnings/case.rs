@@ -42,8 +42,3 @@ impl<'a> Case<'a> {
         self.checked.as_ref().or(self.corrected.as_ref())
     }
 }
-
-/// The sentence of a warning that concerns one thing, where it is due.
-pub(super) fn when(is_due: bool, sentence: impl FnOnce() -> String) -> Vec<String> {
-    if is_due { vec![sentence()] } else { Vec::new() }
-}

@@ -1,14 +1,14 @@
 //! Warnings about the file of a run and about its memory.
 
-use super::case::{Case, when};
+use super::case::Case;
 use crate::numbers::bytes;
 
 /// More rows of the output grid than this are worth a warning.
 const MANY_ROWS: usize = 10_000;
 
-pub(super) fn many_rows(case: &Case) -> Vec<String> {
+pub(super) fn many_rows(case: &Case) -> Option<String> {
     let rows = case.derived.rows;
-    when(rows > MANY_ROWS, || {
+    (rows > MANY_ROWS).then(|| {
         format!(
             "the bands of {rows} rows take up to about {} of memory per thread; a longer `time.output_step` or \
              fewer `--threads` take less",
@@ -20,7 +20,7 @@ pub(super) fn many_rows(case: &Case) -> Vec<String> {
 /// A larger file than this, one gigabyte, is worth a warning.
 const LARGE_OUTPUT: f64 = 1e9;
 
-pub(super) fn large_output(case: &Case) -> Vec<String> {
+pub(super) fn large_output(case: &Case) -> Option<String> {
     let size = case.derived.output_bytes;
-    when(size > LARGE_OUTPUT, || format!("the output file will be about {}; [record] says what is kept", bytes(size)))
+    (size > LARGE_OUTPUT).then(|| format!("the output file will be about {}; [record] says what is kept", bytes(size)))
 }

@@ -46,12 +46,22 @@ pub enum Class {
 struct WarningRow {
     name: &'static str,
     class: Class,
-    /// The sentences of the warning in this case, one for each thing that it concerns.
-    says: fn(&Case) -> Vec<String>,
+    says: Says,
 }
 
-const fn row(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -> WarningRow {
-    WarningRow { name, class, says }
+/// The sentences of a warning in a case.
+enum Says {
+    Once(fn(&Case) -> Option<String>),
+    /// One for each thing that it concerns.
+    Each(fn(&Case) -> Vec<String>),
+}
+
+const fn row(name: &'static str, class: Class, says: fn(&Case) -> Option<String>) -> WarningRow {
+    WarningRow { name, class, says: Says::Once(says) }
+}
+
+const fn rows(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) -> WarningRow {
+    WarningRow { name, class, says: Says::Each(says) }
 }
 
 /// All warnings, the most serious first.
@@ -60,7 +70,7 @@ const ALL: [WarningRow; 28] = [
     row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
     row("runs-away", Class::Growth, step::runs_away),
     row("step-against-oscillator", Class::LongStep, step::against_oscillator),
-    row("step-against-forcing", Class::LongStep, step::against_forcing),
+    rows("step-against-forcing", Class::LongStep, step::against_forcing),
     row("step-against-noise", Class::LongStep, step::against_noise),
     row("step-against-corridor", Class::LongStep, noise::against_corridor),
     row("large-shift", Class::LongStep, noise::large_shift),
@@ -73,7 +83,7 @@ const ALL: [WarningRow; 28] = [
     row("never-moves", Class::Approximation, quasi_static::never_moves),
     row("forcing-during-slip", Class::Approximation, quasi_static::forcing_during_slip),
     row("creep", Class::Approximation, quasi_static::creep),
-    row("doubtful-force", Class::Other, force::doubtful),
+    rows("doubtful-force", Class::Other, force::doubtful),
     row("never-slips", Class::Other, question::never_slips),
     row("identical-paths", Class::Other, question::identical_paths),
     row("no-dilatation", Class::Other, question::no_dilatation),
@@ -114,8 +124,12 @@ impl Scenario {
     /// What the user should know before trusting the run, the most serious first.
     pub fn warnings(&self) -> Vec<Warning> {
         let case = Case::new(self);
-        let of_row = |&WarningRow { name, class, says }: &WarningRow| {
-            says(&case).into_iter().map(move |text| Warning { name, class, text }).collect::<Vec<_>>()
+        let of_row = |&WarningRow { name, class, ref says }: &WarningRow| {
+            let texts = match says {
+                Says::Once(says) => says(&case).into_iter().collect(),
+                Says::Each(says) => says(&case),
+            };
+            texts.into_iter().map(move |text| Warning { name, class, text })
         };
         ALL.iter().flat_map(of_row).collect()
     }

@@ -1,14 +1,14 @@
 //! Warnings about stick exits under noise, which a scheme checks only once a step, or corrects for
 //! this, or resolves only down to a limit.
 
-use super::case::{Case, when};
+use super::case::Case;
 use super::noisy_step::NoisyStep;
 use crate::numbers::short;
 use crate::scheme::Resolution;
 
-pub(super) fn against_corridor(case: &Case) -> Vec<String> {
-    let Some(step) = &case.checked else { return Vec::new() };
-    when(step.crosses_corridor(), || {
+pub(super) fn against_corridor(case: &Case) -> Option<String> {
+    let step = case.checked.as_ref()?;
+    step.crosses_corridor().then(|| {
         format!(
             "the step {} is large against the time {} that the noise takes to cross the corridor of a stick, \
              (f_s/(K beta rho sigma))^2: stick counts and durations will be far off",
@@ -23,10 +23,10 @@ pub(super) fn against_corridor(case: &Case) -> Vec<String> {
 const LARGE_SHIFT: f64 = 0.2;
 
 /// The correction of the stick exit is not small relative to f_s.
-pub(super) fn large_shift(case: &Case) -> Vec<String> {
-    let Some(step) = &case.corrected else { return Vec::new() };
+pub(super) fn large_shift(case: &Case) -> Option<String> {
+    let step = case.corrected.as_ref()?;
     let (shift, static_force) = (step.shift, step.friction.static_force);
-    when(shift > LARGE_SHIFT * static_force, || {
+    (shift > LARGE_SHIFT * static_force).then(|| {
         format!(
             "the corrected stick exit lowers f_s = {} by {}: the correction is good while that is small, and here \
              stick durations may be off by several percent. It falls like sqrt(h); `--scheme event-driven` needs \
@@ -37,9 +37,9 @@ pub(super) fn large_shift(case: &Case) -> Vec<String> {
     })
 }
 
-pub(super) fn incomplete_correction(case: &Case) -> Vec<String> {
-    let Some(step) = &case.corrected else { return Vec::new() };
-    when(step.exceeds_gap(), || {
+pub(super) fn incomplete_correction(case: &Case) -> Option<String> {
+    let step = case.corrected.as_ref()?;
+    step.exceeds_gap().then(|| {
         let remedy = if step.gap() > 0.0 {
             let largest_step = step.h * (step.gap() / step.shift).powi(2);
             format!("Choose time.step below {}, or `--scheme event-driven`", short(largest_step))
@@ -56,8 +56,8 @@ pub(super) fn incomplete_correction(case: &Case) -> Vec<String> {
     })
 }
 
-pub(super) fn equal_friction(case: &Case) -> Vec<String> {
-    when(case.noisy_step().is_some_and(NoisyStep::has_equal_friction), || {
+pub(super) fn equal_friction(case: &Case) -> Option<String> {
+    case.noisy_step().is_some_and(NoisyStep::has_equal_friction).then(|| {
         "f_s = f_d under noise: there are slips of all sizes down to zero, so the number of sticks grows \
          without bound as the step falls. Stick counts and durations here are properties of the step, \
          whatever their error bars; sticking fraction and positions do have limits"
@@ -79,11 +79,11 @@ fn percent(relative: f64) -> String {
 
 /// The scheme checks only once a step whether a stick has ended, which makes an error of order
 /// sqrt(h). The warning is not due where stick durations mean nothing at this step.
-pub(super) fn stick_exit_bias(case: &Case) -> Vec<String> {
-    let Some(step) = &case.checked else { return Vec::new() };
+pub(super) fn stick_exit_bias(case: &Case) -> Option<String> {
+    let step = case.checked.as_ref()?;
     let means_something = !step.has_equal_friction() && !step.crosses_corridor();
     let relative = STICK_BIAS * (step.h / step.crossing_time).sqrt();
-    when(means_something && relative > SMALL_BIAS, || {
+    (means_something && relative > SMALL_BIAS).then(|| {
         format!(
             "the scheme checks only once a step whether a stick has ended, so sticks come out too long: \
              roughly {} % in the \
@@ -103,11 +103,11 @@ const CORRECTED_BIAS_GROWS_TO: f64 = 0.5;
 /// The error of the corrected scheme itself, which is of order h. The warning is not due where
 /// stick durations mean nothing, or where the error that remains because the correction is
 /// incomplete is larger.
-pub(super) fn corrected_bias(case: &Case) -> Vec<String> {
-    let Some(step) = &case.corrected else { return Vec::new() };
+pub(super) fn corrected_bias(case: &Case) -> Option<String> {
+    let step = case.corrected.as_ref()?;
     let is_corrected = !step.has_equal_friction() && !step.exceeds_gap();
     let relative = CORRECTED_BIAS * (step.h / step.return_time).min(CORRECTED_BIAS_GROWS_TO);
-    when(is_corrected && relative > SMALL_BIAS, || {
+    (is_corrected && relative > SMALL_BIAS).then(|| {
         format!(
             "the corrected step leaves sticks too short: roughly {} % in the mean, as a guide. The error falls like h, \
              and no confidence interval shows it. `--scheme event-driven` has none",
@@ -118,9 +118,9 @@ pub(super) fn corrected_bias(case: &Case) -> Vec<String> {
 
 /// The step is longer than the time in which a slip that has just begun may turn back. Where f_s =
 /// f_d, every step is, and another warning says so.
-pub(super) fn micro_slips(case: &Case) -> Vec<String> {
-    let Some(step) = case.noisy_step() else { return Vec::new() };
-    when(!step.has_equal_friction() && step.h > step.return_time, || {
+pub(super) fn micro_slips(case: &Case) -> Option<String> {
+    let step = case.noisy_step()?;
+    (!step.has_equal_friction() && step.h > step.return_time).then(|| {
         format!(
             "slips shorter than the step are missed: under this noise one can turn back within \
              ((f_s - f_d)/(K beta rho sigma))^2 = {}, and the step is {}",
@@ -132,10 +132,10 @@ pub(super) fn micro_slips(case: &Case) -> Vec<String> {
 
 /// f_s = f_d, or nearly so, under noise: the numbers and durations of sticks are properties of the
 /// resolution of a scheme without a step.
-pub(super) fn unresolved(case: &Case) -> Vec<String> {
+pub(super) fn unresolved(case: &Case) -> Option<String> {
     let is_exact = case.step.is_none() && case.slip.is_none();
-    let Some(Resolution { static_force, shortest_slip }) = case.derived.resolution else { return Vec::new() };
-    when(is_exact, || {
+    let Resolution { static_force, shortest_slip } = case.derived.resolution?;
+    is_exact.then(|| {
         format!(
             "f_s and f_d meet, or nearly, under noise: there are slips of all sizes down to zero. Slips shorter \
              than about {} are not resolved; what is simulated is f_s = {static_force:?}. Stick counts and durations \

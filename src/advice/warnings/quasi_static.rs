@@ -1,11 +1,11 @@
 //! Warnings about the quasi-static recursion, which takes the forcing as constant during a slip.
 
-use super::case::{Case, when};
+use super::case::Case;
 use super::slip::Slip;
 use crate::numbers::short;
 
-pub(super) fn never_moves(case: &Case) -> Vec<String> {
-    when(case.slip.as_ref().is_some_and(|slip| !slip.moves), || {
+pub(super) fn never_moves(case: &Case) -> Option<String> {
+    case.slip.as_ref().is_some_and(|slip| !slip.moves).then(|| {
         "f_s = f_d: in the quasi-static recursion a slip moves the body by 2 (f_s - f_d)/K = 0, so x stays at \
          x0 and only the times of the slips mean something"
             .to_string()
@@ -19,10 +19,10 @@ const SLOW_FORCING: f64 = 0.01;
 
 /// The force changes too much during a slip for the quasi-static recursion. The warning is not due
 /// where slips do not move the body, nor where the body creeps.
-pub(super) fn forcing_during_slip(case: &Case) -> Vec<String> {
-    let Some(slip) = case.slip.as_ref().filter(|slip| slip.moves && !slip.creeps()) else { return Vec::new() };
+pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
+    let slip = case.slip.as_ref().filter(|slip| slip.moves && !slip.creeps())?;
     let &Slip { duration, change, released, .. } = slip;
-    when(change > SLOW_FORCING * released, || {
+    (change > SLOW_FORCING * released).then(|| {
         format!(
             "the forcing is not slow: during a slip, which lasts {}, it changes the force by about {}, \
              while the slip releases {}. The quasi-static recursion takes the forcing as constant, so its \
@@ -37,13 +37,13 @@ pub(super) fn forcing_during_slip(case: &Case) -> Vec<String> {
 
 /// The damped body does not swing back fast enough to end a slip of the quasi-static recursion
 /// while the forcing moves on: the body creeps.
-pub(super) fn creep(case: &Case) -> Vec<String> {
-    let Some(slip) = case.slip.as_ref().filter(|slip| slip.creeps()) else { return Vec::new() };
-    vec![format!(
+pub(super) fn creep(case: &Case) -> Option<String> {
+    let slip = case.slip.as_ref().filter(|slip| slip.creeps())?;
+    Some(format!(
         "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
          per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static \
          recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
         short(slip.rate),
         short(slip.limit)
-    )]
+    ))
 }

@@ -1,6 +1,6 @@
 //! Warnings about the question itself, whatever scheme answers it.
 
-use super::case::{Case, when};
+use super::case::Case;
 use crate::advice::amplitude::NEVER_SD;
 use crate::model::Drive;
 use crate::numbers::short;
@@ -8,12 +8,12 @@ use crate::scenario::{MAX_PERIODS, PeriodSource};
 use crate::scheme::Timeline;
 
 /// The force |b| cannot reach the static friction f_s.
-pub(super) fn never_slips(case: &Case) -> Vec<String> {
+pub(super) fn never_slips(case: &Case) -> Option<String> {
     let model = &case.scenario.model;
     let largest = model.force_bound(NEVER_SD, case.scenario.time.end);
     // A force of the user's own that depends on time is not known at every time.
     let is_known = !model.force.as_ref().is_some_and(|force| force.depends_on_time());
-    when(is_known && largest <= model.friction.static_force && model.initial_velocity == 0.0, || {
+    (is_known && largest <= model.friction.static_force && model.initial_velocity == 0.0).then(|| {
         format!(
             "nothing will slip: |b| does not exceed {}, and f_s is no less. Every stick is censored",
             short(largest)
@@ -21,19 +21,18 @@ pub(super) fn never_slips(case: &Case) -> Vec<String> {
     })
 }
 
-pub(super) fn identical_paths(case: &Case) -> Vec<String> {
+pub(super) fn identical_paths(case: &Case) -> Option<String> {
     let paths = case.scenario.ensemble.paths;
-    when(!case.scenario.model.temperature.is_random() && paths > 1, || {
-        format!("nothing is random here: all {paths} paths are the same, and ensemble.paths = 1 is enough")
-    })
+    (!case.scenario.model.temperature.is_random() && paths > 1)
+        .then(|| format!("nothing is random here: all {paths} paths are the same, and ensemble.paths = 1 is enough"))
 }
 
-pub(super) fn no_dilatation(case: &Case) -> Vec<String> {
+pub(super) fn no_dilatation(case: &Case) -> Option<String> {
     let temperature = &case.scenario.model.temperature;
     let is_known = !temperature.harmonics.is_empty() || temperature.series.is_some() || temperature.has_line();
     let has_temperature = temperature.effective_noise().is_some() || is_known;
     let oscillator = &case.scenario.model.oscillator;
-    when(oscillator.force_per_temperature() == 0.0 && has_temperature, || match oscillator.drive {
+    (oscillator.force_per_temperature() == 0.0 && has_temperature).then(|| match oscillator.drive {
         Drive::Dilatation(beta) if beta != 0.0 => {
             "K beta = 0 without a spring: the temperature has no effect on the motion. Write \
              `oscillator.force_per_temperature` in place of `oscillator.dilatation`"
@@ -45,11 +44,11 @@ pub(super) fn no_dilatation(case: &Case) -> Vec<String> {
 }
 
 /// There are too few periods to distinguish a drift from a transient.
-pub(super) fn few_periods(case: &Case) -> Vec<String> {
+pub(super) fn few_periods(case: &Case) -> Option<String> {
     let (timeline, fewest) = (case.scenario.timeline(), Timeline::FEWEST_PERIODS);
     let counted = timeline.counted_periods();
-    let Some(period) = timeline.period.filter(|_| timeline.end > 0.0) else { return Vec::new() };
-    when(counted < fewest, || {
+    let period = timeline.period.filter(|_| timeline.end > 0.0)?;
+    (counted < fewest).then(|| {
         let what = match counted {
             0 => "no whole period is counted, and drift_velocity, diffusion_coefficient and the \
                   statistics from period to period will be absent"
@@ -66,9 +65,9 @@ pub(super) fn few_periods(case: &Case) -> Vec<String> {
 }
 
 /// There are too many periods to keep x at each of them.
-pub(super) fn many_periods(case: &Case) -> Vec<String> {
+pub(super) fn many_periods(case: &Case) -> Option<String> {
     let (derived, end) = (&case.derived, case.scenario.time.end);
-    when(derived.period.is_some_and(|period| end / period.length > MAX_PERIODS as f64), || {
+    derived.period.is_some_and(|period| end / period.length > MAX_PERIODS as f64).then(|| {
         format!(
             "the run holds {:e} periods, and x is kept at no more than {MAX_PERIODS}: drift_velocity and \
              diffusion_coefficient will be absent. Choose `statistics.period` = {} or more",
@@ -79,11 +78,11 @@ pub(super) fn many_periods(case: &Case) -> Vec<String> {
 }
 
 /// The harmonics share no period, so that x is compared at different phases of them.
-pub(super) fn no_common_period(case: &Case) -> Vec<String> {
+pub(super) fn no_common_period(case: &Case) -> Option<String> {
     let temperature = &case.scenario.model.temperature;
     let is_moving = temperature.harmonics.iter().any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
     let is_share = case.derived.period.is_some_and(|period| period.source == PeriodSource::Share);
-    when(temperature.series.is_none() && is_moving && is_share, || {
+    (temperature.series.is_none() && is_moving && is_share).then(|| {
         "the harmonics share no period, so x is compared at different phases of them, which drift_velocity, \
          diffusion_coefficient and the statistics from period to period then contain. Choose `statistics.period` \
          close to whole cycles of the strongest harmonics"

@@ -1,6 +1,6 @@
 //! Warnings about a step that is too long for the oscillator, the forcing or the noise.
 
-use super::case::{Case, when};
+use super::case::Case;
 use super::force;
 use super::steepness::Stiffened;
 use crate::numbers::short;
@@ -9,8 +9,8 @@ use std::f64::consts::PI;
 
 /// The step is beyond its stability limit, by itself or where a force of the user's own is
 /// steepest.
-pub(super) fn unstable(case: &Case) -> Vec<String> {
-    let Some(h) = case.step else { return Vec::new() };
+pub(super) fn unstable(case: &Case) -> Option<String> {
+    let h = case.step?;
     let by_itself = match case.derived.stability {
         None | Some(Stability::Undamped { .. } | Stability::Growing { .. }) => None,
         Some(
@@ -20,25 +20,25 @@ pub(super) fn unstable(case: &Case) -> Vec<String> {
         ) => Some(largest_step),
     };
     if let Some(limit) = by_itself.filter(|limit| h >= *limit) {
-        return vec![format!(
+        return Some(format!(
             "the step {} is beyond the stability limit {}: slips will grow until they overflow. \
              Choose time.step below the limit",
             short(h),
             short(limit)
-        )];
+        ));
     }
-    let Some(stiffened) = &case.stiffened else { return Vec::new() };
+    let stiffened = case.stiffened.as_ref()?;
     let limit = stiffened.largest_step();
     if h >= limit {
-        return vec![format!(
+        return Some(format!(
             "{}, so the step {} is beyond the stability limit {} there: the scheme cannot follow the force, and the \
              velocity may swing to and fro or grow until it overflows. Choose time.step well below the limit, or `--scheme event-driven`",
             stiffened.reason(),
             short(h),
             short(limit)
-        )];
+        ));
     }
-    when(adds_energy(case, stiffened), || {
+    adds_energy(case, stiffened).then(|| {
         format!(
             "{}, where the explicit step {} adds {} % to the body's energy in every half-cycle: means may be far off, \
              and paths may grow without bound. A step below {} adds less than {} %; `--scheme corrected-vi` adds \
@@ -72,14 +72,14 @@ fn adds_energy(case: &Case, stiffened: &Stiffened) -> bool {
 const GROWTH: f64 = 0.01;
 
 /// Without damping, the expected amplitude is above the critical one, A_c.
-pub(super) fn amplitude_above_critical(case: &Case) -> Vec<String> {
-    let (Some(h), derived) = (case.step, &case.derived) else { return Vec::new() };
-    let Some(Stability::Undamped { critical_amplitude }) = derived.stability else { return Vec::new() };
+pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
+    let (h, derived) = (case.step?, &case.derived);
+    let Some(Stability::Undamped { critical_amplitude }) = derived.stability else { return None };
     // Relative growth of the amplitude that the explicit step causes over the whole run.
     let growth = derived.natural_frequency.powi(2) * h * case.scenario.time.end / 2.0;
     // How far a force of the user's own moves the body is not known.
     let is_known = case.scenario.model.force.is_none();
-    when(is_known && derived.expected_amplitude > critical_amplitude && growth > GROWTH, || {
+    (is_known && derived.expected_amplitude > critical_amplitude && growth > GROWTH).then(|| {
         format!(
             "without damping, the explicit step adds more energy than friction takes once the amplitude exceeds \
              A_c = 4 f_d/(pi w0 h K) = {}, and about {} is to be expected: paths may grow without bound. A_c \
@@ -92,21 +92,20 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Vec<String> {
 
 /// With negative damping, the expected amplitude is above the one beyond which the body runs away,
 /// or a force of the user's own drives it outward or adds energy at any distance.
-pub(super) fn runs_away(case: &Case) -> Vec<String> {
+pub(super) fn runs_away(case: &Case) -> Option<String> {
     let (derived, model) = (&case.derived, &case.scenario.model);
     let lost = if case.step.is_some() { "counted as diverged" } else { "given up" };
     let lost = format!("and are {lost} once their numbers are too large");
     if model.force.is_some() {
-        let driven = force::beyond_hold_of(case)
+        return force::beyond_hold_of(case)
             .map(|driven| format!("{driven}, and so ever farther out: paths may grow without bound, {lost}"));
-        return driven.into_iter().collect();
     }
     let growing = match derived.stability {
         Some(Stability::Growing { critical_amplitude }) => Some(critical_amplitude),
         _ => model.runaway_amplitude(0.0),
     };
-    let Some(critical) = growing.filter(|_| model.oscillator.damping < 0.0) else { return Vec::new() };
-    when(derived.expected_amplitude > critical, || {
+    let critical = growing.filter(|_| model.oscillator.damping < 0.0)?;
+    (derived.expected_amplitude > critical).then(|| {
         format!(
             "negative damping adds more energy than friction takes once the amplitude exceeds {}, and about {} is to \
              be expected before that: paths beyond it grow without bound, {lost}",
@@ -119,19 +118,19 @@ pub(super) fn runs_away(case: &Case) -> Vec<String> {
 /// With fewer steps per half-cycle of the oscillator, its discretisation is worth a warning.
 const FEW_STEPS: f64 = 16.0;
 
-pub(super) fn against_oscillator(case: &Case) -> Vec<String> {
-    let Some(h) = case.step else { return Vec::new() };
+pub(super) fn against_oscillator(case: &Case) -> Option<String> {
+    let h = case.step?;
     let steps_of = |w0: f64| PI / (w0 * h);
     let steps = steps_of(case.derived.natural_frequency);
     if steps < FEW_STEPS {
-        return vec![format!(
+        return Some(format!(
             "the step leaves only {} steps per half-cycle pi/w0 of the oscillator: slips are poorly resolved",
             short(steps)
-        )];
+        ));
     }
-    let Some(stiffened) = &case.stiffened else { return Vec::new() };
+    let stiffened = case.stiffened.as_ref()?;
     let steps = steps_of(stiffened.stiffest.natural_frequency());
-    when(steps < FEW_STEPS && h < stiffened.largest_step() && !adds_energy(case, stiffened), || {
+    (steps < FEW_STEPS && h < stiffened.largest_step() && !adds_energy(case, stiffened)).then(|| {
         format!(
             "{}, so the step leaves only {} steps per half-cycle there: slips are poorly resolved",
             stiffened.stiffest_place(),
@@ -158,12 +157,10 @@ pub(super) fn against_forcing(case: &Case) -> Vec<String> {
 }
 
 /// theta h > 1: the noise decorrelates within one step.
-pub(super) fn against_noise(case: &Case) -> Vec<String> {
-    let (Some(h), Some(noise)) = (case.step, case.scenario.model.temperature.effective_noise()) else {
-        return Vec::new();
-    };
+pub(super) fn against_noise(case: &Case) -> Option<String> {
+    let (h, noise) = (case.step?, case.scenario.model.temperature.effective_noise()?);
     let relaxations = noise.relaxation_rate * h;
-    when(relaxations > 1.0, || {
+    (relaxations > 1.0).then(|| {
         format!(
             "theta h = {}: the noise decorrelates within one step, and the scheme does not see what it does \
              in between",

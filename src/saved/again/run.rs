@@ -147,7 +147,7 @@ impl<'a, H: Held> Claim<'a, H> {
         let mut compared = Verification::of(self.held, self.origin(), &self.expected.header);
         let plan = Asked::paths(self.expected.header.paths).plan(self.scenario);
         let numbers: Vec<u64> = blocks.iter().copied().collect();
-        let mut totals = RunTotals::empty(plan.model(), plan.timeline());
+        let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         let make = |index: u64| plan.block(numbers[index as usize]);
         let deliver = |block: BlockResult| -> Result<ControlFlow<()>, ReadError<H>> {
             compared.block(&block)?;

@@ -402,7 +402,7 @@ fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
     let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 4.5 };
     let paths = unequal();
     let numbers: Vec<u64> = (0..5).collect();
-    let mut observer = BlockObserver::new(&model(), &timeline, &Record::NOTHING, &numbers);
+    let mut observer = BlockObserver::new(&model(), &timeline, &Record::NOTHING, &numbers, Unit::Path);
     let show = |observer: &mut BlockObserver, instant, x: &[f64]| {
         let is_static = [false; 5];
         let snapshot = Snapshot { time: 0.0, displacement: x, velocity: x, temperature: x, is_static: &is_static };
@@ -468,7 +468,7 @@ fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
 fn the_sticks_of_pairs_are_counted_one_by_one() {
     let sd = |durations: [&[f64]; 4]| {
         let numbers: Vec<u64> = (0..4).collect();
-        let mut observer = BlockObserver::new(&model(), &TIMELINE, &Record::NOTHING, &numbers).in_units(Unit::Pair);
+        let mut observer = BlockObserver::new(&model(), &TIMELINE, &Record::NOTHING, &numbers, Unit::Pair);
         for (lane, durations) in durations.into_iter().enumerate() {
             path_of(durations).events.into_iter().for_each(|event| observer.event(lane, event));
         }
@@ -682,9 +682,9 @@ fn one_path_is_an_estimate_without_an_interval() {
 fn the_totals_of_no_paths_are_neutral() {
     let paths: Vec<Path> = (1..40).map(|n| path_of(&[0.3 * f64::from(n); 5])).collect();
     let some = observe(&TIMELINE, &Record::NOTHING, 0, &paths, &[], &[]).totals;
-    let (mut left, mut right) = (Totals::empty(&model(), &TIMELINE), some.clone());
+    let (mut left, mut right) = (Totals::empty(&model(), &TIMELINE, &Record::NOTHING), some.clone());
     left.merge(&some);
-    right.merge(&Totals::empty(&model(), &TIMELINE));
+    right.merge(&Totals::empty(&model(), &TIMELINE, &Record::NOTHING));
     assert_eq!(left, some);
     assert_eq!(right, some);
 }

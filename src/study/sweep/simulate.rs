@@ -76,7 +76,7 @@ impl Job<'_> {
     fn nothing_yet(&self) -> Growing {
         let setup = self.setup();
         let (model, timeline) = (setup.plan.model(), setup.plan.timeline());
-        Growing { totals: RunTotals::with(setup.grouping.empty(), model, timeline), seconds: 0.0 }
+        Growing { totals: RunTotals::with(setup.grouping.empty(), model, timeline, &setup.plan.record), seconds: 0.0 }
     }
 }
 

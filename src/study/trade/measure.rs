@@ -88,7 +88,7 @@ pub fn measure(
         return Err(TradeError::NothingHappens);
     }
     let watch = Stopwatch::start(threads);
-    let until = |share: f64| MeasureUntil { watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
+    let until = |share: f64| MeasureUntil { threads, watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
     let runs: Vec<FreeRun> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
@@ -98,10 +98,10 @@ pub fn measure(
     let tightest = runs.iter().rposition(|run| is_exact(run.scheme)).ok_or(TradeError::NothingHappens)?;
     // The reference comes first, because everything else is compared with it and time may run out.
     limits.begin(&runs[tightest].scheme.to_string());
-    let reference = free(scenario, &runs[tightest], threads, until(reference_ends))?;
+    let reference = free(scenario, &runs[tightest], until(reference_ends))?;
     let beyond = (ladder.free.len() as u64 + 2) * APART;
     let paired = FreeRun { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
-    let pairing = pairing_of(scenario, &reference, &paired, threads, until(reference_ends))?;
+    let pairing = pairing_of(scenario, &reference, &paired, until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
@@ -111,9 +111,9 @@ pub fn measure(
         }
         limits.begin(&other.scheme.to_string());
         let side = if i < tightest { &mut looser } else { &mut tighter };
-        side.push(free(scenario, other, threads, until(free_ends))?);
+        side.push(free(scenario, other, until(free_ends))?);
     }
-    let mut rungs = coupled(scenario, ladder, effort, threads, until(ALL_ENDS))?;
+    let mut rungs = coupled(scenario, ladder, effort, until(ALL_ENDS))?;
     if effort.steps > 0 && rungs.is_empty() {
         left_out.extend(ladder.stepping.iter().map(|scheme| unfinished(scheme.name().into())));
     }
@@ -146,7 +146,6 @@ fn pairing_of(
     scenario: &Scenario,
     reference: &Rung,
     paired: &FreeRun,
-    threads: usize,
     end: MeasureUntil<'_>,
 ) -> Result<Pairing, TradeError> {
     if scenario.ensemble.antithetic {
@@ -158,7 +157,7 @@ fn pairing_of(
     }
     end.limits.begin("antithetic pairs");
     let in_pairs = Scenario { ensemble: Ensemble { antithetic: true, ..scenario.ensemble }, ..scenario.clone() };
-    Ok(Pairing::of(reference, &free(&in_pairs, paired, threads, end)?))
+    Ok(Pairing::of(reference, &free(&in_pairs, paired, end)?))
 }
 
 /// Seconds for timing a rung after the caller has asked to stop.
@@ -167,16 +166,30 @@ const BRIEF: f64 = 0.1;
 /// When no further paths are begun.
 #[derive(Clone, Copy)]
 struct MeasureUntil<'a> {
+    threads: usize,
     watch: Stopwatch,
     time: Option<Duration>,
     limits: Limits<'a>,
 }
 
 impl MeasureUntil<'_> {
-    /// Whether to go on. This is asked after each piece, so the first piece is always done.
-    fn flow(&self) -> ControlFlow<()> {
-        let is_late = self.time.is_some_and(|time| self.watch.elapsed() > time);
-        if is_late || self.limits.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    /// Make pieces and take them in order. Whether to go on is asked after each piece, so the first
+    /// one is always done. Returns the number of pieces taken.
+    fn pieces<R: Send>(
+        &self,
+        count: u64,
+        make: impl Fn(u64, &AtomicBool) -> Option<R> + Sync,
+        mut take: impl FnMut(R) + Send,
+    ) -> u64 {
+        let never = AtomicBool::new(false);
+        let stop = self.limits.stop.unwrap_or(&never);
+        let deliver = |piece| -> Result<_, Infallible> {
+            take(piece);
+            let is_late = self.time.is_some_and(|time| self.watch.elapsed() > time);
+            Ok(if is_late || self.limits.is_stopped() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+        };
+        let Ok(taken) = in_order_while(count, self.threads, &never, |piece| make(piece, stop), deliver);
+        taken
     }
 }
 
@@ -186,19 +199,15 @@ fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
 }
 
 /// Measure the rung of a scheme without a step.
-fn free(scenario: &Scenario, run: &FreeRun, threads: usize, end: MeasureUntil<'_>) -> Result<Rung, TradeError> {
+fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<Rung, TradeError> {
     let plan = bare_plan(scenario, run.scheme)?;
     let paths = whole_pairs(&plan, run.paths);
-    let mut totals = Totals::empty(plan.model(), plan.timeline());
-    let never = AtomicBool::new(false);
-    let stop = end.limits.stop.unwrap_or(&never);
-    let make =
-        |piece: u64| Some(plan.piece_until(run.first + piece * PIECE, PIECE.min(paths - piece * PIECE), stop)?.totals);
-    let deliver = |piece: Totals| -> Result<_, Infallible> {
-        totals.merge(&piece);
-        Ok(end.flow())
+    let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
+    let make = |piece: u64, stop: &AtomicBool| {
+        let done = piece * PIECE;
+        Some(plan.piece_until(run.first + done, PIECE.min(paths - done), stop)?.totals)
     };
-    let Ok(_) = in_order_while(paths.div_ceil(PIECE), threads, &never, make, deliver);
+    end.pieces(paths.div_ceil(PIECE), make, |piece| totals.merge(&piece));
     Ok(rung(run.scheme, &totals))
 }
 
@@ -215,15 +224,15 @@ fn coupled(
     scenario: &Scenario,
     ladder: &Ladder,
     effort: &Effort,
-    threads: usize,
     end: MeasureUntil<'_>,
 ) -> Result<Vec<Rung>, TradeError> {
     let steps = &ladder.steps[..effort.steps.min(ladder.steps.len())];
     let mut plans: Vec<(Scheme, Plan)> = Vec::new();
     for &kind in &ladder.stepping {
         for (k, &h) in steps.iter().enumerate() {
-            let scheme = kind.with(h);
-            plans.push((scheme, on_one_realisation(bare_plan(scenario, scheme)?, 1 << (steps.len() - 1 - k))));
+            let (scheme, refinement) = (kind.with(h), 1 << (steps.len() - 1 - k));
+            let plan = bare_plan(scenario, scheme)?;
+            plans.push((scheme, Plan { simulation: plan.simulation.fed_by_finer(refinement), ..plan }));
         }
     }
     let Some((_, any)) = plans.first().filter(|_| !end.limits.is_stopped()) else { return Ok(Vec::new()) };
@@ -232,8 +241,8 @@ fn coupled(
         steps.len(),
         ladder.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
     ));
-    let empty = Totals::empty(any.model(), any.timeline());
-    let groups = in_groups(&plans, &empty, whole_pairs(any, effort.coupled_paths / GROUPS), threads, end);
+    let empty = Totals::empty(any.model(), any.timeline(), &any.record);
+    let groups = in_groups(&plans, &empty, whole_pairs(any, effort.coupled_paths / GROUPS), end);
     if groups[0].len() < FEWEST_GROUPS {
         return Ok(Vec::new());
     }
@@ -243,16 +252,11 @@ fn coupled(
         rung(*scheme, &totals)
     };
     let mut rungs: Vec<Rung> = plans.iter().zip(&groups).map(of_rung).collect();
-    let without = |r: usize| jackknife::leaving_one_out(&empty, &groups[r], |totals| totals.values(|_| true)).1;
-    let mut coarse = without(0);
-    for r in 1..rungs.len() {
-        let fine = without(r);
-        let is_finest = r % steps.len() == 0;
-        if !is_finest {
-            let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
-            rungs[r - 1].changes = changes(here, finer, &coarse, &fine);
-        }
-        coarse = fine;
+    let without = |groups: &Vec<Totals>| jackknife::leaving_one_out(&empty, groups, |of| of.values(|_| true)).1;
+    let without: Vec<Vec<GroupValues>> = groups.iter().map(without).collect();
+    for r in (1..rungs.len()).filter(|r| r % steps.len() != 0) {
+        let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
+        rungs[r - 1].changes = changes(here, finer, &without[r - 1], &without[r]);
     }
     Ok(rungs)
 }
@@ -260,38 +264,22 @@ fn coupled(
 /// Simulate groups of `of_group` paths each with all plans. Item r, g of the result holds the paths
 /// of group g on rung r. There are fewer groups if the measurement was cut short before all of them
 /// had paths.
-fn in_groups(
-    plans: &[(Scheme, Plan)],
-    empty: &Totals,
-    of_group: u64,
-    threads: usize,
-    end: MeasureUntil<'_>,
-) -> Vec<Vec<Totals>> {
+fn in_groups(plans: &[(Scheme, Plan)], empty: &Totals, of_group: u64, end: MeasureUntil<'_>) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
-    let never = AtomicBool::new(false);
-    let stop = end.limits.stop.unwrap_or(&never);
-    let make = |piece: u64| -> Option<Vec<Totals>> {
+    let make = |piece: u64, stop: &AtomicBool| -> Option<Vec<Totals>> {
         let (group, slice) = (piece % GROUPS, piece / GROUPS * PIECE);
         let first = APART + group * of_group + slice;
         plans.iter().map(|(_, plan)| Some(plan.piece_until(first, PIECE.min(of_group - slice), stop)?.totals)).collect()
     };
     let mut turn = 0;
-    let deliver = |rungs: Vec<Totals>| -> Result<_, Infallible> {
-        for (groups, totals) in groups.iter_mut().zip(&rungs) {
-            groups[turn].merge(totals);
-        }
+    let take = |rungs: Vec<Totals>| {
+        groups.iter_mut().zip(&rungs).for_each(|(groups, totals)| groups[turn].merge(totals));
         turn = (turn + 1) % GROUPS as usize;
-        Ok(end.flow())
     };
-    let pieces = GROUPS * of_group.div_ceil(PIECE);
-    let Ok(delivered) = in_order_while(pieces, threads, &never, make, deliver);
-    // Pieces go to the groups in turn, so if few were delivered, only the first groups have paths.
-    groups.iter_mut().for_each(|groups| groups.truncate(delivered.min(GROUPS) as usize));
+    let taken = end.pieces(GROUPS * of_group.div_ceil(PIECE), make, take);
+    // Pieces go to the groups in turn, so if few were taken, only the first groups have paths.
+    groups.iter_mut().for_each(|groups| groups.truncate(taken.min(GROUPS) as usize));
     groups
-}
-
-fn on_one_realisation(plan: Plan, refinement: usize) -> Plan {
-    Plan { simulation: plan.simulation.fed_by_finer(refinement), ..plan }
 }
 
 /// The differences of two rungs on one realisation of the noise. Their standard errors follow from

@@ -3,6 +3,7 @@
 use super::{BlockObserver, BlockResult, Estimate, Record, Statistic, Summary};
 use crate::model::{Drive, Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
+use crate::sums::Unit;
 
 /// f_d = 2, x0 = 6, and no forcing. The tests prescribe the events themselves.
 pub fn model() -> Model {
@@ -45,7 +46,7 @@ pub fn observe(
     periods: &[Vec<f64>],
 ) -> BlockResult {
     let numbers: Vec<u64> = (first..first + paths.len() as u64).collect();
-    let mut observer = BlockObserver::new(&model(), timeline, record, &numbers);
+    let mut observer = BlockObserver::new(&model(), timeline, record, &numbers, Unit::Path);
     for (lane, path) in paths.iter().enumerate() {
         path.events.iter().for_each(|&event| observer.event(lane, event));
     }
