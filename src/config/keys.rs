@@ -2,6 +2,7 @@
 
 use crate::scenario::MAX_PHASE;
 use crate::scheme::TOLERANCES;
+use Allowed::{Any, NonNegative, Phase, Positive, Threshold, Tolerance};
 
 /// The range of numbers that a key accepts. Infinities and NaN are never accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,11 +24,11 @@ impl Allowed {
     pub fn holds(self, x: f64) -> bool {
         match self {
             Allowed::None => false,
-            Allowed::Any => true,
-            Allowed::Positive => x > 0.0,
-            Allowed::NonNegative | Allowed::Threshold => x >= 0.0,
-            Allowed::Phase => x.abs() <= MAX_PHASE,
-            Allowed::Tolerance => TOLERANCES.contains(&x),
+            Any => true,
+            Positive => x > 0.0,
+            NonNegative | Threshold => x >= 0.0,
+            Phase => x.abs() <= MAX_PHASE,
+            Tolerance => TOLERANCES.contains(&x),
         }
     }
 
@@ -35,7 +36,7 @@ impl Allowed {
     /// on.
     pub fn stand_in(self) -> f64 {
         match self {
-            Allowed::Tolerance => *TOLERANCES.end(),
+            Tolerance => *TOLERANCES.end(),
             _ => 1.0,
         }
     }
@@ -43,11 +44,11 @@ impl Allowed {
     pub fn words(self) -> &'static str {
         match self {
             Allowed::None => "no number",
-            Allowed::Any => "a finite number",
-            Allowed::Positive => "a finite number above 0",
-            Allowed::NonNegative | Allowed::Threshold => "a finite number, 0 or above",
-            Allowed::Phase => "a phase from -1e13 to 1e13, beyond which it has lost its digits",
-            Allowed::Tolerance => "a number from 1e-9 to 0.1",
+            Any => "a finite number",
+            Positive => "a finite number above 0",
+            NonNegative | Threshold => "a finite number, 0 or above",
+            Phase => "a phase from -1e13 to 1e13, beyond which it has lost its digits",
+            Tolerance => "a number from 1e-9 to 0.1",
         }
     }
 }
@@ -104,29 +105,29 @@ keys! {
         UNITS = table("units");
     }
     "oscillator" {
-        MASS = number("mass", "m", "mass", Allowed::Positive);
-        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", Allowed::NonNegative);
-        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'; below 0 it drives the body", Allowed::Any);
-        DILATATION = number("dilatation", "beta", "the rest position is beta T", Allowed::Any);
+        MASS = number("mass", "m", "mass", Positive);
+        STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", NonNegative);
+        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'; below 0 it drives the body", Any);
+        DILATATION = number("dilatation", "beta", "the rest position is beta T", Any);
         FORCE_PER_TEMPERATURE = number(
-            "force_per_temperature", "c", "the force c T acts on the body, in place of a dilatation", Allowed::Any);
+            "force_per_temperature", "c", "the force c T acts on the body, in place of a dilatation", Any);
     }
     "friction" {
-        STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Allowed::Threshold);
-        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Allowed::Threshold);
+        STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Threshold);
+        DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
     }
     "temperature" {
-        TEMPERATURE_OFFSET = number("offset", "", "a constant", Allowed::Any);
-        TREND = number("trend", "", "slope of a straight line: a belt, a pulled spring", Allowed::Any);
+        TEMPERATURE_OFFSET = number("offset", "", "a constant", Any);
+        TREND = number("trend", "", "slope of a straight line: a belt, a pulled spring", Any);
         HARMONICS = table("harmonics");
         SERIES = table("series");
         NOISE = table("noise");
     }
     "temperature.harmonics" {
-        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Allowed::Any);
+        AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Any);
         ANGULAR_FREQUENCY = number(
-            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", Allowed::NonNegative);
-        PHASE = number("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Allowed::Phase);
+            "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", NonNegative);
+        PHASE = number("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Phase);
     }
     "temperature.series" {
         FILE = other("file", "relative to the folder of the scenario");
@@ -139,7 +140,7 @@ keys! {
         MISSING = other("missing", "marks of missing values");
         DECIMAL = other("decimal", "the decimal mark");
         OUTLIERS = other("outliers", "standard deviations beyond which a value is left out");
-        MAX_GAP = number("max_gap", "", "longest time between two samples", Allowed::Positive);
+        MAX_GAP = number("max_gap", "", "longest time between two samples", Positive);
         START = other("start", "stamp of t = 0, as the samples say");
         HASH = other("hash", "of the samples");
     }
@@ -159,10 +160,10 @@ keys! {
         SENSOR_DECIMAL = DECIMAL;
     }
     "temperature.noise" {
-        INTENSITY = number("intensity", "rho", "weight of v in T", Allowed::NonNegative);
-        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Allowed::Positive);
-        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", Allowed::NonNegative);
-        INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Allowed::Any);
+        INTENSITY = number("intensity", "rho", "weight of v in T", NonNegative);
+        RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Positive);
+        DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", NonNegative);
+        INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Any);
         PINNED = other("pinned", "v is zero at every sample of the series");
     }
     "force" {
@@ -170,26 +171,26 @@ keys! {
         PARAMETERS = table("parameters");
     }
     "initial" {
-        DISPLACEMENT = number("displacement", "x0", "x(0)", Allowed::Any);
-        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Allowed::Any);
+        DISPLACEMENT = number("displacement", "x0", "x(0)", Any);
+        VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Any);
     }
     "bearing" {
-        BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Allowed::Positive);
-        OFFSET = number("offset", "z0", "what the sensor shows at x = 0", Allowed::Any);
+        BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Positive);
+        OFFSET = number("offset", "z0", "what the sensor shows at x = 0", Any);
     }
     "time" {
-        END = number("end", "t_end", "duration", Allowed::NonNegative);
-        STEP = number("step", "h", "time step", Allowed::Positive);
-        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Allowed::Positive);
+        END = number("end", "t_end", "duration", NonNegative);
+        STEP = number("step", "h", "time step", Positive);
+        OUTPUT_STEP = number("output_step", "", "spacing of the output grid", Positive);
     }
     "scheme" {
         KIND = other("kind", "the scheme");
-        TOLERANCE = number("tolerance", "", "relative error that discretisation may leave", Allowed::Tolerance);
+        TOLERANCE = number("tolerance", "", "relative error that discretisation may leave", Tolerance);
     }
     "statistics" {
-        AFTER = number("after", "", "statistics count from this time on", Allowed::NonNegative);
-        LEVELS = number("levels", "", "distances from the start whose first passages are reported", Allowed::Positive);
-        COMPARED = number("period", "P", "x is compared at the times n P", Allowed::Positive);
+        AFTER = number("after", "", "statistics count from this time on", NonNegative);
+        LEVELS = number("levels", "", "distances from the start whose first passages are reported", Positive);
+        COMPARED = number("period", "P", "x is compared at the times n P", Positive);
     }
     "ensemble" {
         PATHS = other("paths", "number of paths");

@@ -13,11 +13,12 @@
 //! |b(x0, 0)| > f_s; then the first event is the start of a slip at t = 0.
 
 /// A direction of motion, or of a force.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Sign {
     /// -1
     Negative,
     /// +1
+    #[default]
     Positive,
 }
 

@@ -10,7 +10,7 @@ use crate::model::{Event, EventKind, Sign};
 
 /// The running sums of one path. Every entry is a sum in time order, so it depends on this path
 /// alone.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, Default)]
 pub(super) struct PathFold {
     now: Now,
     /// The end of the burn-in; 0 if there is none.
@@ -62,9 +62,10 @@ pub(super) struct PathFold {
 }
 
 /// The present phase of a path.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Now {
     /// Static since t = 0.
+    #[default]
     FirstStick,
     /// In static phase j >= 1.
     Stick,
@@ -98,29 +99,13 @@ impl PathFold {
     /// A path at rest at x0, in its first static phase.
     pub fn starting_at(x0: f64) -> Self {
         PathFold {
-            now: Now::FirstStick,
-            after: 0.0,
             is_counted: true,
-            direction: Sign::Positive,
-            stick_entered: 0.0,
             last_displacement: x0,
             slip_origin: x0,
-            running_sub_phases: 0,
-            early_sticks: 0,
-            early_slips: 0,
             start: x0,
-            early_displacement: 0.0,
-            sticks: Folded::default(),
-            first_duration: None,
-            slips: 0,
-            sub_phases: 0,
-            multiple: 0,
-            jump: 0.0,
-            jump_abs: 0.0,
-            stick_time: 0.0,
-            travel: 0.0,
             max_displacement: x0.abs(),
             displacement_end: x0,
+            ..PathFold::default()
         }
     }
 

@@ -161,31 +161,28 @@ impl Trade {
     fn candidates(&self, kind: Kind, statistics: &[Statistic]) -> Vec<Candidate> {
         let rungs: Vec<&Rung> = self.rungs_of(kind).filter(|rung| rung.diverged == 0).collect();
         let laws: Vec<Option<Law>> = statistics.iter().map(|statistic| self.law(kind, *statistic)).collect();
-        let mut candidates: Vec<Candidate> = (rungs.iter())
-            .map(|rung| Candidate {
-                scheme: rung.scheme,
-                cost: rung.cost,
-                is_measured: true,
-                terms: (statistics.iter().zip(&laws))
-                    .map(|(s, law)| (*s, self.bound(rung, *s, law.as_ref()), rung.variance(*s)))
-                    .collect(),
-            })
-            .collect();
+        let terms = |rung: &Rung, bound: &dyn Fn(Statistic, Option<&Law>) -> BiasBound| {
+            let each = statistics.iter().zip(&laws);
+            each.map(|(s, law)| (*s, bound(*s, law.as_ref()), rung.variance(*s))).collect()
+        };
+        let measured = |rung: &&Rung| {
+            let terms = terms(rung, &|s, law| self.bound(rung, s, law));
+            Candidate { scheme: rung.scheme, cost: rung.cost, is_measured: true, terms }
+        };
+        let mut candidates: Vec<Candidate> = rungs.iter().map(measured).collect();
         let finest = rungs.last().and_then(|rung| Some((*rung, rung.scheme.step()?)));
         if let Some((rung, finest)) = finest {
             candidates.extend((1..=HALVINGS).map(|i| {
                 let finer = 2f64.powi(i);
                 let h = finest / finer;
-                let bound = |s: Statistic, law: &Option<Law>| {
-                    law.as_ref().map_or_else(|| self.finer(&rungs, s, finer), |law| BiasBound::from(law.bias(h)))
+                let bound = |s: Statistic, law: Option<&Law>| {
+                    law.map_or_else(|| self.finer(&rungs, s, finer), |law| law.bias(h).into())
                 };
                 Candidate {
                     scheme: kind.with(h),
                     cost: super::Cost { first: rung.cost.first * finer, each: rung.cost.each * finer },
                     is_measured: false,
-                    terms: (statistics.iter().zip(&laws))
-                        .map(|(s, law)| (*s, bound(*s, law), rung.variance(*s)))
-                        .collect(),
+                    terms: terms(rung, &bound),
                 }
             }));
         }
