@@ -88,8 +88,11 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     text.other(keys::RECORD_PATHS, paths);
     text.other(keys::EVENTS, events);
     text.other(keys::TRAJECTORIES, trajectories);
-    let measures = [(keys::LAWS, laws), (keys::DENSITY, density), (keys::SPECTRUM, spectrum), (keys::ENERGY, energy)];
-    measures.map(|(key, is_asked)| text.other(key, is_asked));
+    for (key, is_asked) in
+        [(keys::LAWS, laws), (keys::DENSITY, density), (keys::SPECTRUM, spectrum), (keys::ENERGY, energy)]
+    {
+        text.other(key, is_asked);
+    }
     let Units { time, length, force, temperature } = units;
     text.table("units");
     let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];
