@@ -28,7 +28,7 @@ mod watched;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use super::bearing::{Weather, calibrate, fit_temperature, forecast, repaired, twin};
+    use super::bearing::{calibrate, fit_temperature, forecast, repaired, twin};
     #[pymodule_export]
     use super::plot::{Picture, plot_calibration, plot_scenario, plot_sweeps, plot_trade};
     #[pymodule_export]

@@ -12,7 +12,7 @@ from ._data import raw
 from ._run import of_run
 from ._scenario import ScenarioLike, Settings, parse
 from ._types import checked
-from .errors import wrong_argument
+from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,15 +116,15 @@ def plot(
         RunError: there is nothing to draw, because every path was lost.
     """
     checked(plot, locals())
-    if theme not in ("light", "dark"):
-        raise wrong_argument("theme", theme, "there is no such theme", "write light or dark")
+    is_known = theme in ("light", "dark")
+    require(is_known, "theme", theme, "there is no such theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log)
     given: Any = subject
     if not _is_data(given):
         if isinstance(given, Mapping) and all(map(_is_data, given.values())):
             sweeps = [(str(name), raw(sweep)) for name, sweep in given.items()]
             return Picture(_native.plot_sweeps(sweeps, statistic, drawn))
-        parsed = parse(given, set, until=until)
+        parsed = parse({"scenario": given, "set": set, "until": until})
         return Picture(_native.plot_scenario(parsed, None, path, drawn))
     ds: xr.Dataset = given
     kind = ds.attrs.get("format_name")

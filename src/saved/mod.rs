@@ -27,9 +27,9 @@ pub use state::RunQuestion;
 pub(crate) use rows::write_rows;
 #[cfg(feature = "store")]
 pub(crate) use {
-    again::{Against, Held, again},
+    again::{Against, again},
     checksum::checksum,
-    parts::{RowSource, each_block},
+    parts::each_block,
     rows::{OwnedRows, Position, read_rows},
     state::{MAGIC, State, of_bytes, to_bytes},
 };
