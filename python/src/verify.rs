@@ -7,7 +7,8 @@ use crate::watched::watched;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
-use stick_slip::saved::{BlocksAgain, Difference, again_in_memory};
+use std::path::PathBuf;
+use stick_slip::saved::{BlocksAgain, Difference, again_in_memory, seal};
 
 /// What was compared: fields of `stickslip.Verified`.
 #[derive(IntoPyObject)]
@@ -59,4 +60,11 @@ pub fn verify<'py>(
         values_checked: again.values,
     };
     Ok((compared, difference))
+}
+
+/// Whether the checksum of a file is right; None if it has none. Without `is_compared` it is only
+/// looked for.
+#[pyfunction]
+pub fn sealed(path: PathBuf, is_compared: bool) -> std::io::Result<Option<bool>> {
+    seal::is_right(&path, if is_compared { u64::MAX } else { 0 })
 }

@@ -387,7 +387,8 @@ def twin(
         "it is one to three numbers",
         "give (white, red, time), e.g. (30e-6, 150e-6, 86400)",
     )
-    white, red, memory = (*sensor_noise, *(0.0, 86_400.0)[len(sensor_noise) - 1 :])[:3]
+    parts: list[Any] = [*sensor_noise, *(0.0, 86_400.0)[len(sensor_noise) - 1 :]]
+    white, red, memory = parts
     for sd in (white, red):
         is_right = not isinstance(sd, (str, timedelta)) and 0 <= sd < float("inf")
         problem = "it is no standard deviation"
@@ -488,7 +489,9 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
 
 def _layout(given: Mapping[str, Any]) -> _native.LaidOut:
     layout: Any = {name: given.get(name) for name in _LAYOUT}
-    return {**layout, "missing": [str(mark) for mark in given.get("missing", ())]}
+    layout["missing"] = [str(mark) for mark in given.get("missing", ())]
+    laid: _native.LaidOut = layout
+    return laid
 
 
 def _table(given: Mapping[str, Any]) -> _native.Measured:
@@ -499,14 +502,11 @@ def _table(given: Mapping[str, Any]) -> _native.Measured:
     remedy = f"give some of {', '.join(_LAYOUT)}"
     for name in other:
         require(name in _LAYOUT, "temperature_layout", name, "a layout has no such part", remedy)
-    columns: Any = {name: given.get(name) for name in _COLUMNS}
-    measured: _native.Measured = {
-        **_arrays(None),
-        **columns,
-        "layout": _layout(given),
-        "temperature_layout": _layout(other),
-        "temperature_file": None if beside is None else os.fspath(beside),
-    }
+    about: Any = {name: given.get(name) for name in _COLUMNS}
+    about["temperature_file"] = None if beside is None else os.fspath(beside)
+    about["layout"], about["temperature_layout"] = _layout(given), _layout(other)
+    measured = _arrays(None)
+    measured.update(about)
     if isinstance(data, (str, os.PathLike)):
         measured["name"] = os.fspath(data)
     else:
@@ -527,16 +527,11 @@ def _repaired(
 
 
 def _arrays(arrays: list[Any] | None) -> _native.Measured:
-    columns: Any = dict.fromkeys(_COLUMNS)
-    return {
-        **columns,
-        "name": "the arrays",
-        "text": None,
-        "arrays": arrays,
-        "temperature_file": None,
-        "layout": _layout({}),
-        "temperature_layout": _layout({}),
-    }
+    nothing: Any = dict.fromkeys((*_COLUMNS, "text", "temperature_file"))
+    nothing["layout"] = nothing["temperature_layout"] = _layout({})
+    nothing["name"], nothing["arrays"] = "the arrays", arrays
+    measured: _native.Measured = nothing
+    return measured
 
 
 def _probability(interval: float) -> None:

@@ -26,6 +26,9 @@ Until = Union[float, str, Sequence[str]]
 #: have the key "trajectories".
 Record = Union[str, Sequence[str], Mapping[str, Any]]
 
+#: The formats of data sets that are not of a run.
+STUDIES = ("stick-slip trade", "stick-slip sweep", "stick-slip calibration")
+
 #: The attributes of the state of a part.
 _PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
 

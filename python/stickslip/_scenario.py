@@ -52,7 +52,7 @@ def scenarios() -> dict[str, str]:
 def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
     """Read the scenario among the arguments of a function, some of which may be replaced, and apply
     overrides: first `set`, then the arguments that replace a key."""
-    arguments = {**given, **replaced}
+    arguments: dict[str, Any] = {**given, **replaced}
     temperature = arguments.get("temperature")
     name, text = source(arguments["scenario"])
     # Messages quote the first of the three with the value behind it.

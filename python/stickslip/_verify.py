@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Literal
 
 from . import _native
 from ._data import load, raw, ready, warn
-from ._run import of_run
-from ._seal import is_sealed
-from .errors import VerificationError, require
+from ._run import STUDIES, of_run
+from .errors import RunError, VerificationError, require
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -77,13 +76,15 @@ def verify(
     if not isinstance(run, (str, os.PathLike)):
         return _verified(run, blocks, threads, None, "data set")
     path = Path(run)
-    has_checksum = is_sealed(path)
+    path.stat()
+    is_right = _native.sealed(str(path), True)
+    if is_right is False:
+        problem = f"{path} is damaged: its checksum is another one"
+        remedy = "take another copy of it, or run its scenario again"
+        raise RunError(f"{problem}\n  fix: {remedy}", problem=problem, remedy=remedy)
+    has_checksum = is_right is not None
     with load(path) as ds:
-        if ds.attrs.get("format_name") in (
-            "stick-slip trade",
-            "stick-slip sweep",
-            "stick-slip calibration",
-        ):
+        if ds.attrs.get("format_name") in STUDIES:
             return Verified(0, (), 0, 0, False, 0, has_checksum, _is_same_program(ds))
         return _verified(ds.load(), blocks, threads, has_checksum, "file")
 

@@ -11,7 +11,7 @@ use crate::bearing::calibration::{
 };
 use crate::data::Start;
 use crate::engine::{PROGRAM_VERSION, commit};
-use crate::stats::{Dimension, Units};
+use crate::stats::Units;
 
 /// Name and version of the format.
 pub(crate) const CALIBRATION_FORMAT: Format = ("stick-slip calibration", (2, 0));
@@ -52,6 +52,11 @@ impl Dataset {
     /// The data set of a calibration.
     pub fn of_calibration(calibration: &StoredCalibration) -> Self {
         Dataset::written(&units(), |to| walk(to, &mut calibration.clone()))
+    }
+
+    /// The calibration in the data set. Fails if the data set is not that of a calibration.
+    pub fn calibration(&self) -> Result<StoredCalibration, String> {
+        read(self)
     }
 }
 
@@ -229,58 +234,53 @@ fn measured(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     walk.sized(&MODELLED, modelled, n)
 }
 
-const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
-const TEMPERATURES: Unit = Unit::Of(Dimension::TEMPERATURE);
-const PER_QUANTITY: &[(&str, &str)] = &[("coordinates", "quantity_symbol quantity_unit")];
+/// A number of each quantity.
+pub(super) const fn of_quantity(name: &'static str, meaning: &'static str) -> Variable {
+    variable(name, &["quantity"], Unit::None, meaning).with(&[("coordinates", "quantity_symbol quantity_unit")])
+}
 
 table! {
     QUANTITY = variable("quantity", &["quantity"], Unit::None, "key of the quantity");
     QUANTITY_SYMBOL = variable("quantity_symbol", &["quantity"], Unit::None, "symbol of the quantity");
     QUANTITY_UNIT = variable("quantity_unit", &["quantity"], Unit::None, "unit of the quantity");
-    ESTIMATE = variable("estimate", &["quantity"], Unit::None, "estimate").with(PER_QUANTITY);
-    LOW = variable("interval_low", &["quantity"], Unit::None, "lower end of the interval").with(PER_QUANTITY);
-    HIGH = variable("interval_high", &["quantity"], Unit::None, "upper end of the interval").with(PER_QUANTITY);
-    ERR_ESTIMATE = variable("least_squares", &["quantity"], Unit::None,
-        "estimate by the least squares, from the best of its starts").with(PER_QUANTITY);
-    ERR_LOW = variable("least_squares_low", &["quantity"], Unit::None,
-        "lower end of the interval of the least squares").with(PER_QUANTITY);
-    ERR_HIGH = variable("least_squares_high", &["quantity"], Unit::None,
-        "upper end of the interval of the least squares").with(PER_QUANTITY);
-    HELD = variable("held", &["quantity"], Unit::None, "value at which the quantity was held, missing where fitted")
-        .with(PER_QUANTITY);
-    BOUND_LOW = variable("bound_low", &["quantity"], Unit::None,
-        "lower bound of the search, missing where there was none").with(PER_QUANTITY);
-    BOUND_HIGH = variable("bound_high", &["quantity"], Unit::None,
-        "upper bound of the search, missing where there was none").with(PER_QUANTITY);
+    ESTIMATE = of_quantity("estimate", "estimate");
+    LOW = of_quantity("interval_low", "lower end of the interval");
+    HIGH = of_quantity("interval_high", "upper end of the interval");
+    ERR_ESTIMATE = of_quantity("least_squares", "estimate by the least squares, from the best of its starts");
+    ERR_LOW = of_quantity("least_squares_low", "lower end of the interval of the least squares");
+    ERR_HIGH = of_quantity("least_squares_high", "upper end of the interval of the least squares");
+    HELD = of_quantity("held", "value at which the quantity was held, missing where fitted");
+    BOUND_LOW = of_quantity("bound_low", "lower bound of the search, missing where there was none");
+    BOUND_HIGH = of_quantity("bound_high", "upper bound of the search, missing where there was none");
     OTHER = variable("other", &["other"], Unit::None, "key of the other quantity");
     CORRELATION = variable("correlation", &["quantity", "other"], Unit::ONE,
         "correlation of the errors of two quantities");
     SLIP = variable("slip", &["slip"], Unit::ONE, "number of the slip");
     SLIP_TIME = variable("slip_time", &["slip"], Unit::Seconds, "time of the slip, in the middle between two samples");
-    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], TEMPERATURES, "temperature of steel at the slip");
-    SLIP_JUMP = variable("slip_jump", &["slip"], LENGTH, "jump of the displacement less kappa beta T");
+    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], Unit::TEMPERATURE, "temperature of steel at the slip");
+    SLIP_JUMP = variable("slip_jump", &["slip"], Unit::LENGTH, "jump of the displacement less kappa beta T");
     SLIP_USUAL = variable("slip_usual", &["slip"], Unit::None, "whether the slip is alone and of the usual size")
         .flags(&[0, 1], &[("flag_meanings", "left_out fitted")]);
     START = variable("start", &["start"], Unit::ONE, "number of the start of the least squares");
-    START_ERR = variable("start_err", &["start"], Unit::Of(Dimension::AREA),
+    START_ERR = variable("start_err", &["start"], Unit::AREA,
         "mean square of model less measurement");
     START_VALUE = variable("start_value", &["start", "quantity"], Unit::None, "what the start found");
     LAG = variable("lag", &["lag"], Unit::Seconds, "lag of steel behind the thermometer");
     LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
         "twice the logarithm of the largest likelihood over that of this lag");
     ZERO_TIME = variable("zero_time", &["zero_time"], Unit::Seconds, "time at which the zero of the sensor was set");
-    ZERO_STEP = variable("zero_step", &["zero_time"], LENGTH, "by how much readings moved when the zero was set");
+    ZERO_STEP = variable("zero_step", &["zero_time"], Unit::LENGTH, "by how much readings moved when the zero was set");
     DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");
     TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample");
-    TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured");
-    STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
+    TEMPERATURE = variable("temperature", &["time"], Unit::TEMPERATURE, "temperature as measured");
+    STEEL = variable("steel_temperature", &["time"], Unit::TEMPERATURE, "temperature of steel, behind the measured one");
     INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,
         "whether the temperature is interpolated between those of the thermometer")
         .flags(&[0, 1], &[("flag_meanings", "measured interpolated")]);
-    READING = variable("displacement", &["time"], LENGTH, "displacement as measured");
-    MODELLED = variable("displacement_modelled", &["time"], LENGTH, "displacement of the model");
+    READING = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");
+    MODELLED = variable("displacement_modelled", &["time"], Unit::LENGTH, "displacement of the model");
 }
 
 #[cfg(test)]

@@ -59,6 +59,11 @@ const WITH_ERRORS: &[(&str, &str)] = &[
     ("ancillary_variables", "standard_error interval_low interval_high bias bias_uncertainty bias_order"),
 ];
 
+/// A number of each statistic.
+const fn of_statistic(name: &'static str, meaning: &'static str) -> Variable {
+    variable(name, &["statistic"], Unit::None, meaning).with(PER_STATISTIC)
+}
+
 const OF_BIN: &[&str] = &["law", "law_bin"];
 const PER_BIN: &[(&str, &str)] = &[("coordinates", "law_lower law_upper")];
 
@@ -66,25 +71,16 @@ table! {
     STATISTIC = variable("statistic", &["statistic"], Unit::None, "name of the statistic");
     STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "what the statistic is");
     STATISTIC_UNIT = variable("statistic_unit", &["statistic"], Unit::None, "unit of the statistic");
-    ESTIMATE = variable("estimate", &["statistic"], Unit::None, "estimate").with(WITH_ERRORS);
-    STANDARD_ERROR = variable("standard_error", &["statistic"], Unit::None,
-        "standard error of the estimate, the path being the independent unit").with(PER_STATISTIC);
-    INTERVAL_LOW = variable("interval_low", &["statistic"], Unit::None,
-        "lower end of the 95 % confidence interval").with(PER_STATISTIC);
-    INTERVAL_HIGH = variable("interval_high", &["statistic"], Unit::None,
-        "upper end of the 95 % confidence interval").with(PER_STATISTIC);
-    BIAS = variable("bias", &["statistic"], Unit::None,
-        "estimated discretisation bias, missing where unknown").with(PER_STATISTIC);
-    BIAS_UNCERTAINTY = variable("bias_uncertainty", &["statistic"], Unit::None,
-        "95 % uncertainty of the discretisation bias").with(PER_STATISTIC);
-    BIAS_ORDER = variable("bias_order", &["statistic"], Unit::None,
-        "observed order p of the bias in the time step, as in C h^p, missing where unknown").with(PER_STATISTIC);
-    ESTIMATE_CORRECTED = variable("estimate_corrected", &["statistic"], Unit::None,
-        "estimate with its bias removed as far as it is known, missing where unknown").with(PER_STATISTIC);
-    ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", &["statistic"], Unit::None,
-        "lower end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
-    ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", &["statistic"], Unit::None,
-        "upper end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
+    ESTIMATE = of_statistic("estimate", "estimate").with(WITH_ERRORS);
+    STANDARD_ERROR = of_statistic("standard_error", "standard error of the estimate, the path being the independent unit");
+    INTERVAL_LOW = of_statistic("interval_low", "lower end of the 95 % confidence interval");
+    INTERVAL_HIGH = of_statistic("interval_high", "upper end of the 95 % confidence interval");
+    BIAS = of_statistic("bias", "estimated discretisation bias, missing where unknown");
+    BIAS_UNCERTAINTY = of_statistic("bias_uncertainty", "95 % uncertainty of the discretisation bias");
+    BIAS_ORDER = of_statistic("bias_order", "observed order p of the bias in the time step, as in C h^p, missing where unknown");
+    ESTIMATE_CORRECTED = of_statistic("estimate_corrected", "estimate with its bias removed as far as it is known, missing where unknown");
+    ESTIMATE_CORRECTED_LOW = of_statistic("estimate_corrected_low", "lower end of the 95 % interval of the corrected estimate");
+    ESTIMATE_CORRECTED_HIGH = of_statistic("estimate_corrected_high", "upper end of the 95 % interval of the corrected estimate");
 
     BOUND = variable("bound", &["bound"], Unit::None, "end of an interval");
 
@@ -228,18 +224,21 @@ table! {
 
 /// Mean, standard deviation and quantiles of a quantity on the output grid.
 macro_rules! band {
-    ($of:literal, $unit:expr) => {
+    ($mean:literal, $sd:literal, $quantile:literal, $unit:expr, $of:literal) => {
         [
-            measured!(concat!($of, "_mean"), ["time"], $unit, concat!("mean of the ", $of)),
-            measured!(concat!($of, "_sd"), ["time"], $unit, concat!("standard deviation of the ", $of)),
-            measured!(concat!($of, "_quantile"), ["quantile", "time"], $unit, concat!("quantiles of the ", $of)),
+            measured!($mean, ["time"], $unit, concat!("mean of the ", $of)),
+            measured!($sd, ["time"], $unit, concat!("standard deviation of the ", $of)),
+            measured!($quantile, ["quantile", "time"], $unit, concat!("quantiles of the ", $of)),
         ]
     };
 }
 
-pub(crate) const DISPLACEMENT: [WithInterval; 3] = band!("displacement", Unit::LENGTH);
-pub(crate) const VELOCITY: [WithInterval; 3] = band!("velocity", Unit::VELOCITY);
-pub(crate) const TEMPERATURE: [WithInterval; 3] = band!("temperature", Unit::TEMPERATURE);
+pub(crate) const DISPLACEMENT: [WithInterval; 3] =
+    band!("displacement_mean", "displacement_sd", "displacement_quantile", Unit::LENGTH, "displacement");
+pub(crate) const VELOCITY: [WithInterval; 3] =
+    band!("velocity_mean", "velocity_sd", "velocity_quantile", Unit::VELOCITY, "velocity");
+pub(crate) const TEMPERATURE: [WithInterval; 3] =
+    band!("temperature_mean", "temperature_sd", "temperature_quantile", Unit::TEMPERATURE, "temperature");
 
 #[cfg(test)]
 mod tests {

@@ -1,16 +1,10 @@
 //! A data set in memory.
 
 use super::layout::Described;
-use super::walk::{Walk, Walked};
-use super::{
-    Attribute, Column, ColumnView, ElementType, Source, StoredCalibration, StoredSweep, StoredTrade, attributes_of,
-    calibration, series, summary, sweep, trade,
-};
-use crate::model::Series;
-use crate::stats::{Dimension, Summary, Units};
+use super::{Attribute, Column, ColumnView, ElementType, Source, attributes_of};
+use crate::stats::{Dimension, Units};
 use ndarray::ArrayViewD;
 use std::ops::Range;
-use std::sync::Arc;
 
 /// A data set in memory, with the same variables and attributes as a file.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -54,14 +48,6 @@ impl Dataset {
         Dataset { attributes, entries, ..Dataset::default() }
     }
 
-    /// A data set with everything that a walk goes over.
-    pub(super) fn written(units: &Units, walk: impl FnOnce(&mut Walk) -> Walked) -> Self {
-        let mut dataset = Dataset::new(units);
-        let done = walk(&mut Walk::Writing(&mut dataset));
-        debug_assert_eq!(done, Ok(()));
-        dataset
-    }
-
     /// Write a variable. A variable without values is left out, and so is its dimension.
     pub(crate) fn write<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) {
         let values = values.into();
@@ -82,36 +68,6 @@ impl Dataset {
         match self.attributes.iter_mut().find(|(of, _)| of == name) {
             Some((_, earlier)) => *earlier = value,
             None => self.attributes.push((name.to_owned(), value)),
-        }
-    }
-
-    /// The trade in the data set. Fails if the data set is not that of a trade.
-    pub fn trade(&self) -> Result<StoredTrade, String> {
-        trade::read(self)
-    }
-
-    /// The sweep in the data set. Fails if the data set is not that of a sweep.
-    pub fn sweep(&self) -> Result<StoredSweep, String> {
-        sweep::read(self)
-    }
-
-    /// The calibration in the data set. Fails if the data set is not that of a calibration.
-    pub fn calibration(&self) -> Result<StoredCalibration, String> {
-        calibration::read(self)
-    }
-
-    /// The samples of a measured temperature, if there are any. Fails if they are not a valid
-    /// series.
-    pub fn series(&self) -> Result<Option<Arc<Series>>, String> {
-        series::read(self)
-    }
-
-    /// The statistics of a run; `step` is the step of its scheme, if it has one. Fails if the data
-    /// set is not that of a run.
-    pub fn summary(&self, step: Option<f64>) -> Result<Summary, String> {
-        match self.attribute("completed_paths") {
-            Some(Attribute::Count(paths)) => summary::read(self, *paths, step),
-            _ => Err("completed_paths is missing: this is not the data set of a run".into()),
         }
     }
 

@@ -25,3 +25,11 @@ pub(crate) fn read(from: &dyn Source) -> Result<Option<Arc<Series>>, String> {
     let series = Series::new(times, read_or_empty(from, &layout::SERIES_TEMPERATURE)?);
     series.map(|series| Some(Arc::new(series))).map_err(|error| error.to_string())
 }
+
+impl Dataset {
+    /// The samples of a measured temperature, if there are any. Fails if they are not a valid
+    /// series.
+    pub fn series(&self) -> Result<Option<Arc<Series>>, String> {
+        read(self)
+    }
+}

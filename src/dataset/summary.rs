@@ -2,7 +2,7 @@
 
 use super::layout;
 use super::walk::{Walk, Walked};
-use super::{Dataset, Element, Source, columns_of, counted, read_or_empty, read_variable, texts};
+use super::{Attribute, Dataset, Element, Source, columns_of, counted, read_or_empty, read_variable, texts};
 use crate::stats::{
     Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extremes, FirstSticks, Fluctuations,
     LimitCycle, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary,
@@ -395,4 +395,15 @@ fn walk_transient(walk: &mut Walk, transient: &mut Transient) -> Walked {
     walk.number(&layout::TRANSIENT_DISPLACEMENT, estimate, &mut ends)?;
     [*low, *high] = ends;
     walk.scalar(&layout::TRANSIENT_DISPLACEMENT_ERROR, standard_error)
+}
+
+impl Dataset {
+    /// The statistics of a run; `step` is the step of its scheme, if it has one. Fails if the data
+    /// set is not that of a run.
+    pub fn summary(&self, step: Option<f64>) -> Result<Summary, String> {
+        match self.attribute("completed_paths") {
+            Some(Attribute::Count(paths)) => read(self, *paths, step),
+            _ => Err("completed_paths is missing: this is not the data set of a run".into()),
+        }
+    }
 }

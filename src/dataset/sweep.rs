@@ -82,6 +82,11 @@ impl Dataset {
         comparisons(&mut dataset, sweep);
         dataset
     }
+
+    /// The sweep in the data set. Fails if the data set is not that of a sweep.
+    pub fn sweep(&self) -> Result<StoredSweep, String> {
+        read(self)
+    }
 }
 
 /// What the attributes of a sweep say about it, besides where it comes from.

@@ -40,6 +40,11 @@ impl Dataset {
         predicted(&mut dataset, trade);
         dataset
     }
+
+    /// The trade in the data set. Fails if the data set is not that of a trade.
+    pub fn trade(&self) -> Result<StoredTrade, String> {
+        read(self)
+    }
 }
 
 fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) -> Walked {

@@ -1,7 +1,7 @@
 //! Synthetic measurements of a bearing as a data set, with the true values beside them.
 
 use super::Dataset;
-use super::calibration::{TIME, units, write_quantities};
+use super::calibration::{TIME, of_quantity, units, write_quantities};
 use super::layout::{Unit, Variable, variable};
 use crate::bearing::calibration::{Twin, Values};
 use crate::engine::{PROGRAM_VERSION, commit};
@@ -25,8 +25,7 @@ impl Dataset {
     }
 }
 
-const TRUTH: Variable = variable("truth", &["quantity"], Unit::None, "what a calibration is to find")
-    .with(&[("coordinates", "quantity_symbol quantity_unit")]);
+const TRUTH: Variable = of_quantity("truth", "what a calibration is to find");
 const TEMPERATURE: Variable =
     variable("temperature", &["time"], Unit::None, "temperature as measured").with(&[("units", "degC")]);
 const DISPLACEMENT: Variable = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");

@@ -4,7 +4,7 @@
 use super::form::AttributeValue;
 use super::layout::{Described, WithInterval};
 use super::{Attribute, ColumnView, Dataset, Element, Source, read_attribute, read_or_empty, read_variable};
-use crate::stats::Dimension;
+use crate::stats::{Dimension, Units};
 use crate::sums::Ends;
 
 /// A walk that writes leaves the values as they are, and one that reads replaces them.
@@ -105,5 +105,15 @@ impl Walk<'_> {
         self.sized(&of.interval, &mut interval, ends.len())?;
         ends.copy_from_slice(&interval);
         Ok(())
+    }
+}
+
+impl Dataset {
+    /// A data set with everything that a walk goes over.
+    pub(super) fn written(units: &Units, walk: impl FnOnce(&mut Walk) -> Walked) -> Self {
+        let mut dataset = Dataset::new(units);
+        let done = walk(&mut Walk::Writing(&mut dataset));
+        debug_assert_eq!(done, Ok(()));
+        dataset
     }
 }

@@ -15,6 +15,7 @@ mod error;
 mod part;
 mod parts;
 mod rows;
+pub mod seal;
 mod state;
 
 pub use again::{Again, BlocksAgain, Difference, again_in_memory, drawn};

@@ -1,7 +1,7 @@
 //! What a file holds, whatever its kind.
 
-use super::reader::{check_file, open, read, read_kind, unfinished};
-use super::{StoreError, seal};
+use super::StoreError;
+use super::reader::{check_file, check_seal, open, read, read_kind, unfinished};
 use crate::dataset::calibration::{self, CALIBRATION_FORMAT};
 use crate::dataset::header::FORMAT;
 use crate::dataset::sweep::{self, SWEEP_FORMAT};
@@ -60,7 +60,7 @@ kinds! {
 /// read. Whether a file without a seal was changed cannot be known.
 pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
     check_file(target)?;
-    seal::check_all(target)?;
+    check_seal(target, u64::MAX)?;
     let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 { path: target.to_owned() })?;
     kind.read(target).map(drop)
 }

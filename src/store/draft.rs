@@ -14,12 +14,12 @@
 //! After a failed write or flush the handles are leaked on purpose, and the file is never touched
 //! again. Closing such a file crashes some versions of the library, and others report success.
 
+use super::StoreError;
 use super::error::cause;
 use super::failure::WriteFailure;
 use super::read_back::Written;
-use super::superblock::superblock;
 use super::variable::OpenFile;
-use super::{StoreError, seal};
+use crate::saved::seal::{self, superblock};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};

@@ -3,14 +3,14 @@
 
 use super::error::cause;
 use super::read_back::Written;
-use super::rows::some_rows;
 use super::scale::{attach_scale, make_scale};
-use super::seal;
 use crate::dataset::layout::{BARE_DIMENSION, Described};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{self, Attribute, Column, ColumnView, ElementType, Entry, Source};
+use crate::saved::seal;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
 use hdf5::{Container, Dataset, DatasetBuilderEmpty, Error, Extent, File, H5Type, Location, Result};
+use ndarray::{IxDyn, s};
 use std::collections::BTreeMap;
 use std::ops::Range;
 use std::path::Path;
@@ -286,7 +286,7 @@ fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> 
 }
 
 /// The texts of an attribute or a variable, of variable or of fixed length.
-pub(super) fn read_texts(of: &Container) -> Result<Vec<String>> {
+fn read_texts(of: &Container) -> Result<Vec<String>> {
     /// The longest text with a fixed length is a scenario of 1 MiB.
     const LONGEST: usize = 1 << 20;
     macro_rules! fixed {
@@ -322,6 +322,33 @@ fn readable(text: &str) -> Result<String> {
 /// Text in the form that HDF5 stores.
 fn text(value: &str) -> Result<VarLenUnicode> {
     VarLenUnicode::from_str(value).map_err(|_| Error::from("a text holds a NUL character"))
+}
+
+/// Read some rows of a variable as values of this type, row by row.
+fn some_rows(name: &str, dataset: &Dataset, kind: ElementType, rows: &Range<usize>) -> Result<Column> {
+    Ok(match kind {
+        ElementType::F64 => Column::F64(slice(name, dataset, rows)?),
+        ElementType::U64 => Column::U64(slice(name, dataset, rows)?),
+        ElementType::U32 => Column::U32(slice(name, dataset, rows)?),
+        ElementType::I8 => Column::I8(slice(name, dataset, rows)?),
+        ElementType::U8 => Column::U8(slice(name, dataset, rows)?),
+        ElementType::Text => Column::Text(read_texts(dataset)?),
+    })
+}
+
+fn slice<T: H5Type + Clone>(name: &str, dataset: &Dataset, rows: &Range<usize>) -> Result<Vec<T>> {
+    if !dataset.dtype()?.is::<T>() {
+        return Err(format!("{name} has another type than it was written with").into());
+    }
+    let some = rows.clone();
+    match dataset.shape()[..] {
+        // A variable that is read as a whole needs no selection, which is much faster.
+        [] => dataset.read_raw(),
+        [length, ..] if *rows == (0..length) => dataset.read_raw(),
+        [_] => Ok(dataset.read_slice_1d::<T, _>(s![some])?.to_vec()),
+        [_, _] => Ok(dataset.read_slice_2d::<T, _>(s![some, ..])?.into_iter().collect()),
+        _ => Ok(dataset.read_slice::<T, _, IxDyn>(s![some, .., ..])?.into_iter().collect()),
+    }
 }
 
 /// A variable that must be there, with the lengths of its axes.
