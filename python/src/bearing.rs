@@ -8,13 +8,14 @@ use crate::watched::watched;
 use numpy::{PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
+use pyo3::types::{IntoPyDict as _, PyDict};
 use std::path::Path;
 use stick_slip::bearing::calibration::{
     Air, Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
     NotHeld, Quantity, calibrate as calibrated, twin as made, values,
 };
 use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
-use stick_slip::bearing::weather::{NotTold, PERIODS, WeatherError, WeatherFit, fit, usual};
+use stick_slip::bearing::weather::{Cycle, NotTold, PERIODS, Process, WeatherError, WeatherFit, fit, usual};
 use stick_slip::config::{self, Override, ScenarioError};
 use stick_slip::data::{
     self, BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
@@ -322,78 +323,43 @@ fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
     errors::of_run(py, &error.to_string(), remedy)
 }
 
-/// The three numbers of a harmonic or of a noise.
-type Triple = (f64, f64, f64);
-
-/// A measured temperature, fitted by harmonics and noise of a scenario.
-#[pyclass(frozen)]
-pub struct Weather {
-    fit: WeatherFit,
-    /// The date of time 0, if the times were dates in a file or a text.
-    #[pyo3(get)]
-    start: Option<String>,
-    /// What was repaired in the data, and what is to be known of the fit.
-    #[pyo3(get)]
-    remarks: Vec<String>,
-}
-
-#[pymethods]
-impl Weather {
-    #[getter]
-    fn samples(&self) -> usize {
-        self.fit.samples
-    }
-
-    #[getter]
-    fn duration(&self) -> f64 {
-        self.fit.duration
-    }
-
-    /// The mean and its standard error.
-    #[getter]
-    fn mean(&self) -> (f64, f64) {
-        self.fit.mean()
-    }
-
-    /// Period, amplitude, phase, and standard error of the amplitude of each harmonic.
-    #[getter]
-    fn harmonics(&self) -> Vec<(f64, f64, f64, f64)> {
-        self.fit.cycles().iter().map(|cycle| (cycle.period, cycle.amplitude, cycle.phase, cycle.error)).collect()
-    }
-
-    /// Standard deviation and its relative error, relaxation rate and its relative error, of each
-    /// process.
-    #[getter]
-    fn processes(&self) -> Vec<(f64, f64, f64, f64)> {
-        let of = self.fit.processes();
-        of.iter().map(|process| (process.sd, process.sd_error, process.relaxation_rate, process.rate_error)).collect()
-    }
-
-    #[getter]
-    fn sensor_sd(&self) -> f64 {
-        self.fit.white
-    }
-
-    #[getter]
-    fn log_likelihood(&self) -> f64 {
-        self.fit.log_likelihood
-    }
-
-    /// Amplitude, angular frequency and phase of each harmonic, with the mean as the first one;
-    /// intensity, relaxation rate and diffusion of each noise.
-    #[getter]
-    fn temperature(&self) -> (Vec<Triple>, Vec<Triple>) {
-        let temperature = self.fit.temperature();
-        let harmonics = temperature.harmonics.iter().map(|wave| (wave.amplitude, wave.angular_frequency, wave.phase));
-        let noises = temperature.noises().map(|noise| (noise.intensity, noise.relaxation_rate, noise.diffusion));
-        (harmonics.collect(), noises.collect())
-    }
-
-    /// The temperature as a section of a scenario.
-    #[getter]
-    fn toml(&self) -> String {
-        config::temperature_part(&self.fit.temperature())
-    }
+/// The fields of `stickslip.Weather`, which are described there.
+fn weather<'py>(py: Python<'py>, fit: &WeatherFit, start: Option<String>) -> PyResult<Bound<'py, PyDict>> {
+    let temperature = fit.temperature();
+    let cycle = |c: &Cycle| {
+        [("period", c.period), ("amplitude", c.amplitude), ("phase", c.phase), ("standard_error", c.error)]
+            .into_py_dict(py)
+    };
+    let process = |p: &Process| {
+        let rate = [("relaxation_rate", p.relaxation_rate), ("relaxation_rate_relative_error", p.rate_error)];
+        [("sd", p.sd), ("sd_relative_error", p.sd_error)].into_iter().chain(rate).into_py_dict(py)
+    };
+    let harmonics = temperature.harmonics.iter().map(|wave| {
+        [("amplitude", wave.amplitude), ("angular_frequency", wave.angular_frequency), ("phase", wave.phase)]
+            .into_py_dict(py)
+    });
+    let noises = temperature.noises().map(|noise| {
+        let numbers = [("intensity", noise.intensity), ("relaxation_rate", noise.relaxation_rate)];
+        let numbers = numbers.into_iter().chain([("diffusion", noise.diffusion)]).into_py_dict(py)?;
+        numbers.set_item("initial", "stationary")?;
+        Ok(numbers)
+    });
+    let tables = PyDict::new(py);
+    tables.set_item("harmonics", harmonics.collect::<PyResult<Vec<_>>>()?)?;
+    tables.set_item("noise", noises.collect::<PyResult<Vec<_>>>()?)?;
+    let (mean, error) = fit.mean();
+    let fields = PyDict::new(py);
+    fields.set_item("samples", fit.samples)?;
+    fields.set_item("duration", fit.duration)?;
+    fields.set_item("mean", vec![mean, error])?;
+    fields.set_item("harmonics", fit.cycles().iter().map(cycle).collect::<PyResult<Vec<_>>>()?)?;
+    fields.set_item("processes", fit.processes().iter().map(process).collect::<PyResult<Vec<_>>>()?)?;
+    fields.set_item("sensor_sd", fit.white)?;
+    fields.set_item("log_likelihood", fit.log_likelihood)?;
+    fields.set_item("start", start)?;
+    fields.set_item("toml", config::temperature_part(&temperature))?;
+    fields.set_item("temperature", tables)?;
+    Ok(fields)
 }
 
 /// Fits harmonics with these periods, in seconds, or with those of a year and a day that the samples
@@ -405,7 +371,7 @@ pub fn fit_temperature<'py>(
     measured: Measured<'py>,
     processes: usize,
     periods: Option<Vec<f64>>,
-) -> PyResult<Weather> {
+) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
     let (times, temperatures, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
             let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
@@ -431,7 +397,7 @@ pub fn fit_temperature<'py>(
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
     let fit = found.map_err(|error| no_weather(py, &error))?;
     let remarks = remarks.into_iter().chain(fit.warnings()).collect();
-    Ok(Weather { fit, start, remarks })
+    Ok((weather(py, &fit, start)?, remarks))
 }
 
 /// Makes synthetic measurements of a bearing with the parameters of the scenario. The temperature

@@ -28,9 +28,9 @@ mod watched;
 #[pyo3::pymodule]
 mod _native {
     #[pymodule_export]
-    use super::bearing::{Weather, calibrate, fit_temperature, forecast, repaired, twin};
+    use super::bearing::{calibrate, fit_temperature, forecast, repaired, twin};
     #[pymodule_export]
-    use super::plot::{Picture, plot_calibration, plot_scenario, plot_sweeps, plot_trade};
+    use super::plot::{Picture, plot};
     #[pymodule_export]
     use super::run::{merge, replay, run};
     #[pymodule_export]
@@ -38,7 +38,7 @@ mod _native {
     #[pymodule_export]
     use super::studies::{choose, sweep, trade};
     #[pymodule_export]
-    use super::verify::verify;
+    use super::verify::{sealed, verify};
 
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {

@@ -6,7 +6,7 @@ use crate::scenario::Scenario;
 use crate::studies::statistic;
 use pyo3::prelude::*;
 use stick_slip::config::Override;
-use stick_slip::dataset::StoredSweep;
+use stick_slip::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
 use stick_slip::figure::{self, Absent, Drawing, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
@@ -40,55 +40,47 @@ impl Picture {
 /// the width of a figure in millimetres, and whether vertical axes are logarithmic.
 type Drawn = (Option<String>, bool, f64, bool);
 
-/// Draws a path of a scenario or, given the data set of a run, that run.
+/// Draws a path of a scenario; or data sets with their names: a run of this scenario, a trade, a
+/// calibration, or sweeps over the same key.
 #[pyfunction]
-pub fn plot_scenario(
+#[pyo3(signature = (scenario, data, path, of, drawn))]
+pub fn plot(
     py: Python<'_>,
-    scenario: &Scenario,
-    run: Option<Handed<'_>>,
+    scenario: Option<&Scenario>,
+    data: Vec<(String, Handed<'_>)>,
     path: u64,
-    drawn: Drawn,
-) -> PyResult<Picture> {
-    let scenario = &scenario.checked;
-    let Some(run) = run else {
-        return draw(py, &Subject::Scenario { scenario, path }, drawn);
-    };
-    let summary = from_python(run)?.summary(scenario.scheme.step()).map_err(|error| damaged(py, &error))?;
-    draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn)
-}
-
-/// Draws a trade.
-#[pyfunction]
-pub fn plot_trade(py: Python<'_>, trade: Handed<'_>, of: Option<&str>, drawn: Drawn) -> PyResult<Picture> {
-    let of = of.map(|name| statistic(py, name)).transpose()?;
-    let stored = from_python(trade)?.trade().map_err(|error| damaged(py, &error))?;
-    let prices = stored.prices(of).ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
-    draw(py, &Subject::Trade(&prices), drawn)
-}
-
-/// Draws sweeps over the same key, each with its name.
-#[pyfunction]
-pub fn plot_sweeps(
-    py: Python<'_>,
-    sweeps: Vec<(String, Handed<'_>)>,
     of: Option<&str>,
     drawn: Drawn,
 ) -> PyResult<Picture> {
-    let of: Vec<Statistic> = of.map(|name| statistic(py, name)).transpose()?.into_iter().collect();
-    let read = |(name, sweep): (String, Handed<'_>)| {
-        let stored = from_python(sweep)?.sweep().map_err(|error| damaged(py, &error))?;
-        Ok((name, whole(py, stored)?))
-    };
-    let sweeps = sweeps.into_iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
-    let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
-    draw(py, &Subject::Sweep { sweeps: &named, statistics: &of }, drawn)
-}
-
-/// Draws a calibration.
-#[pyfunction]
-pub fn plot_calibration(py: Python<'_>, calibration: Handed<'_>, drawn: Drawn) -> PyResult<Picture> {
-    let stored = from_python(calibration)?.calibration().map_err(|error| damaged(py, &error))?;
-    draw(py, &Subject::Calibration { title: &stored.title, calibration: &stored.calibration }, drawn)
+    let of = of.map(|name| statistic(py, name)).transpose()?;
+    let read = |(name, handed): (String, Handed<'_>)| Ok((name, from_python(handed)?));
+    let data = data.into_iter().map(read).collect::<PyResult<Vec<(String, Dataset)>>>()?;
+    let wrong = |problem: String| damaged(py, &problem);
+    let format = data.first().and_then(|(_, first)| first.attribute("format_name"));
+    match (scenario.map(|scenario| &scenario.checked), data.as_slice(), format) {
+        (Some(scenario), [], _) => draw(py, &Subject::Scenario { scenario, path }, drawn),
+        (Some(scenario), [(_, run), ..], _) => {
+            let summary = run.summary(scenario.scheme.step()).map_err(wrong)?;
+            draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn)
+        }
+        (None, [(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
+            let prices = trade.trade().map_err(wrong)?.prices(of);
+            let prices = prices.ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
+            draw(py, &Subject::Trade(&prices), drawn)
+        }
+        (None, [(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
+            let StoredCalibration { title, calibration, .. } = fit.calibration().map_err(wrong)?;
+            draw(py, &Subject::Calibration { title: &title, calibration: &calibration }, drawn)
+        }
+        (None, sweeps, _) => {
+            let read =
+                |(name, sweep): &(String, Dataset)| Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?));
+            let sweeps = sweeps.iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
+            let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
+            let statistics: Vec<Statistic> = of.into_iter().collect();
+            draw(py, &Subject::Sweep { sweeps: &named, statistics: &statistics }, drawn)
+        }
+    }
 }
 
 /// A sweep from a data set, with the scenarios of its points made again.

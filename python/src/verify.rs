@@ -6,19 +6,40 @@ use crate::studies::Threads;
 use crate::watched::watched;
 use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
-use stick_slip::saved::{Again, BlocksAgain, again_in_memory};
+use pyo3::types::PyTuple;
+use std::path::PathBuf;
+use stick_slip::saved::{BlocksAgain, Difference, again_in_memory, seal};
 
-/// A difference: variable, path, index, the stored and the computed value, and its place in words.
-type Differs = (String, Option<u64>, Option<usize>, String, String, String);
+/// What was compared: fields of `stickslip.Verified`.
+#[derive(IntoPyObject)]
+pub struct Compared<'py> {
+    blocks: u64,
+    blocks_checked: Bound<'py, PyTuple>,
+    paths_checked: u64,
+    statistics_checked: bool,
+    values_checked: u64,
+}
 
-/// Number of blocks, those that were simulated again, how many paths these are, whether statistics
-/// were computed again, the number of values compared, and the first difference.
-type Verified = (u64, Vec<u64>, u64, bool, u64, Option<Differs>);
+/// Fields of `stickslip.VerificationError`, and the place of the difference in words.
+#[derive(IntoPyObject)]
+pub struct Differs {
+    variable: String,
+    path: Option<u64>,
+    index: Option<usize>,
+    stored: String,
+    computed: String,
+    place: String,
+}
 
 /// Compares the data set of a run with a second simulation of so many of its blocks; of all, if
 /// `blocks` is none.
 #[pyfunction]
-pub fn verify(py: Python<'_>, run: Handed<'_>, blocks: Option<u64>, threads: Threads) -> PyResult<Verified> {
+pub fn verify<'py>(
+    py: Python<'py>,
+    run: Handed<'_>,
+    blocks: Option<u64>,
+    threads: Threads,
+) -> PyResult<(Compared<'py>, Option<Differs>)> {
     let dataset = from_python(run)?;
     let sample = blocks.map_or(BlocksAgain::All, BlocksAgain::Some);
     let (again, is_interrupted) = watched(py, None, |watch| again_in_memory(&dataset, sample, threads.0, &watch.stop))?;
@@ -26,10 +47,24 @@ pub fn verify(py: Python<'_>, run: Handed<'_>, blocks: Option<u64>, threads: Thr
     if is_interrupted {
         return Err(PyKeyboardInterrupt::new_err("interrupted while blocks were simulated again"));
     }
-    let Again { blocks, simulated, paths, has_statistics, values, difference } = again;
-    let difference = difference.map(|difference| {
+    let difference = again.difference.map(|difference| {
         let place = difference.to_string();
-        (difference.variable, difference.path, difference.index, difference.stored, difference.computed, place)
+        let Difference { variable, path, index, stored, computed } = difference;
+        Differs { variable, path, index, stored, computed, place }
     });
-    Ok((blocks.end - blocks.start, simulated.into_iter().collect(), paths, has_statistics, values, difference))
+    let compared = Compared {
+        blocks: again.blocks.end - again.blocks.start,
+        blocks_checked: PyTuple::new(py, again.simulated)?,
+        paths_checked: again.paths,
+        statistics_checked: again.has_statistics,
+        values_checked: again.values,
+    };
+    Ok((compared, difference))
+}
+
+/// Whether the checksum of a file is right; None if it has none. Without `is_compared` it is only
+/// looked for.
+#[pyfunction]
+pub fn sealed(path: PathBuf, is_compared: bool) -> std::io::Result<Option<bool>> {
+    seal::is_right(&path, if is_compared { u64::MAX } else { 0 })
 }

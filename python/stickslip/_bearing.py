@@ -14,7 +14,7 @@ from ._scenario import ScenarioLike, Settings, samples, source, written
 from ._time import Time
 from ._time import seconds as _seconds
 from ._types import checked
-from .errors import wrong_argument
+from .errors import require
 
 if TYPE_CHECKING:
     import numpy as np
@@ -111,25 +111,15 @@ def calibrate(
         ArgumentError: an argument, or something in the data, is wrong.
         RunError: the measurement does not determine the parameters.
     """
-    checked(calibrate, locals())
+    given = locals()
+    checked(calibrate, given)
     ready()
     _probability(interval)
-    if not 1 <= starts <= 1000:
-        raise wrong_argument(
-            "starts", starts, "so many starts are none, or too many", "give 1 to 1000"
-        )
+    problem = "so many starts are none, or too many"
+    require(1 <= starts <= 1000, "starts", starts, problem, "give 1 to 1000")
     made, remarks = _native.calibrate(
-        _given(scenario, set),
-        _record(
-            data,
-            displacement,
-            temperature,
-            temperature_file,
-            temperature_unit,
-            displacement_unit,
-            _layout(time, zone, dates, skip, missing, outliers, decimal),
-            _layout(**(temperature_layout or {})),
-        ),
+        (*source(scenario), written(set)),
+        _record(given),
         method=method,
         fit=list(fit),
         bounds=[(key, float(low), float(high)) for key, (low, high) in (bounds or {}).items()],
@@ -204,34 +194,19 @@ def forecast(
         RunError: the measurement does not determine the parameters of bearing or weather.
         KeyboardInterrupt: Ctrl-C came before two draws were done.
     """
-    checked(forecast, locals())
+    given = locals()
+    checked(forecast, given)
     ready()
     _probability(interval)
+    problem = "so many are too few to say how sure it is, or too many"
     for name, count in (("draws", draws), ("years", years)):
-        if not 2 <= count <= 10_000:
-            raise wrong_argument(
-                name,
-                count,
-                "so many are too few to say how sure it is, or too many",
-                "give 2 to 10000",
-            )
-    if not 0 <= share < 1:
-        raise wrong_argument(
-            "share", share, "it is no share of f_s that friction can hold", "give 0 to below 1"
-        )
+        require(2 <= count <= 10_000, name, count, problem, "give 2 to 10000")
+    problem = "it is no share of f_s that friction can hold"
+    require(0 <= share < 1, "share", share, problem, "give 0 to below 1")
     _one_or_two(processes)
     made, remarks = _native.forecast(
-        _given(scenario, set),
-        _record(
-            data,
-            displacement,
-            temperature,
-            temperature_file,
-            temperature_unit,
-            displacement_unit,
-            _layout(time, zone, dates, skip, missing, outliers, decimal),
-            _layout(**(temperature_layout or {})),
-        ),
+        (*source(scenario), written(set)),
+        _record(given),
         draws=draws,
         years=years,
         seed=seed,
@@ -316,68 +291,23 @@ def fit_temperature(
         ArgumentError: an argument, or something in the data, is wrong.
         RunError: the samples do not determine the fit.
     """
-    checked(fit_temperature, locals())
+    given = locals()
+    checked(fit_temperature, given)
     _one_or_two(processes)
     lengths = None
     if periods is not None:
         lengths = [_seconds("periods", period) for period in periods]
-        if len({*lengths}) < len(lengths):
-            raise wrong_argument(
-                "periods", list(periods), "they name one period twice", "name each period once"
-            )
+        problem = "they name one period twice"
+        is_right = len({*lengths}) == len(lengths)
+        require(is_right, "periods", list(periods), problem, "name each period once")
     if _is_table(data):
-        measured = _table(data)
-        measured["temperature"] = temperature
-        measured["temperature_unit"] = temperature_unit
-        measured["layout"] = _layout(time, zone, dates, skip, missing, outliers, decimal)
+        measured = _table(given)
     else:
         times, values, _ = _repaired(data, "data", "temperature", outliers)
         measured = _arrays([times, values])
-    fit = _native.fit_temperature(measured, processes=processes, periods=lengths)
-    warn(fit.remarks)
-    return Weather(
-        fit.samples,
-        fit.duration,
-        list(fit.mean),
-        [
-            dict(zip(("period", "amplitude", "phase", "standard_error"), one))
-            for one in fit.harmonics
-        ],
-        [
-            dict(
-                zip(
-                    (
-                        "sd",
-                        "sd_relative_error",
-                        "relaxation_rate",
-                        "relaxation_rate_relative_error",
-                    ),
-                    one,
-                )
-            )
-            for one in fit.processes
-        ],
-        fit.sensor_sd,
-        fit.log_likelihood,
-        fit.start,
-        fit.toml,
-        _tables(fit.temperature),
-    )
-
-
-def _tables(
-    temperature: tuple[list[tuple[float, float, float]], list[tuple[float, float, float]]],
-) -> dict[str, Any]:
-    harmonics, noises = temperature
-    return {
-        "harmonics": [
-            dict(zip(("amplitude", "angular_frequency", "phase"), one)) for one in harmonics
-        ],
-        "noise": [
-            dict(zip(("intensity", "relaxation_rate", "diffusion"), one), initial="stationary")
-            for one in noises
-        ],
-    }
+    fit, remarks = _native.fit_temperature(measured, processes=processes, periods=lengths)
+    warn(remarks)
+    return Weather(**fit)
 
 
 def twin(
@@ -410,28 +340,24 @@ def twin(
             from its harmonics and noise.
         seed: seed of all random numbers. Each of the errors below has random numbers of its own.
         sensor_noise: the standard deviations of the white and of the red noise of the displacement
-            sensor, in metres, and the correlation time of the red noise, in seconds, as a text such
-            as "10m", or as a timedelta.
+            sensor, in metres, and the correlation time of the red noise. A time is in seconds, a
+            text such as "10m", or a timedelta.
         scatter: relative standard deviation of f_s from slip to slip, from 0 to below 0.5; f_d does
             not vary.
-        lag: delay of the temperature of the steel behind the thermometer, in seconds, as a text
-            such as "10m", or as a timedelta.
+        lag: delay of the temperature of the steel behind the thermometer.
         resolution: resolution of the thermometer in kelvin: its readings are multiples of it.
         spikes: the share of displacements that are outliers, from 0 to below 0.5; they are off by
             up to 20 standard deviations of the noise of the sensor.
         gaps: number of gaps in the measurement, of one to five days each.
         drift: drift of the displacement sensor, in metres a year.
-        zero_set: when the zero of the displacement sensor is set, in seconds, as a text such as
-            "10m", or as a timedelta, and by how many metres its readings move from then on; None
-            where it is not set.
+        zero_set: when the zero of the displacement sensor is set, and by how many metres its
+            readings move from then on; None where it is not set.
         thermometer_every: the thermometer shows only every so-many-th sample; its other samples are
             NaN.
         start: the date of the first sample (UTC where it has no zone), at which t = 0 in the
             harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
-        duration: length of the measurement, in seconds, as a text such as "10m", or as a timedelta,
-            if the temperature is simulated.
-        every: time between samples, in seconds, as a text such as "10m", or as a timedelta, if the
-            temperature is simulated.
+        duration: length of the measurement, if the temperature is simulated.
+        every: time between samples, if the temperature is simulated.
         set: further keys of the scenario with their values, as for `run`.
         temperature: a measured temperature, which replaces `[temperature.series]`, in degrees
             Celsius over time in seconds or dates, in the forms that `run` accepts.
@@ -452,52 +378,42 @@ def twin(
         ("spikes", spikes, 0.5),
         ("resolution", resolution, float("inf")),
     ):
-        if not 0 <= given < most:
-            raise wrong_argument(
-                name, given, "it is out of range", f"give a number from 0 to below {most:g}"
-            )
-    if not 1 <= len(sensor_noise) <= 3:
-        raise wrong_argument(
-            "sensor_noise",
-            sensor_noise,
-            "it is one to three numbers",
-            "give (white, red, time), e.g. (30e-6, 150e-6, 86400)",
-        )
-    sds: list[float] = []
-    for sd in (*sensor_noise[:2], 0.0)[:2]:
-        if isinstance(sd, (str, timedelta)) or not 0 <= sd < float("inf"):
-            raise wrong_argument(
-                "sensor_noise", sd, "it is no standard deviation", "give metres, 0 or above"
-            )
-        sds.append(float(sd))
-    memory = _seconds("sensor_noise", sensor_noise[2]) if len(sensor_noise) == 3 else 86_400.0
-    if gaps < 0:
-        raise wrong_argument("gaps", gaps, "it is no number of gaps", "give 0 or more")
-    if not abs(drift) < float("inf"):
-        raise wrong_argument("drift", drift, "it is no drift", "give metres a year")
-    if thermometer_every < 1:
-        raise wrong_argument(
-            "thermometer_every", thermometer_every, "it is no number of samples", "give 1 or more"
-        )
+        remedy = f"give a number from 0 to below {most:g}"
+        require(0 <= given < most, name, given, "it is out of range", remedy)
+    require(
+        1 <= len(sensor_noise) <= 3,
+        "sensor_noise",
+        sensor_noise,
+        "it is one to three numbers",
+        "give (white, red, time), e.g. (30e-6, 150e-6, 86400)",
+    )
+    parts: list[Any] = [*sensor_noise, *(0.0, 86_400.0)[len(sensor_noise) - 1 :]]
+    white, red, memory = parts
+    for sd in (white, red):
+        is_right = not isinstance(sd, (str, timedelta)) and 0 <= sd < float("inf")
+        problem = "it is no standard deviation"
+        require(is_right, "sensor_noise", sd, problem, "give metres, 0 or above")
+    require(gaps >= 0, "gaps", gaps, "it is no number of gaps", "give 0 or more")
+    require(abs(drift) < float("inf"), "drift", drift, "it is no drift", "give metres a year")
+    problem = "it is no number of samples"
+    require(
+        thermometer_every >= 1, "thermometer_every", thermometer_every, problem, "give 1 or more"
+    )
     moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
-    if not 2 <= seconds / step <= 1e7:
-        raise wrong_argument(
-            "duration",
-            duration,
-            f"{seconds / step:.0f} samples are not between 2 and 1e7",
-            "choose other duration and every",
-        )
+    problem = f"{seconds / step:.0f} samples are not between 2 and 1e7"
+    is_right = 2 <= seconds / step <= 1e7
+    require(is_right, "duration", duration, problem, "choose other duration and every")
     first = None
     arrays = None
     if temperature is not None:
         times, values, first = _repaired(temperature, "temperature", "temperature")
         arrays = [times, values]
     made, remarks = _native.twin(
-        _given(scenario, set),
+        (*source(scenario), written(set)),
         arrays,
         seed=seed,
-        noise=(sds[0], sds[1], memory),
+        noise=(float(white), float(red), _seconds("sensor_noise", memory)),
         scatter=scatter,
         lag=0.0 if lag == 0 else _seconds("lag", lag),
         resolution=resolution,
@@ -517,10 +433,11 @@ def twin(
     return ds
 
 
-def _given(
-    scenario: ScenarioLike, settings: Settings | None
-) -> tuple[str, str | None, list[tuple[str, str]]]:
-    return (*source(scenario), written(settings))
+#: How a file is laid out.
+_LAYOUT = ("time", "zone", "dates", "skip", "missing", "outliers", "decimal")
+
+#: The columns of a file, and their units.
+_COLUMNS = ("temperature", "displacement", "temperature_unit", "displacement_unit")
 
 
 def _is_table(data: Any) -> bool:
@@ -529,66 +446,40 @@ def _is_table(data: Any) -> bool:
     )
 
 
-def _record(
-    data: Any,
-    displacement: Any,
-    temperature: str | None,
-    temperature_file: str | os.PathLike[str] | None,
-    temperature_unit: str | None,
-    displacement_unit: str | None,
-    layout: _native.LaidOut,
-    temperature_layout: _native.LaidOut,
-) -> _native.Measured:
-    """The measurement of a bearing in the form that the engine accepts."""
+def _record(given: Mapping[str, Any]) -> _native.Measured:
+    """The measurement of a bearing, among the arguments of a function, in the form that the engine
+    accepts."""
+    data, displacement = given["data"], given["displacement"]
     if _is_table(data):
-        if displacement is not None and not isinstance(displacement, str):
-            raise wrong_argument(
-                "displacement",
-                type(displacement).__name__,
-                "the data have columns",
-                "give the name of one",
-            )
-        measured = _table(data)
-        measured["temperature"] = temperature
-        measured["displacement"] = displacement
-        measured["temperature_unit"] = temperature_unit
-        measured["displacement_unit"] = displacement_unit
-        measured["layout"] = layout
-        measured["temperature_layout"] = temperature_layout
-        if temperature_file is not None:
-            measured["temperature_file"] = os.fspath(temperature_file)
-        return measured
-    if displacement is None:
-        raise wrong_argument(
-            "displacement", None, "the temperatures come without displacements", "give both"
-        )
-    about_files: dict[str, Any] = {
-        "temperature": temperature,
-        "temperature_file": temperature_file,
-        "temperature_unit": temperature_unit,
-        "displacement_unit": displacement_unit,
-    }
-    outliers = layout["outliers"]
-    about_files.update(layout, outliers=None)
-    for name, given in about_files.items():
-        if given:
-            raise wrong_argument(
-                name,
-                given,
-                "it is about files, and these data are arrays",
-                "leave it out; arrays are in degrees, metres, and seconds or dates",
-            )
-    (times, temperatures, first), (when, readings, later) = (
-        _repaired(data, "data", "temperature", outliers),
-        _repaired(displacement, "displacement", "displacement", outliers),
-    )
-    if (first is None) != (later is None):
-        raise wrong_argument(
+        require(
+            displacement is None or isinstance(displacement, str),
             "displacement",
-            "its times",
-            "dates do not go with numbers",
-            "give dates for both, or seconds for both",
+            type(displacement).__name__,
+            "the data have columns",
+            "give the name of one",
         )
+        return _table(given)
+    problem = "the temperatures come without displacements"
+    require(displacement is not None, "displacement", None, problem, "give both")
+    of_files = ("temperature_file", "temperature_layout", *_LAYOUT, *_COLUMNS)
+    for name in of_files:
+        require(
+            not given[name] or name in ("displacement", "outliers", "temperature_layout"),
+            name,
+            given[name],
+            "it is about files, and these data are arrays",
+            "leave it out; arrays are in degrees, metres, and seconds or dates",
+        )
+    outliers = given["outliers"]
+    times, temperatures, first = _repaired(data, "data", "temperature", outliers)
+    when, readings, later = _repaired(displacement, "displacement", "displacement", outliers)
+    require(
+        (first is None) == (later is None),
+        "displacement",
+        "its times",
+        "dates do not go with numbers",
+        "give dates for both, or seconds for both",
+    )
     if first is not None and later is not None:
         import numpy as np
 
@@ -596,31 +487,26 @@ def _record(
     return _arrays([times, temperatures, when, readings])
 
 
-def _layout(
-    time: str | None = None,
-    zone: str | None = None,
-    dates: str | None = None,
-    skip: int | None = None,
-    missing: Sequence[str | float] = (),
-    outliers: int | None = None,
-    decimal: str | None = None,
-) -> _native.LaidOut:
-    """How a file is laid out."""
-    return {
-        "time": time,
-        "zone": zone,
-        "dates": dates,
-        "skip": skip,
-        "missing": [str(mark) for mark in missing],
-        "outliers": outliers,
-        "decimal": decimal,
-    }
+def _layout(given: Mapping[str, Any]) -> _native.LaidOut:
+    layout: Any = {name: given.get(name) for name in _LAYOUT}
+    layout["missing"] = [str(mark) for mark in given.get("missing", ())]
+    laid: _native.LaidOut = layout
+    return laid
 
 
-def _table(data: Any) -> _native.Measured:
+def _table(given: Mapping[str, Any]) -> _native.Measured:
     """A file, or a DataFrame as the text of such a file, so that the same reader checks it and its
     messages fit."""
+    data, beside = given["data"], given.get("temperature_file")
+    other = given.get("temperature_layout") or {}
+    remedy = f"give some of {', '.join(_LAYOUT)}"
+    for name in other:
+        require(name in _LAYOUT, "temperature_layout", name, "a layout has no such part", remedy)
+    about: Any = {name: given.get(name) for name in _COLUMNS}
+    about["temperature_file"] = None if beside is None else os.fspath(beside)
+    about["layout"], about["temperature_layout"] = _layout(given), _layout(other)
     measured = _arrays(None)
+    measured.update(about)
     if isinstance(data, (str, os.PathLike)):
         measured["name"] = os.fspath(data)
     else:
@@ -641,29 +527,18 @@ def _repaired(
 
 
 def _arrays(arrays: list[Any] | None) -> _native.Measured:
-    return {
-        "name": "the arrays",
-        "text": None,
-        "arrays": arrays,
-        "temperature_file": None,
-        "temperature": None,
-        "displacement": None,
-        "temperature_unit": None,
-        "displacement_unit": None,
-        "layout": _layout(),
-        "temperature_layout": _layout(),
-    }
+    nothing: Any = dict.fromkeys((*_COLUMNS, "text", "temperature_file"))
+    nothing["layout"] = nothing["temperature_layout"] = _layout({})
+    nothing["name"], nothing["arrays"] = "the arrays", arrays
+    measured: _native.Measured = nothing
+    return measured
 
 
 def _probability(interval: float) -> None:
-    if not 0.5 <= interval <= 0.999:
-        raise wrong_argument(
-            "interval", interval, "it is no probability of an interval", "give 0.5 to 0.999"
-        )
+    problem = "it is no probability of an interval"
+    require(0.5 <= interval <= 0.999, "interval", interval, problem, "give 0.5 to 0.999")
 
 
 def _one_or_two(processes: int) -> None:
-    if processes not in (1, 2):
-        raise wrong_argument(
-            "processes", processes, "the weather has one process or two", "give 1 or 2"
-        )
+    problem = "the weather has one process or two"
+    require(processes in (1, 2), "processes", processes, problem, "give 1 or 2")

@@ -44,18 +44,8 @@ def check(
     """Check a scenario without running it, like `mc check`.
 
     Args:
-        scenario: the path of a TOML file, TOML text of several lines, the name of a shipped
-            scenario such as "rho025", or a dictionary of tables.
-        paths: number of paths [ensemble.paths].
-        seed: seed of all random numbers [ensemble.seed].
-        scheme: "discrete-vi", "corrected-vi", "event-driven" or "quasi-static" [scheme.kind].
-        step: time step of "discrete-vi" and "corrected-vi", in the unit of time of the scenario
-            [time.step].
-        tolerance: relative error that the discretisation of "event-driven" and "quasi-static" may
-            leave [scheme.tolerance].
-        until: the time at which each path ends, in the unit of time of the scenario [time.end].
-        set: further keys with their values, as for `run`.
-        temperature: a measured temperature, as for `run`.
+        scenario, paths, seed, scheme, step, tolerance, until, set, temperature: as for `run`;
+            `until` is a time.
 
     Returns:
         The scenario in full, the numbers that follow from it, and warnings.
@@ -65,17 +55,8 @@ def check(
             right.
         ArgumentError: `temperature` is not a measurement.
     """
-    checked(check, locals())
-    parsed = parse(
-        scenario,
-        set,
-        temperature,
-        paths=paths,
-        seed=seed,
-        scheme=scheme,
-        step=step,
-        tolerance=tolerance,
-        until=until,
-    )
+    given = locals()
+    checked(check, given)
+    parsed = parse(given)
     warnings = {name: in_python(sentence) for name, sentence in parsed.warnings()}
     return Check(parsed.title, parsed.toml, parsed.derived(), warnings)

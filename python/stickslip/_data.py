@@ -7,7 +7,7 @@ import warnings
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from ._seal import has_seal
+from . import _native
 from ._wording import in_python
 
 if TYPE_CHECKING:
@@ -78,7 +78,7 @@ def load(file: str | os.PathLike[str]) -> xr.Dataset:
     import xarray as xr
 
     path = Path(file)
-    if path.is_file() and not has_seal(path):
+    if path.is_file() and _native.sealed(str(path), False) is None:
         cause = "another program changed it, or an earlier version of mc wrote it"
         warn([f"{path} has no checksum: {cause}"])
     return xr.open_dataset(os.fspath(file), decode_times=False, decode_timedelta=False)

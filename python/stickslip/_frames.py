@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from ._types import checked
-from .errors import wrong_argument
+from .errors import require
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -53,18 +53,17 @@ def events(ds: xr.Dataset) -> pd.DataFrame:
     pandas = _pandas()
     import numpy as np
 
-    if "event_count" not in ds or "event_time" not in ds:
-        raise wrong_argument(
-            "ds", type(ds).__name__, "it has no events", 'record them: run(..., record="events")'
-        )
+    has_events = "event_count" in ds and "event_time" in ds
+    remedy = 'record them: run(..., record="events")'
+    require(has_events, "ds", type(ds).__name__, "it has no events", remedy)
     count = ds.event_count.to_numpy()
-    if count.sum() != ds.sizes["event"]:
-        raise wrong_argument(
-            "ds",
-            f"{len(count)} paths",
-            f"they have {count.sum()} events, and the data set has {ds.sizes['event']}",
-            "make the frame of the whole data set, and select its rows",
-        )
+    require(
+        count.sum() == ds.sizes["event"],
+        "ds",
+        f"{len(count)} paths",
+        f"they have {count.sum()} events, and the data set has {ds.sizes['event']}",
+        "make the frame of the whole data set, and select its rows",
+    )
     columns: dict[str, Any] = {"path": np.repeat(ds["path"].to_numpy(), count)}
     for name in ("time", "displacement", "force", "sign"):
         columns[name] = ds[f"event_{name}"].to_numpy()
@@ -96,13 +95,13 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
     """
     checked(summary, locals())
     pandas = _pandas()
-    if "statistic" not in ds.dims or "estimate" not in ds:
-        raise wrong_argument(
-            "ds",
-            ds.attrs.get("format_name", type(ds).__name__),
-            "it has no statistics along `statistic`",
-            "give what run(), merge() or sweep() returned",
-        )
+    require(
+        "statistic" in ds.dims and "estimate" in ds,
+        "ds",
+        ds.attrs.get("format_name", type(ds).__name__),
+        "it has no statistics along `statistic`",
+        "give what run(), merge() or sweep() returned",
+    )
     axes = [str(axis) for axis in ds.estimate.dims]
     there = [name for name in _NUMBERS if name in ds]
     units = {"unit": ds.statistic_unit, "long_name": ds.statistic_long_name}

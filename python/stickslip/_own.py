@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, Union
 
-from .errors import wrong_argument
+from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
     import numpy as np
@@ -80,21 +80,17 @@ def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
         given = statistic(events)
         parts: tuple[Any, ...] = given if isinstance(given, tuple) else (given,)
         numbers = [np.ascontiguousarray(_real("own", name, part)) for part in parts]
-        if len(numbers) > 2 or any(part.shape != events.count.shape for part in numbers):
-            shapes = ", ".join(str(part.shape) for part in numbers)
-            raise wrong_argument(
-                "own",
-                name,
-                f"it gives shapes {shapes} for {len(events.count)} paths",
-                "give one number for each path, or a pair of such arrays for a ratio",
-            )
-        if not all(np.isfinite(part).all() for part in numbers):
-            raise wrong_argument(
-                "own",
-                name,
-                "it gives numbers that are not finite",
-                "give a number for each path, 0 for nothing",
-            )
+        shapes = ", ".join(str(part.shape) for part in numbers)
+        require(
+            len(numbers) < 3 and all(part.shape == events.count.shape for part in numbers),
+            "own",
+            name,
+            f"it gives shapes {shapes} for {len(events.count)} paths",
+            "give one number for each path, or a pair of such arrays for a ratio",
+        )
+        problem = "it gives numbers that are not finite"
+        is_finite = all(np.isfinite(part).all() for part in numbers)
+        require(is_finite, "own", name, problem, "give a number for each path, 0 for nothing")
         return numbers[0], (numbers[1] if len(numbers) > 1 else None)
 
     return call

@@ -9,10 +9,10 @@ from typing import TYPE_CHECKING, Any, Union
 
 from . import _native
 from ._data import raw
-from ._run import of_run
+from ._run import STUDIES, of_run
 from ._scenario import ScenarioLike, Settings, parse
 from ._types import checked
-from .errors import wrong_argument
+from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -116,25 +116,19 @@ def plot(
         RunError: there is nothing to draw, because every path was lost.
     """
     checked(plot, locals())
-    if theme not in ("light", "dark"):
-        raise wrong_argument("theme", theme, "there is no such theme", "write light or dark")
+    is_known = theme in ("light", "dark")
+    require(is_known, "theme", theme, "there is no such theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log)
     given: Any = subject
+    data: Mapping[str, Any] = {"sweep": given}
+    scenario = None
     if not _is_data(given):
-        if isinstance(given, Mapping) and all(map(_is_data, given.values())):
-            sweeps = [(str(name), raw(sweep)) for name, sweep in given.items()]
-            return Picture(_native.plot_sweeps(sweeps, statistic, drawn))
-        parsed = parse(given, set, until=until)
-        return Picture(_native.plot_scenario(parsed, None, path, drawn))
-    ds: xr.Dataset = given
-    kind = ds.attrs.get("format_name")
-    if kind == "stick-slip trade":
-        return Picture(_native.plot_trade(raw(ds), statistic, drawn))
-    if kind == "stick-slip sweep":
-        return Picture(_native.plot_sweeps([("sweep", raw(ds))], statistic, drawn))
-    if kind == "stick-slip calibration":
-        return Picture(_native.plot_calibration(raw(ds), drawn))
-    return Picture(_native.plot_scenario(of_run(ds), raw(ds), path, drawn))
+        data = given if isinstance(given, Mapping) and all(map(_is_data, given.values())) else {}
+        scenario = None if data else parse({"scenario": given, "set": set, "until": until})
+    elif given.attrs.get("format_name") not in STUDIES:
+        scenario = of_run(given)
+    handed = [(str(name), raw(one)) for name, one in data.items()]
+    return Picture(_native.plot(scenario, handed, path, statistic, drawn))
 
 
 def _is_data(subject: object) -> bool:

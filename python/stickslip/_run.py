@@ -13,7 +13,7 @@ from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time
 from ._time import seconds as _seconds
 from ._types import checked
-from .errors import wrong_argument
+from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,6 +25,9 @@ Until = Union[float, str, Sequence[str]]
 #: What is kept of single paths: the names "paths" and "events", or a dictionary, which may also
 #: have the key "trajectories".
 Record = Union[str, Sequence[str], Mapping[str, Any]]
+
+#: The formats of data sets that are not of a run.
+STUDIES = ("stick-slip trade", "stick-slip sweep", "stick-slip calibration")
 
 #: The attributes of the state of a part.
 _PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
@@ -123,8 +126,8 @@ def run(
         well.
 
         Curves of mean, standard deviation and quantiles are along `time`, the histogram and the
-        survival curve of stick durations along `duration_bin`, and the numbers of sub-phases along
-        `sub_phase`. What is recorded of single paths is along `path`, `event` and `trajectory`.
+        survival curve of stick durations along `law` and `law_bin`, and the numbers of sub-phases
+        along `sub_phase`. The interval of such a variable has its name and `_interval`. What is recorded of single paths is along `path`, `event` and `trajectory`.
         Statistics of your own are `own_estimate`, `own_standard_error`, `own_interval_low` and
         `own_interval_high` along `own`; the path is the independent unit of their 95 % intervals,
         as of all others.
@@ -141,29 +144,19 @@ def run(
         KeyboardInterrupt: Ctrl-C came before the first paths were done.
         Exception: whatever a function in `own` or `progress` raises.
     """
-    checked(run, locals())
+    given = locals()
+    checked(run, given)
     ready()
     end, goals = _end_and_goals(until)
     seconds = None if max_time is None else _seconds("max_time", max_time)
-    settings = dict(set or {}) | _recorded(record)
-    parsed = parse(
-        scenario,
-        settings,
-        temperature,
-        paths=paths,
-        seed=seed,
-        scheme=scheme,
-        step=step,
-        tolerance=tolerance,
-        until=end,
+    parsed = parse(given, set=dict(set or {}) | _recorded(record), until=end)
+    require(
+        part is None or not own and accuracy is None,
+        "part",
+        part,
+        "a part has neither statistics of your own nor an accuracy",
+        "give them to a run in one piece",
     )
-    if part is not None and (own or accuracy is not None):
-        raise wrong_argument(
-            "part",
-            part,
-            "a part has neither statistics of your own nor an accuracy",
-            "give them to a run in one piece",
-        )
     if accuracy is not None:
         parsed, goal = _chosen(
             parsed,
@@ -224,16 +217,15 @@ def merge(
     checked(merge, locals())
     given = []
     for number, ds in enumerate(parts):
-        if not hasattr(ds, "data_vars") or "part" not in ds.attrs or "part_state" not in ds:
-            raise wrong_argument(
-                "parts",
-                f"parts[{number}]",
-                "it is no part",
-                'give what run(..., part="1/4") returned, or the file of mc run --part',
-            )
+        require(
+            hasattr(ds, "data_vars") and "part" in ds.attrs and "part_state" in ds,
+            "parts",
+            f"parts[{number}]",
+            "it is no part",
+            'give what run(..., part="1/4") returned, or the file of mc run --part',
+        )
         given.append((f"parts[{number}]", raw(ds), ds.part_state.to_numpy().tobytes()))
-    if not given:
-        raise wrong_argument("parts", "nothing", "there are no parts", "give all parts of a run")
+    require(bool(given), "parts", "nothing", "there are no parts", "give all parts of a run")
     with shown(progress) as told:
         made, remarks = _native.merge(given, bias=bias, threads=threads, progress=told)
     warn(remarks)
@@ -249,17 +241,10 @@ def _chosen(
     decided: object,
 ) -> tuple[_native.Scenario, str]:
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
-    if decided:
-        raise wrong_argument(
-            "accuracy",
-            accuracy,
-            "it chooses scheme, step or tolerance, and paths, and something else does so as well",
-            "leave out one of them",
-        )
-    if not 1e-6 <= accuracy <= 0.5:
-        raise wrong_argument(
-            "accuracy", accuracy, "it is no relative error that can be reached", "give 1e-6 to 0.5"
-        )
+    problem = "it chooses scheme, step or tolerance, and paths, and something else does so as well"
+    require(not decided, "accuracy", accuracy, problem, "leave out one of them")
+    problem = "it is no relative error that can be reached"
+    require(1e-6 <= accuracy <= 0.5, "accuracy", accuracy, problem, "give 1e-6 to 0.5")
     named = [statistic] if isinstance(statistic, str) else list(statistic)
     return _native.choose(parsed, accuracy, named, seconds, threads)
 
@@ -310,13 +295,13 @@ def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
     """The scenario of the data set of a run, with its measured temperature. `paths` replaces its
     number of paths."""
     text = run.attrs.get("scenario")
-    if not isinstance(text, str) or run.attrs.get("format_name") != "stick-slip ensemble":
-        raise wrong_argument(
-            "run",
-            type(run).__name__,
-            "it is not the data set of a run",
-            "give what run() returned, or load() of its file",
-        )
+    require(
+        isinstance(text, str) and run.attrs.get("format_name") == "stick-slip ensemble",
+        "run",
+        type(run).__name__,
+        "it is not the data set of a run",
+        "give what run() returned, or load() of its file",
+    )
     stored = None
     if "series_time" in run:
         stored = (run.series_time.to_numpy().copy(), run.series_temperature.to_numpy().copy())
@@ -328,31 +313,16 @@ def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:
     """The end of the simulation and the goals. A goal is a text with a comparison."""
     if until is None or isinstance(until, (int, float)):
         return until, []
-    try:
-        all_of_them: list[Any] = [until] if isinstance(until, str) else list(until)
-    except TypeError:
-        all_of_them = [until]
-    if not all(isinstance(text, str) for text in all_of_them):
-        raise wrong_argument(
-            "until",
-            until,
-            "it is neither a time nor a goal",
-            'give a number, or a goal such as "stick_duration_mean < 0.5%", or a list of goals',
-        )
+    all_of_them: list[Any] = [until] if isinstance(until, str) else list(until)
     ends = [text for text in all_of_them if "<" not in text]
-    if len(ends) > 1:
-        raise wrong_argument(
-            "until", until, "it has more than one end of the simulation", "give one time, and goals"
-        )
+    problem = "it has more than one end of the simulation"
+    require(len(ends) < 2, "until", until, problem, "give one time, and goals")
     try:
         float(*ends or "0")
     except ValueError:
-        raise wrong_argument(
-            "until",
-            repr(ends[0]),
-            "it is neither a time nor a goal",
-            'give a number, or a goal such as "stick_duration_mean < 0.5%"',
-        ) from None
+        problem = "it is neither a time nor a goal"
+        remedy = 'give a number, or a goal such as "stick_duration_mean < 0.5%"'
+        raise wrong_argument("until", repr(ends[0]), problem, remedy) from None
     return (ends[0] if ends else None), [text for text in all_of_them if "<" in text]
 
 

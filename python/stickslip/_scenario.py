@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any, Literal, Union
 
 from . import _native, _toml
 from ._data import warn
-from .errors import wrong_argument
+from .errors import require, wrong_argument
 
 if TYPE_CHECKING:
     import numpy as np
@@ -49,43 +49,34 @@ def scenarios() -> dict[str, str]:
     return {name: _native.parse(name, _native.shipped(name), []).title for name in _native.SHIPPED}
 
 
-def parse(
-    scenario: ScenarioLike,
-    settings: Settings | None = None,
-    temperature: Any = None,
-    **arguments: object,
-) -> _native.Scenario:
-    """Read a scenario and apply overrides.
-
-    First come the `settings` in order, then those of the arguments `paths`, `seed`, `scheme`,
-    `tolerance`, `step` and `until` that are not None.
-    """
-    name, text = source(scenario)
+def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
+    """Read the scenario among the arguments of a function, some of which may be replaced, and apply
+    overrides: first `set`, then the arguments that replace a key."""
+    arguments: dict[str, Any] = {**given, **replaced}
+    temperature = arguments.get("temperature")
+    name, text = source(arguments["scenario"])
     # Messages quote the first of the three with the value behind it.
-    laid = [(f"set {key} =", key, given) for key, given in written(settings)]
+    laid = [(f"set {key} =", key, value) for key, value in written(arguments.get("set"))]
     for argument, key in _KEYS.items():
-        if arguments.get(argument) is not None:
-            laid.append((f"{argument} =", key, _bare(key, arguments[argument])))
-    times_and_values = None
+        value = arguments.get(argument)
+        if value is not None:
+            # A text has no quotation marks.
+            bare = value if isinstance(value, str) else _toml.value(key, value)
+            laid.append((f"{argument} =", key, bare))
+    times_and_values = first = None
     if temperature is not None:
         times, values, first = samples(temperature)
         times, values, remarks = _native.repaired("temperature", "temperature", times, values, None)
         warn(remarks, level=4)
-        times_and_values = times, values, first
-    parsed = _native.parse(
-        name, text, laid, None if times_and_values is None else times_and_values[:2]
+        times_and_values = times, values
+    parsed = _native.parse(name, text, laid, times_and_values)
+    require(
+        first is None or parsed.time_unit in _SECONDS,
+        "temperature",
+        "a series with dates",
+        f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
+        'write the whole scenario in seconds, and `time = "s"` under [units]',
     )
-    if (
-        times_and_values is not None
-        and times_and_values[2] is not None
-        and parsed.time_unit not in _SECONDS
-    ):
-        raise wrong_argument(
-            "temperature",
-            "a series with dates",
-            f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
-            'write the whole scenario in seconds, and `time = "s"` under [units]',
-        )
     return parsed
 
 
@@ -108,18 +99,18 @@ def source(scenario: ScenarioLike) -> tuple[str, str | None]:
     """The name of a scenario in messages, and its text; no text if it is in a file."""
     if isinstance(scenario, Mapping):
         return "scenario", _toml.document(scenario)
-    if not isinstance(scenario, (str, os.PathLike)):
-        raise wrong_argument(
-            "scenario",
-            type(scenario).__name__,
-            "it is no scenario",
-            "give the path of a TOML file, TOML text, the name of a shipped one, or a dictionary",
-        )
+    require(
+        isinstance(scenario, (str, os.PathLike)),
+        "scenario",
+        type(scenario).__name__,
+        "it is no scenario",
+        "give the path of a TOML file, TOML text, the name of a shipped one, or a dictionary",
+    )
     path = os.fspath(scenario)
     if "\n" in path:
         return "scenario", path
     shipped = None if os.path.exists(path) else _native.shipped(path)
-    return (path, None) if shipped is None else (path, shipped)
+    return path, shipped
 
 
 def samples(
@@ -150,20 +141,20 @@ def samples(
                 "it has no times and values",
                 "give a pandas Series, a one-dimensional DataArray, or a pair (times, values)",
             ) from None
-    if np.ma.is_masked(times):
-        raise wrong_argument(
-            argument,
-            "a masked time",
-            "a value without a time cannot be placed",
-            "leave out the samples without a time, e.g. x[~numpy.ma.getmaskarray(times)]",
-        )
-    if np.iscomplexobj(times) or np.iscomplexobj(values):
-        raise wrong_argument(
-            argument,
-            "complex numbers",
-            "a measurement has no imaginary part",
-            "give the real part, e.g. x.real",
-        )
+    require(
+        not np.ma.is_masked(times),
+        argument,
+        "a masked time",
+        "a value without a time cannot be placed",
+        "leave out the samples without a time, e.g. x[~numpy.ma.getmaskarray(times)]",
+    )
+    require(
+        not (np.iscomplexobj(times) or np.iscomplexobj(values)),
+        argument,
+        "complex numbers",
+        "a measurement has no imaginary part",
+        "give the real part, e.g. x.real",
+    )
     times = np.asarray(times)
     values = np.ma.filled(np.ma.asarray(values, dtype=np.float64), np.nan)
     first = None
@@ -174,16 +165,11 @@ def samples(
         first = np.datetime64(times[0])
         times = (times - times[0]) / np.timedelta64(1, "s")
     times = np.ascontiguousarray(times, dtype=np.float64)
-    if times.ndim != 1 or times.shape != values.shape:
-        raise wrong_argument(
-            argument,
-            f"shapes {times.shape} and {values.shape}",
-            "times and values do not go together",
-            "give as many times as values, each in one dimension",
-        )
+    require(
+        times.ndim == 1 and times.shape == values.shape,
+        argument,
+        f"shapes {times.shape} and {values.shape}",
+        "times and values do not go together",
+        "give as many times as values, each in one dimension",
+    )
     return times, np.ascontiguousarray(values), first
-
-
-def _bare(key: str, given: object) -> str:
-    """A value as TOML, where a text has no quotation marks."""
-    return given if isinstance(given, str) else _toml.value(key, given)

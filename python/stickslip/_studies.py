@@ -11,7 +11,7 @@ from ._progress import Progress, shown
 from ._scenario import ScenarioLike, Scheme, Settings, parse
 from ._time import Time, seconds
 from ._types import checked
-from .errors import wrong_argument
+from .errors import require
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -43,8 +43,8 @@ def sweep(
     """Compute statistics as functions of keys of the scenario, like `mc sweep`.
 
     All points of the sweep see the same noise, unless `time.step` varies, so that differences
-    between neighbouring points are much more precise than the estimates themselves. After Ctrl-C the points that are done are
-    returned with a `StickSlipWarning`.
+    between neighbouring points are much more precise than the estimates themselves. After Ctrl-C
+    the points that are done are returned with a `StickSlipWarning`.
 
     Args:
         scenario: as for `run`.
@@ -78,27 +78,13 @@ def sweep(
         ArgumentError: another argument is wrong.
         KeyboardInterrupt: Ctrl-C came before the first point was done.
     """
-    checked(sweep, locals())
+    given = locals()
+    checked(sweep, given)
     ready()
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
-    if bool(vary) == bool(keys):
-        raise wrong_argument(
-            "vary",
-            vary,
-            "either keys are varied, or elasticities are asked for",
-            "give one of them",
-        )
-    parsed = parse(
-        scenario,
-        set,
-        temperature,
-        paths=paths,
-        seed=seed,
-        scheme=scheme,
-        step=step,
-        tolerance=tolerance,
-        until=until,
-    )
+    problem = "either keys are varied, or elasticities are asked for"
+    require(bool(vary) != bool(keys), "vary", vary, problem, "give one of them")
+    parsed = parse(given)
     with shown(progress) as told:
         made, is_interrupted = _native.sweep(
             parsed,
@@ -149,9 +135,10 @@ def trade(
         ArgumentError: `budget` is not a time to measure for.
         RunError: the budget is too small, or there is nothing to compare.
     """
-    checked(trade, locals())
+    given = locals()
+    checked(trade, given)
     ready()
-    parsed = parse(scenario, set, temperature, seed=seed)
+    parsed = parse(given)
     made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads)
     warn(["interrupted: what was measured until then is told"] if is_interrupted else [])
     return dataset(made)

@@ -42,6 +42,10 @@ def _is_record(given: Any) -> bool:
     return _is_table(given) or _are_texts(given)
 
 
+def _is_until(given: Any) -> bool:
+    return _is_number(given) or _are_texts(given)
+
+
 def _is_progress(given: Any) -> bool:
     return given is None or isinstance(given, bool) or callable(given)
 
@@ -68,6 +72,10 @@ _ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
     "Mapping[str, Values]": (_is_table, "give a dictionary of values by key"),
     "Mapping[str, tuple[float, float]]": (_is_table, "give a dictionary of pairs by key"),
     "Mapping[str, Any]": (_is_table, "give a dictionary"),
+    "Until": (
+        _is_until,
+        'give a number, or a goal such as "stick_duration_mean < 0.5%", or a list of goals',
+    ),
     "Record": (_is_record, 'give "paths", "events", a list of both, or a dictionary'),
     "Progress": (_is_progress, "give True, or a callable f(done, expected)"),
     "xr.Dataset": (
@@ -92,7 +100,8 @@ def checked(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
         kind = str(annotation)
         is_optional = kind.endswith(" | None")
         kind = kind[: -len(" | None")] if is_optional else kind
-        if name == "return" or kind not in _ASKED or is_optional and name in _OF_THE_ENGINE:
+        is_of_engine = is_optional and name in _OF_THE_ENGINE and kind != "Until"
+        if name == "return" or kind not in _ASKED or is_of_engine:
             continue
         value = given[name]
         is_such, remedy = _ASKED[kind]

@@ -9,9 +9,8 @@ from typing import TYPE_CHECKING, Literal
 
 from . import _native
 from ._data import load, raw, ready, warn
-from ._run import of_run
-from ._seal import is_sealed
-from .errors import VerificationError, wrong_argument
+from ._run import STUDIES, of_run
+from .errors import RunError, VerificationError, require
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -71,24 +70,23 @@ def verify(
         OSError: the file cannot be opened.
     """
     ready()
-    if blocks != "all" and (isinstance(blocks, str) or blocks < 0):
-        raise wrong_argument(
-            "blocks", blocks, "it is no number of blocks", 'give a number of blocks, or "all"'
-        )
-    has_checksum = None
-    where = "data set"
-    if isinstance(run, (str, os.PathLike)):
-        where, path = "file", Path(run)
-        has_checksum = is_sealed(path)
-        with load(path) as ds:
-            if ds.attrs.get("format_name") in (
-                "stick-slip trade",
-                "stick-slip sweep",
-                "stick-slip calibration",
-            ):
-                return Verified(0, (), 0, 0, False, 0, has_checksum, _is_same_program(ds))
-            return _verified(ds.load(), blocks, threads, has_checksum, where)
-    return _verified(run, blocks, threads, has_checksum, where)
+    is_number = blocks == "all" or not isinstance(blocks, str) and blocks >= 0
+    remedy = 'give a number of blocks, or "all"'
+    require(is_number, "blocks", blocks, "it is no number of blocks", remedy)
+    if not isinstance(run, (str, os.PathLike)):
+        return _verified(run, blocks, threads, None, "data set")
+    path = Path(run)
+    path.stat()
+    is_right = _native.sealed(str(path), True)
+    if is_right is False:
+        problem = f"{path} is damaged: its checksum is another one"
+        remedy = "take another copy of it, or run its scenario again"
+        raise RunError(f"{problem}\n  fix: {remedy}", problem=problem, remedy=remedy)
+    has_checksum = is_right is not None
+    with load(path) as ds:
+        if ds.attrs.get("format_name") in STUDIES:
+            return Verified(0, (), 0, 0, False, 0, has_checksum, _is_same_program(ds))
+        return _verified(ds.load(), blocks, threads, has_checksum, "file")
 
 
 def _verified(
@@ -98,48 +96,27 @@ def _verified(
     has_checksum: bool | None,
     where: str,
 ) -> Verified:
-    if not _is_same_program(ds):
-        warn(
-            [
-                "it was made by another version of the program, "
-                "which may compute other numbers"
-            ],
-            level=4,
-        )
+    is_same = _is_same_program(ds)
+    other = "it was made by another version of the program, which may compute other numbers"
+    warn([] if is_same else [other], level=4)
     of_run(ds)
     # Statistics of the caller's own cannot be computed again.
     own = [name for name in ds.variables if str(name).startswith("own")]
     wanted = None if blocks == "all" else int(blocks)
-    count, again, paths, has_statistics, values, difference = _native.verify(
-        raw(ds.drop_vars(own)), wanted, threads
-    )
+    found, difference = _native.verify(raw(ds.drop_vars(own)), wanted, threads)
     if difference is not None:
-        variable, path, index, stored, computed, place = difference
-        problem = f"{place} is {stored} in the {where}, and {computed} when it is computed again"
+        problem = (
+            f"{difference.pop('place')} is {difference['stored']} in the {where}, "
+            f"and {difference['computed']} when it is computed again"
+        )
         remedy = (
             f"take the {where} as it was made; "
             "its scenario, its seed or its numbers were changed since"
         )
-        raise VerificationError(
-            f"{problem}\n  fix: {remedy}",
-            problem=problem,
-            remedy=remedy,
-            variable=variable,
-            path=path,
-            index=index,
-            stored=stored,
-            computed=computed,
-        )
-    return Verified(
-        count,
-        tuple(again),
-        int(ds.attrs["completed_paths"]),
-        paths,
-        has_statistics,
-        values,
-        has_checksum,
-        _is_same_program(ds),
-    )
+        message = f"{problem}\n  fix: {remedy}"
+        raise VerificationError(message, problem=problem, remedy=remedy, **difference)
+    completed = int(ds.attrs["completed_paths"])
+    return Verified(paths=completed, has_checksum=has_checksum, same_program=is_same, **found)
 
 
 def _is_same_program(ds: xr.Dataset) -> bool:

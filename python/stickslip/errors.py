@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 from ._wording import in_python
 
 __all__ = [
@@ -23,13 +25,13 @@ class StickSlipError(Exception):
         remedy: what to do about it.
     """
 
-    problem: str
-    remedy: str
+    problem: str = ""
+    remedy: str = ""
 
-    def __init__(self, message: str, *, problem: str = "", remedy: str = "") -> None:
+    def __init__(self, message: str, **attributes: Any) -> None:
         super().__init__(in_python(message))
-        self.problem = in_python(problem)
-        self.remedy = in_python(remedy)
+        for name, value in attributes.items():
+            setattr(self, name, in_python(value) if name in ("problem", "remedy") else value)
 
 
 class ScenarioError(StickSlipError, ValueError):
@@ -46,26 +48,12 @@ class ScenarioError(StickSlipError, ValueError):
         excerpt: the line, with a caret under the place.
     """
 
-    def __init__(
-        self,
-        message: str,
-        *,
-        origin: str = "",
-        line: int | None = None,
-        column: int | None = None,
-        key: str | None = None,
-        value: str | None = None,
-        problem: str = "",
-        remedy: str = "",
-        excerpt: str | None = None,
-    ) -> None:
-        super().__init__(message, problem=problem, remedy=remedy)
-        self.origin = origin
-        self.line = line
-        self.column = column
-        self.key = key
-        self.value = value
-        self.excerpt = excerpt
+    origin: str = ""
+    line: int | None = None
+    column: int | None = None
+    key: str | None = None
+    value: str | None = None
+    excerpt: str | None = None
 
 
 class ArgumentError(StickSlipError, ValueError):
@@ -76,18 +64,8 @@ class ArgumentError(StickSlipError, ValueError):
         value: its value, as text.
     """
 
-    def __init__(
-        self,
-        message: str,
-        *,
-        argument: str = "",
-        value: str = "",
-        problem: str = "",
-        remedy: str = "",
-    ) -> None:
-        super().__init__(message, problem=problem, remedy=remedy)
-        self.argument = argument
-        self.value = value
+    argument: str = ""
+    value: str = ""
 
 
 class RunError(StickSlipError, RuntimeError):
@@ -105,24 +83,11 @@ class VerificationError(RunError):
         computed: the value that the second simulation gives, as text.
     """
 
-    def __init__(
-        self,
-        message: str,
-        *,
-        variable: str = "",
-        path: int | None = None,
-        index: int | None = None,
-        stored: str = "",
-        computed: str = "",
-        problem: str = "",
-        remedy: str = "",
-    ) -> None:
-        super().__init__(message, problem=problem, remedy=remedy)
-        self.variable = variable
-        self.path = path
-        self.index = index
-        self.stored = stored
-        self.computed = computed
+    variable: str = ""
+    path: int | None = None
+    index: int | None = None
+    stored: str = ""
+    computed: str = ""
 
 
 class StickSlipWarning(UserWarning):
@@ -135,3 +100,9 @@ def wrong_argument(argument: str, value: object, problem: str, remedy: str) -> A
     return ArgumentError(
         message, argument=argument, value=str(value), problem=problem, remedy=remedy
     )
+
+
+def require(is_right: bool, argument: str, value: object, problem: str, remedy: str) -> None:
+    """Raise the exception for an argument that is wrong, unless it is right."""
+    if not is_right:
+        raise wrong_argument(argument, value, problem, remedy)

@@ -12,6 +12,7 @@ use std::sync::atomic::Ordering;
 use stick_slip::bearing::calibration::{
     Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate,
 };
+use stick_slip::dataset::Dataset;
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
 
@@ -87,7 +88,7 @@ impl Arguments {
         })?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
         if let Some(output) = &self.output {
-            store::write_calibration(output, &stored, self.force)?;
+            store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?;
         }
         show(&stored.title, &stored.calibration, &stored.warnings, self.json)?;
         if let Some(output) = &self.output {

@@ -7,7 +7,6 @@ use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals,
 use std::collections::BTreeMap;
 use std::path::Path;
 use stick_slip::dataset::Dataset;
-use stick_slip::engine::Provenance;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{SweepFile, partial_path};
 use stick_slip::study::sweep::{Sweep, SweepEnd, SweepQuestion, SweepSimulation};
@@ -27,8 +26,7 @@ pub struct SweepSitting<'a> {
 impl SweepSitting<'_> {
     /// Simulates the points that are not in the file yet, gives the file its name, and prints all.
     pub fn simulate(&self, question: SweepQuestion) -> Result<(), Failure> {
-        let header = Provenance::of(&question.scenario);
-        let (mut file, known) = SweepFile::open(self.output, &header, &question, self.force)?;
+        let (mut file, known) = SweepFile::open(self.output, &question, self.force)?;
         warn_once(&question);
         let mut sweep = Sweep { question, points: known };
         if file.has_name() {

@@ -12,7 +12,6 @@ use std::sync::atomic::Ordering;
 use std::time::Duration;
 use stick_slip::config::{Override, input_files};
 use stick_slip::dataset::Dataset;
-use stick_slip::engine::Provenance;
 use stick_slip::figure::{self, Style, Subject};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
@@ -94,7 +93,7 @@ impl Arguments {
         trade: &Trade,
         shown: Option<Statistic>,
     ) -> Result<(), Failure> {
-        store::write_trade(output, &Provenance::of(scenario), trade, self.force)?;
+        store::write_dataset(output, Dataset::of_trade(scenario, trade), self.force)?;
         let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
         let draw = |prices: &Prices| figure::page(&Subject::Trade(prices), &Style::default()).ok();
         let Some(scene) = prices.as_ref().and_then(draw) else {

@@ -1,23 +1,20 @@
 //! A calibration as a data set: the measured record, what was found in it, and what the model
 //! gives.
 
-use super::header::walk_origin;
+use super::header::{Format, walk_origin};
 use super::layout::{Unit, Variable, table, variable};
-use super::walk::{Reading, Walk};
-use super::{Destination, Source, columns_of, read_other_program, texts};
+use super::walk::{Walk, Walked};
+use super::{Dataset, Source, columns_of, counted, read_other_program, texts};
 use crate::bearing::calibration::{
     Calibration, CalibrationMethod, CalibrationQuestion, Lag, LagProfile, Motion, ParameterEstimate, Quantity,
     SearchStart, SeenSlip, Values, response_of,
 };
 use crate::data::Start;
 use crate::engine::{PROGRAM_VERSION, commit};
-use crate::stats::{Dimension, Units};
+use crate::stats::Units;
 
-/// The attribute `format_name` of a calibration.
-pub(crate) const CALIBRATION_FORMAT_NAME: &str = "stick-slip calibration";
-
-/// Major and minor version of the format.
-pub(crate) const CALIBRATION_FORMAT_VERSION: (u32, u32) = (2, 0);
+/// Name and version of the format.
+pub(crate) const CALIBRATION_FORMAT: Format = ("stick-slip calibration", (2, 0));
 
 /// A calibration as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -51,21 +48,35 @@ pub(crate) fn units() -> Units {
     Units { time, length, force, temperature }
 }
 
-/// Write a calibration.
-pub(crate) fn write<D: Destination>(to: &mut D, stored: &StoredCalibration) -> Result<(), D::Error> {
-    walk(to, &mut stored.clone())
+impl Dataset {
+    /// The data set of a calibration.
+    pub fn of_calibration(calibration: &StoredCalibration) -> Self {
+        Dataset::written(&units(), |to| walk(to, &mut calibration.clone()))
+    }
+
+    /// The calibration in the data set. Fails if the data set is not that of a calibration.
+    pub fn calibration(&self) -> Result<StoredCalibration, String> {
+        read(self)
+    }
+}
+
+/// Write name, symbol and unit of each quantity.
+pub(super) fn write_quantities(to: &mut Dataset) {
+    to.write(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)));
+    to.write(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)));
+    to.write(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)));
 }
 
 /// Read a calibration.
-pub(crate) fn read<S: Source>(from: &S) -> Result<StoredCalibration, S::Error> {
+pub(crate) fn read(from: &dyn Source) -> Result<StoredCalibration, String> {
     let other_program = read_other_program(from)?;
     let mut stored = StoredCalibration { other_program, ..StoredCalibration::of("", "", Calibration::default()) };
-    walk(&mut Reading(from), &mut stored)?;
+    walk(&mut Walk::Reading(from), &mut stored)?;
     Ok(stored)
 }
 
 /// Walk over a calibration. Everything that follows from other things is computed again.
-fn walk<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::Error> {
+fn walk(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     attributes(walk, stored)?;
     let calibration = &mut stored.calibration;
     asked(walk, &mut calibration.question)?;
@@ -75,11 +86,10 @@ fn walk<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::
     measured(walk, calibration)
 }
 
-fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(), W::Error> {
+fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
     let Calibration { question, lag, .. } = calibration;
-    let format = (CALIBRATION_FORMAT_NAME, CALIBRATION_FORMAT_VERSION);
-    walk_origin(walk, format, title, [&mut PROGRAM_VERSION.into(), &mut commit().into()])?;
+    walk_origin(walk, CALIBRATION_FORMAT, title, [&mut PROGRAM_VERSION.into(), &mut commit().into()])?;
     walk.attribute("scenario", scenario_text)?;
     let mut method = question.method.name().to_owned();
     let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();
@@ -87,10 +97,7 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
     walk.attribute("record_start", &mut start)?;
     calibration.record.start = start.as_deref().and_then(Start::parse);
     walk.attribute("method", &mut method)?;
-    match CalibrationMethod::from_name(&method) {
-        Some(method) => question.method = method,
-        None => walk.refuse("an unknown method".into())?,
-    }
+    question.method = CalibrationMethod::from_name(&method).ok_or_else(|| "an unknown method".to_string())?;
     walk.attribute("lag_choice", &mut choice)?;
     walk.attribute("shear_stiffness", &mut question.shear_stiffness)?;
     walk.attribute("interval", &mut question.level)?;
@@ -119,7 +126,7 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
 }
 
 /// What was asked and does not follow from the answer.
-fn asked<W: Walk>(walk: &mut W, question: &mut CalibrationQuestion) -> Result<(), W::Error> {
+fn asked(walk: &mut Walk, question: &mut CalibrationQuestion) -> Walked {
     let Motion { reach, jump, start } = &mut question.guess;
     walk.attribute("guess_reach", reach)?;
     walk.attribute("guess_jump", jump)?;
@@ -129,12 +136,11 @@ fn asked<W: Walk>(walk: &mut W, question: &mut CalibrationQuestion) -> Result<()
         |quantity| question.bounds.iter().find(|bound| bound.0 == quantity).map_or([f64::NAN; 2], |bound| bound.1);
     let mut held = Quantity::ALL.map(held).to_vec();
     let [mut low, mut high] = columns_of(Quantity::ALL.map(bound));
-    walk.derived(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
+    if let Walk::Writing(to) = walk {
+        write_quantities(to);
+    }
     for (variable, values) in [(&HELD, &mut held), (&BOUND_LOW, &mut low), (&BOUND_HIGH, &mut high)] {
-        walk.variable(variable, values)?;
-        if values.len() != Quantity::ALL.len() {
-            walk.refuse(format!("{} has another size", HELD.name))?;
-        }
+        walk.sized(variable, values, Quantity::ALL.len())?;
     }
     let known = |quantity: Quantity, value: f64| (!value.is_nan()).then_some((quantity, value));
     let fitted = Quantity::FITTED.into_iter();
@@ -147,14 +153,10 @@ fn asked<W: Walk>(walk: &mut W, question: &mut CalibrationQuestion) -> Result<()
 /// One estimate for each of [`Quantity::ALL`].
 type ParameterEstimates = [ParameterEstimate; Quantity::ALL.len()];
 
-fn estimates<W: Walk>(
-    walk: &mut W,
-    variables: [&Variable; 3],
-    estimates: &mut ParameterEstimates,
-) -> Result<(), W::Error> {
+fn estimates(walk: &mut Walk, variables: [&Variable; 3], estimates: &mut ParameterEstimates) -> Walked {
     let mut columns = columns_of(estimates.map(|ParameterEstimate { estimate, low, high }| [estimate, low, high]));
     for (variable, values) in variables.into_iter().zip(&mut columns) {
-        walk.along(variable, values, Quantity::ALL.len())?;
+        walk.sized(variable, values, Quantity::ALL.len())?;
     }
     let [estimate, low, high] = columns;
     *estimates = std::array::from_fn(|i| ParameterEstimate { estimate: estimate[i], low: low[i], high: high[i] });
@@ -162,20 +164,18 @@ fn estimates<W: Walk>(
 }
 
 /// The estimates, and what was seen on the way to them.
-fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::Error> {
+fn found(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     let all = Quantity::ALL.len();
     let rows = |values: &[f64]| -> Vec<Values> {
         values.chunks_exact(all).map(|row| std::array::from_fn(|i| row[i])).collect()
     };
-    walk.derived(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
-    walk.derived(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
     estimates(walk, [&ESTIMATE, &LOW, &HIGH], &mut calibration.estimates)?;
     if let Some(others) = walk.present(&ERR_ESTIMATE, &mut calibration.least_squares) {
         estimates(walk, [&ERR_ESTIMATE, &ERR_LOW, &ERR_HIGH], others)?;
     }
     let mut correlations = calibration.correlations.concat();
     if !correlations.is_empty() {
-        walk.derived(&OTHER, &texts(Quantity::ALL.map(Quantity::key)))?;
+        walk.derived(&OTHER, &texts(Quantity::ALL.map(Quantity::key)));
     }
     walk.variable(&CORRELATION, &mut correlations)?;
     calibration.correlations = rows(&correlations);
@@ -184,10 +184,10 @@ fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::
     let [mut times, mut temperatures, mut jumps] =
         columns_of(slips.iter().map(|slip| [slip.time, slip.temperature, slip.jump]));
     let mut usual: Vec<i8> = slips.iter().map(|slip| slip.is_usual.into()).collect();
-    walk.derived(&SLIP, &numbers(slips.len()))?;
+    walk.derived(&SLIP, &counted(0, slips.len()));
     walk.variable(&SLIP_TIME, &mut times)?;
-    walk.along(&SLIP_TEMPERATURE, &mut temperatures, times.len())?;
-    walk.along(&SLIP_JUMP, &mut jumps, times.len())?;
+    walk.sized(&SLIP_TEMPERATURE, &mut temperatures, times.len())?;
+    walk.sized(&SLIP_JUMP, &mut jumps, times.len())?;
     walk.variable(&SLIP_USUAL, &mut usual)?;
     let slip = |(i, time)| {
         let is_usual = usual.get(i) == Some(&1);
@@ -197,9 +197,9 @@ fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::
 
     let mut errs: Vec<f64> = calibration.starts.iter().map(|start| start.err).collect();
     let mut values = calibration.start_values().concat();
-    walk.derived(&START, &numbers(errs.len()))?;
+    walk.derived(&START, &counted(0, errs.len()));
     walk.variable(&START_ERR, &mut errs)?;
-    walk.along(&START_VALUE, &mut values, errs.len() * all)?;
+    walk.sized(&START_VALUE, &mut values, errs.len() * all)?;
     let starts = errs.into_iter().zip(rows(&values));
     calibration.starts = starts.map(|(err, values)| SearchStart { err, response: response_of(&values) }).collect();
     pairs(walk, [&ZERO_TIME, &ZERO_STEP], &mut calibration.zero.steps)?;
@@ -210,86 +210,77 @@ fn found<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::
 }
 
 /// Walk over points: their places, and the values there.
-fn pairs<W: Walk>(walk: &mut W, [at, of]: [&Variable; 2], pairs: &mut Vec<(f64, f64)>) -> Result<(), W::Error> {
+fn pairs(walk: &mut Walk, [at, of]: [&Variable; 2], pairs: &mut Vec<(f64, f64)>) -> Walked {
     let (mut places, mut values): (Vec<f64>, Vec<f64>) = pairs.iter().copied().unzip();
     walk.variable(at, &mut places)?;
-    walk.along(of, &mut values, places.len())?;
+    walk.sized(of, &mut values, places.len())?;
     *pairs = places.into_iter().zip(values).collect();
     Ok(())
 }
 
 /// The measurement, and what the model gives.
-fn measured<W: Walk>(walk: &mut W, calibration: &mut Calibration) -> Result<(), W::Error> {
+fn measured(walk: &mut Walk, calibration: &mut Calibration) -> Walked {
     let Calibration { record, steel, modelled, .. } = calibration;
     walk.variable(&TIME, &mut record.times)?;
     let n = record.times.len();
-    walk.along(&TEMPERATURE, &mut record.temperatures, n)?;
+    walk.sized(&TEMPERATURE, &mut record.temperatures, n)?;
     calibration.zero.start = record.times.first().copied().unwrap_or(0.0);
-    walk.along(&STEEL, steel, n)?;
+    walk.sized(&STEEL, steel, n)?;
     let mut flags = vec![0_i8; n];
     record.interpolated.iter().for_each(|i| flags[*i] = 1);
-    walk.along(&INTERPOLATED, &mut flags, n)?;
+    walk.sized(&INTERPOLATED, &mut flags, n)?;
     record.interpolated = (0..n).filter(|i| flags[*i] == 1).collect();
-    walk.along(&READING, &mut record.readings, n)?;
-    walk.along(&MODELLED, modelled, n)
+    walk.sized(&READING, &mut record.readings, n)?;
+    walk.sized(&MODELLED, modelled, n)
 }
 
-fn numbers(count: usize) -> Vec<u32> {
-    (0..).take(count).collect()
+/// A number of each quantity.
+pub(super) const fn of_quantity(name: &'static str, meaning: &'static str) -> Variable {
+    variable(name, &["quantity"], Unit::None, meaning).with(&[("coordinates", "quantity_symbol quantity_unit")])
 }
-
-const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
-const TEMPERATURES: Unit = Unit::Of(Dimension::TEMPERATURE);
-const PER_QUANTITY: &[(&str, &str)] = &[("coordinates", "quantity_symbol quantity_unit")];
 
 table! {
     QUANTITY = variable("quantity", &["quantity"], Unit::None, "key of the quantity");
     QUANTITY_SYMBOL = variable("quantity_symbol", &["quantity"], Unit::None, "symbol of the quantity");
     QUANTITY_UNIT = variable("quantity_unit", &["quantity"], Unit::None, "unit of the quantity");
-    ESTIMATE = variable("estimate", &["quantity"], Unit::None, "estimate").with(PER_QUANTITY);
-    LOW = variable("interval_low", &["quantity"], Unit::None, "lower end of the interval").with(PER_QUANTITY);
-    HIGH = variable("interval_high", &["quantity"], Unit::None, "upper end of the interval").with(PER_QUANTITY);
-    ERR_ESTIMATE = variable("least_squares", &["quantity"], Unit::None,
-        "estimate by the least squares, from the best of its starts").with(PER_QUANTITY);
-    ERR_LOW = variable("least_squares_low", &["quantity"], Unit::None,
-        "lower end of the interval of the least squares").with(PER_QUANTITY);
-    ERR_HIGH = variable("least_squares_high", &["quantity"], Unit::None,
-        "upper end of the interval of the least squares").with(PER_QUANTITY);
-    HELD = variable("held", &["quantity"], Unit::None, "value at which the quantity was held, missing where fitted")
-        .with(PER_QUANTITY);
-    BOUND_LOW = variable("bound_low", &["quantity"], Unit::None,
-        "lower bound of the search, missing where there was none").with(PER_QUANTITY);
-    BOUND_HIGH = variable("bound_high", &["quantity"], Unit::None,
-        "upper bound of the search, missing where there was none").with(PER_QUANTITY);
+    ESTIMATE = of_quantity("estimate", "estimate");
+    LOW = of_quantity("interval_low", "lower end of the interval");
+    HIGH = of_quantity("interval_high", "upper end of the interval");
+    ERR_ESTIMATE = of_quantity("least_squares", "estimate by the least squares, from the best of its starts");
+    ERR_LOW = of_quantity("least_squares_low", "lower end of the interval of the least squares");
+    ERR_HIGH = of_quantity("least_squares_high", "upper end of the interval of the least squares");
+    HELD = of_quantity("held", "value at which the quantity was held, missing where fitted");
+    BOUND_LOW = of_quantity("bound_low", "lower bound of the search, missing where there was none");
+    BOUND_HIGH = of_quantity("bound_high", "upper bound of the search, missing where there was none");
     OTHER = variable("other", &["other"], Unit::None, "key of the other quantity");
     CORRELATION = variable("correlation", &["quantity", "other"], Unit::ONE,
         "correlation of the errors of two quantities");
     SLIP = variable("slip", &["slip"], Unit::ONE, "number of the slip");
     SLIP_TIME = variable("slip_time", &["slip"], Unit::Seconds, "time of the slip, in the middle between two samples");
-    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], TEMPERATURES, "temperature of steel at the slip");
-    SLIP_JUMP = variable("slip_jump", &["slip"], LENGTH, "jump of the displacement less kappa beta T");
+    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], Unit::TEMPERATURE, "temperature of steel at the slip");
+    SLIP_JUMP = variable("slip_jump", &["slip"], Unit::LENGTH, "jump of the displacement less kappa beta T");
     SLIP_USUAL = variable("slip_usual", &["slip"], Unit::None, "whether the slip is alone and of the usual size")
         .flags(&[0, 1], &[("flag_meanings", "left_out fitted")]);
     START = variable("start", &["start"], Unit::ONE, "number of the start of the least squares");
-    START_ERR = variable("start_err", &["start"], Unit::Of(Dimension::AREA),
+    START_ERR = variable("start_err", &["start"], Unit::AREA,
         "mean square of model less measurement");
     START_VALUE = variable("start_value", &["start", "quantity"], Unit::None, "what the start found");
     LAG = variable("lag", &["lag"], Unit::Seconds, "lag of steel behind the thermometer");
     LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
         "twice the logarithm of the largest likelihood over that of this lag");
     ZERO_TIME = variable("zero_time", &["zero_time"], Unit::Seconds, "time at which the zero of the sensor was set");
-    ZERO_STEP = variable("zero_step", &["zero_time"], LENGTH, "by how much readings moved when the zero was set");
+    ZERO_STEP = variable("zero_step", &["zero_time"], Unit::LENGTH, "by how much readings moved when the zero was set");
     DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");
     TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample");
-    TEMPERATURE = variable("temperature", &["time"], TEMPERATURES, "temperature as measured");
-    STEEL = variable("steel_temperature", &["time"], TEMPERATURES, "temperature of steel, behind the measured one");
+    TEMPERATURE = variable("temperature", &["time"], Unit::TEMPERATURE, "temperature as measured");
+    STEEL = variable("steel_temperature", &["time"], Unit::TEMPERATURE, "temperature of steel, behind the measured one");
     INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,
         "whether the temperature is interpolated between those of the thermometer")
         .flags(&[0, 1], &[("flag_meanings", "measured interpolated")]);
-    READING = variable("displacement", &["time"], LENGTH, "displacement as measured");
-    MODELLED = variable("displacement_modelled", &["time"], LENGTH, "displacement of the model");
+    READING = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");
+    MODELLED = variable("displacement_modelled", &["time"], Unit::LENGTH, "displacement of the model");
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
-//! Where a data set is written and from where it is read back, be it a file or memory.
+//! Attributes of a data set, and where a data set is read back from, be it a file or memory.
 
 use super::layout::Described;
-use super::{Column, ColumnView, Element, ElementType};
+use super::{Column, Element, ElementType};
 use crate::engine::other_program;
 use crate::stats::Units;
 use crate::stats::column::values_of;
+use std::ops::Range;
 
 /// An attribute of a data set or of a variable.
 #[derive(Clone, Debug, PartialEq)]
@@ -25,30 +26,13 @@ impl From<&str> for Attribute {
     }
 }
 
-impl From<String> for Attribute {
-    fn from(text: String) -> Self {
-        Attribute::Text(text)
-    }
-}
-
-impl From<f64> for Attribute {
-    fn from(number: f64) -> Self {
-        Attribute::Real(number)
-    }
-}
-
-impl From<u64> for Attribute {
-    fn from(count: u64) -> Self {
-        Attribute::Count(count)
-    }
-}
-
 /// The attributes of a variable, in the order in which they are written.
-pub(crate) fn attributes_of<'a>(variable: &Described<'a>, units: &Units) -> Vec<(&'a str, Attribute)> {
+pub(crate) fn attributes_of(variable: &Described, units: &Units) -> Vec<(String, Attribute)> {
     let flags = (!variable.flags.is_empty()).then(|| ("flag_values", Attribute::Flags(variable.flags.to_vec())));
     let unit = variable.unit.label(units).map(|label| ("units", Attribute::Text(label)));
     let others = variable.attributes.iter().map(|&(name, value)| (name, Attribute::from(value)));
-    [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others).collect()
+    let all = [("long_name", Attribute::from(variable.long_name))].into_iter().chain(unit).chain(flags).chain(others);
+    all.map(|(name, value)| (name.to_owned(), value)).collect()
 }
 
 /// A value that is kept as an attribute of a data set.
@@ -62,6 +46,12 @@ pub(crate) trait AttributeValue: Sized {
 
 macro_rules! attribute_values {
     ($($type:ty, $kind:ident, $words:literal;)*) => {$(
+        impl From<$type> for Attribute {
+            fn from(value: $type) -> Self {
+                Attribute::$kind(value)
+            }
+        }
+
         impl AttributeValue for $type {
             fn attribute(&self) -> Option<Attribute> {
                 Some(Attribute::$kind(self.clone()))
@@ -110,6 +100,11 @@ pub(crate) fn texts<'a>(of: impl IntoIterator<Item = &'a str>) -> Vec<String> {
     of.into_iter().map(str::to_owned).collect()
 }
 
+/// Numbers from this one on, as values of a variable.
+pub(crate) fn counted(first: u32, count: usize) -> Vec<u32> {
+    (first..).take(count).collect()
+}
+
 /// The columns of a table with these rows.
 pub(crate) fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]>) -> [Vec<f64>; N] {
     let mut columns = [const { Vec::new() }; N];
@@ -117,58 +112,42 @@ pub(crate) fn columns_of<const N: usize>(rows: impl IntoIterator<Item = [f64; N]
     columns
 }
 
-/// Where a data set is written.
-pub(crate) trait Destination {
-    /// The error of writing.
-    type Error;
-
-    /// Labels of the units.
-    fn units(&self) -> &Units;
-
-    /// Write a variable. A variable without values is left out, and so is its dimension.
-    fn write_variable<'a>(
-        &mut self,
-        variable: &Described,
-        values: impl Into<ColumnView<'a>>,
-    ) -> Result<(), Self::Error>;
-
-    /// Set an attribute of the data set. It replaces an earlier value.
-    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
-}
-
-/// Where a data set is read back from.
-pub(crate) trait Source {
-    /// The error of reading.
-    type Error: From<String>;
-
-    /// The values of a variable; none if there is no such variable.
-    fn column(&self, variable: &Described, kind: ElementType) -> Result<Option<Column>, Self::Error>;
+/// A data set that is stored, in a file or in memory.
+pub(crate) trait Source: Sync {
+    /// The names of its variables.
+    fn names(&self) -> Result<Vec<String>, String>;
 
     /// Whether there is a variable of this name.
     fn has(&self, name: &str) -> bool;
 
+    /// The values of a variable; none if there is no such variable.
+    fn column(&self, variable: &Described, kind: ElementType) -> Result<Option<Column>, String>;
+
+    /// Some rows of a variable. Fewer rows than these are an error.
+    fn rows(&self, variable: &str, kind: ElementType, rows: &Range<usize>) -> Result<Column, String>;
+
+    /// The length of the first dimension of a variable; none if there is no such variable.
+    fn length(&self, variable: &str) -> Result<Option<usize>, String>;
+
     /// An attribute of the data set, or of one of its variables; none if there is no such
     /// attribute.
-    fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, Self::Error>;
+    fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>, String>;
+
+    /// The attributes of the data set, or of a variable, without those that only attach coordinates
+    /// to variables.
+    fn attributes(&self, variable: Option<&str>) -> Result<Vec<(String, Attribute)>, String>;
+
+    /// Whether another program may have laid it out, and left out what only a layout needs.
+    fn is_laid_out_anew(&self) -> bool;
 }
 
 /// Read an attribute of a data set.
-pub(crate) fn read_attribute<S: Source, T: AttributeValue>(from: &S, name: &str) -> Result<T, S::Error> {
-    Ok(T::of(from.attribute(None, name)?, name)?)
-}
-
-/// Read an attribute of a variable.
-pub(crate) fn read_attribute_of<S: Source, T: AttributeValue>(
-    from: &S,
-    variable: &str,
-    name: &str,
-) -> Result<T, S::Error> {
-    let attribute: Option<T> = AttributeValue::of(from.attribute(Some(variable), name)?, name)?;
-    attribute.ok_or_else(|| format!("{name} of {variable} is missing").into())
+pub(crate) fn read_attribute<T: AttributeValue>(from: &dyn Source, name: &str) -> Result<T, String> {
+    T::of(from.attribute(None, name)?, name)
 }
 
 /// The program that wrote the data set, if it was another one.
-pub(crate) fn read_other_program<S: Source>(from: &S) -> Result<Option<String>, S::Error> {
+pub(crate) fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
     let [version, hash]: [Result<String, _>; 2] =
         ["program_version", "git_hash"].map(|name| read_attribute(from, name));
     Ok(other_program(&version?, &hash?))
@@ -176,28 +155,20 @@ pub(crate) fn read_other_program<S: Source>(from: &S) -> Result<Option<String>, 
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives
 /// an empty list. Any other absent variable is an error.
-pub(crate) fn read_or_empty<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
+pub(crate) fn read_or_empty<T: Element>(from: &dyn Source, variable: &Described) -> Result<Vec<T>, String> {
     match from.column(variable, T::KIND)? {
-        Some(column) => Ok(values_of(variable, column)?),
+        Some(column) => values_of(variable, column),
         None if variable.axes.iter().all(|axis| *axis != variable.name && from.has(axis)) => {
-            Err(format!("{} is missing", variable.name).into())
+            Err(format!("{} is missing", variable.name))
         }
         None => Ok(Vec::new()),
     }
 }
 
 /// Read a variable that must be present and have values.
-pub(crate) fn read_variable<S: Source, T: Element>(from: &S, variable: &Described) -> Result<Vec<T>, S::Error> {
+pub(crate) fn read_variable<T: Element>(from: &dyn Source, variable: &Described) -> Result<Vec<T>, String> {
     match read_or_empty(from, variable)? {
-        values if values.is_empty() => Err(format!("{} is missing", variable.name).into()),
+        values if values.is_empty() => Err(format!("{} is missing", variable.name)),
         values => Ok(values),
-    }
-}
-
-/// Read a variable that must have a single value.
-pub(crate) fn read_scalar<S: Source, T: Element>(from: &S, variable: &Described) -> Result<T, S::Error> {
-    match read_variable::<S, T>(from, variable)?.as_slice() {
-        [value] => Ok(value.clone()),
-        values => Err(format!("{} has {} values, not one", variable.name, values.len()).into()),
     }
 }

@@ -5,7 +5,7 @@
 
 pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
-use crate::stats::{Dimension, PhaseLaw};
+use crate::stats::Dimension;
 
 /// Declares variables together with the list of all of them, so that the list is complete.
 macro_rules! table {
@@ -21,12 +21,12 @@ macro_rules! table {
 }
 pub(super) use table;
 
-/// A variable with the ends of its intervals.
+/// A variable with the interval of each of its values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WithInterval {
     pub value: Variable,
-    pub low: Variable,
-    pub high: Variable,
+    /// Along `bound` first.
+    pub interval: Variable,
 }
 
 impl WithInterval {
@@ -36,26 +36,16 @@ impl WithInterval {
     }
 }
 
-/// A variable with the ends of its intervals. The ends are of the same, or of something else.
+/// A variable with its intervals, which are those of the same or of something else.
 macro_rules! measured {
-    ($name:expr, $axes:expr, $unit:expr, $what:expr) => {
-        measured!($name, $axes, $unit, $what, ends of the $what)
+    ($name:expr, [$($axis:literal),*], $unit:expr, $what:expr) => {
+        measured!($name, [$($axis),*], $unit, $what, interval of the $what)
     };
-    ($name:expr, $axes:expr, $unit:expr, $what:expr, ends of the $of:expr) => {
+    ($name:expr, [$($axis:literal),*], $unit:expr, $what:expr, interval of the $of:expr) => {
         WithInterval {
-            value: variable($name, $axes, $unit, $what),
-            low: variable(
-                concat!($name, "_low"),
-                $axes,
-                $unit,
-                concat!("lower end of the 95 % confidence interval of the ", $of),
-            ),
-            high: variable(
-                concat!($name, "_high"),
-                $axes,
-                $unit,
-                concat!("upper end of the 95 % confidence interval of the ", $of),
-            ),
+            value: variable($name, &[$($axis),*], $unit, $what),
+            interval: variable(concat!($name, "_interval"), &["bound", $($axis),*], $unit,
+                concat!("95 % confidence interval of the ", $of)),
         }
     };
 }
@@ -69,29 +59,30 @@ const WITH_ERRORS: &[(&str, &str)] = &[
     ("ancillary_variables", "standard_error interval_low interval_high bias bias_uncertainty bias_order"),
 ];
 
+/// A number of each statistic.
+const fn of_statistic(name: &'static str, meaning: &'static str) -> Variable {
+    variable(name, &["statistic"], Unit::None, meaning).with(PER_STATISTIC)
+}
+
+const OF_BIN: &[&str] = &["law", "law_bin"];
+const PER_BIN: &[(&str, &str)] = &[("coordinates", "law_lower law_upper")];
+
 table! {
     STATISTIC = variable("statistic", &["statistic"], Unit::None, "name of the statistic");
     STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "what the statistic is");
     STATISTIC_UNIT = variable("statistic_unit", &["statistic"], Unit::None, "unit of the statistic");
-    ESTIMATE = variable("estimate", &["statistic"], Unit::None, "estimate").with(WITH_ERRORS);
-    STANDARD_ERROR = variable("standard_error", &["statistic"], Unit::None,
-        "standard error of the estimate, the path being the independent unit").with(PER_STATISTIC);
-    INTERVAL_LOW = variable("interval_low", &["statistic"], Unit::None,
-        "lower end of the 95 % confidence interval").with(PER_STATISTIC);
-    INTERVAL_HIGH = variable("interval_high", &["statistic"], Unit::None,
-        "upper end of the 95 % confidence interval").with(PER_STATISTIC);
-    BIAS = variable("bias", &["statistic"], Unit::None,
-        "estimated discretisation bias, missing where unknown").with(PER_STATISTIC);
-    BIAS_UNCERTAINTY = variable("bias_uncertainty", &["statistic"], Unit::None,
-        "95 % uncertainty of the discretisation bias").with(PER_STATISTIC);
-    BIAS_ORDER = variable("bias_order", &["statistic"], Unit::None,
-        "observed order p of the bias in the time step, as in C h^p, missing where unknown").with(PER_STATISTIC);
-    ESTIMATE_CORRECTED = variable("estimate_corrected", &["statistic"], Unit::None,
-        "estimate with its bias removed as far as it is known, missing where unknown").with(PER_STATISTIC);
-    ESTIMATE_CORRECTED_LOW = variable("estimate_corrected_low", &["statistic"], Unit::None,
-        "lower end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
-    ESTIMATE_CORRECTED_HIGH = variable("estimate_corrected_high", &["statistic"], Unit::None,
-        "upper end of the 95 % interval of the corrected estimate").with(PER_STATISTIC);
+    ESTIMATE = of_statistic("estimate", "estimate").with(WITH_ERRORS);
+    STANDARD_ERROR = of_statistic("standard_error", "standard error of the estimate, the path being the independent unit");
+    INTERVAL_LOW = of_statistic("interval_low", "lower end of the 95 % confidence interval");
+    INTERVAL_HIGH = of_statistic("interval_high", "upper end of the 95 % confidence interval");
+    BIAS = of_statistic("bias", "estimated discretisation bias, missing where unknown");
+    BIAS_UNCERTAINTY = of_statistic("bias_uncertainty", "95 % uncertainty of the discretisation bias");
+    BIAS_ORDER = of_statistic("bias_order", "observed order p of the bias in the time step, as in C h^p, missing where unknown");
+    ESTIMATE_CORRECTED = of_statistic("estimate_corrected", "estimate with its bias removed as far as it is known, missing where unknown");
+    ESTIMATE_CORRECTED_LOW = of_statistic("estimate_corrected_low", "lower end of the 95 % interval of the corrected estimate");
+    ESTIMATE_CORRECTED_HIGH = of_statistic("estimate_corrected_high", "upper end of the 95 % interval of the corrected estimate");
+
+    BOUND = variable("bound", &["bound"], Unit::None, "end of an interval");
 
     TIME = variable("time", &["time"], Unit::TIME, "time");
     QUANTILE = variable("quantile", &["quantile"], Unit::ONE, "quantile level");
@@ -117,6 +108,19 @@ table! {
     JOINT_DENSITY = variable("joint_density", &["joint_displacement_bin", "joint_velocity_bin"],
         Unit::Of(Dimension { time: 1, length: -2, ..Dimension::ONE }),
         "density of displacement and velocity in motion over the counted time");
+
+    LAW = variable("law", &["law"], Unit::None, "name of the law: what is counted");
+    LAW_LONG_NAME = variable("law_long_name", &["law"], Unit::None, "the quantity in words");
+    LAW_UNIT = variable("law_unit", &["law"], Unit::None, "unit of the quantity");
+    LAW_BIN = variable("law_bin", &["law_bin"], Unit::ONE, "number of the bin of a law");
+    LAW_LOWER = variable("law_lower", OF_BIN, Unit::None, "lower edge of the bin, itself inside the bin");
+    LAW_UPPER = variable("law_upper", OF_BIN, Unit::None, "upper edge of the bin, missing where the law has fewer bins");
+    LAW_COUNT = variable("law_count", OF_BIN, Unit::ONE,
+        "values of completed phases, without the first stick of each path").with(PER_BIN);
+    LAW_CENSORED_COUNT = variable("law_censored_count", OF_BIN, Unit::ONE,
+        "phases still running at the end, by their value so far").with(PER_BIN);
+    LAW_COMPLETED = variable("law_completed", &["law"], Unit::ONE, "completed phases");
+    LAW_CENSORED = variable("law_censored", &["law"], Unit::ONE, "phases still running at the end");
 
     LEVEL = variable("level", &["level"], Unit::LENGTH, "distance from the initial displacement");
 
@@ -178,164 +182,63 @@ table! {
 table! {
     ALL_MEASURED: WithInterval;
 
-    STATIC_PROBABILITY = measured!("static_probability", &["time"], Unit::ONE,
+    STATIC_PROBABILITY = measured!("static_probability", ["time"], Unit::ONE,
         "probability of being in a static phase");
+    LAW_SURVIVAL = measured!("law_survival", ["law", "law_bin"], Unit::ONE,
+        "probability that a value exceeds the upper edge of the bin (Kaplan-Meier)").with(PER_BIN);
+    LAW_QUANTILE = measured!("law_quantile", ["law", "quantile"], Unit::None, "quantiles of the completed values");
 
-
-    DISPLACEMENT_DENSITY = measured!("displacement_density", &["displacement_bin"],
+    DISPLACEMENT_DENSITY = measured!("displacement_density", ["displacement_bin"],
         Unit::Of(Dimension { length: -1, ..Dimension::ONE }),
         "density of the displacement over the counted time").with(&[("coordinates", "displacement_bin_lower")]);
-    VELOCITY_DENSITY = measured!("velocity_density", &["velocity_bin"],
+    VELOCITY_DENSITY = measured!("velocity_density", ["velocity_bin"],
         Unit::Of(Dimension { time: 1, length: -1, ..Dimension::ONE }),
         "density of the velocity in motion over the counted time").with(&[("coordinates", "velocity_bin_lower")]);
-    PASSAGE_SURVIVAL = measured!("passage_survival", &["level", "time"], Unit::ONE,
+    PASSAGE_SURVIVAL = measured!("passage_survival", ["level", "time"], Unit::ONE,
         "probability that the displacement has not been so far from the start until then");
-    REST_SHARE = measured!("rest_share", &[], Unit::ONE,
+    REST_SHARE = measured!("rest_share", [], Unit::ONE,
         "share of the counted time at which the body is at rest");
-    DISPLACEMENT_AUTOCOVARIANCE = measured!("displacement_autocovariance", &["lag"], Unit::AREA,
+    DISPLACEMENT_AUTOCOVARIANCE = measured!("displacement_autocovariance", ["lag"], Unit::AREA,
         "autocovariance of the displacement about its mean over paths");
-    VELOCITY_AUTOCOVARIANCE = measured!("velocity_autocovariance", &["lag"],
+    VELOCITY_AUTOCOVARIANCE = measured!("velocity_autocovariance", ["lag"],
         Unit::Of(Dimension { length: 2, time: -2, ..Dimension::ONE }),
         "autocovariance of the velocity about its mean over paths");
-    DISPLACEMENT_SPECTRUM = measured!("displacement_spectrum", &["frequency"], SPECTRUM_OF_LENGTH,
+    DISPLACEMENT_SPECTRUM = measured!("displacement_spectrum", ["frequency"], SPECTRUM_OF_LENGTH,
         "two-sided power spectrum of the displacement about its mean over paths");
-    VELOCITY_SPECTRUM = measured!("velocity_spectrum", &["frequency"], SPECTRUM_OF_VELOCITY,
+    VELOCITY_SPECTRUM = measured!("velocity_spectrum", ["frequency"], SPECTRUM_OF_VELOCITY,
         "two-sided power spectrum of the velocity about its mean over paths");
 
-    SUB_PHASE_SHARE = measured!("sub_phase_share", &["sub_phase"], Unit::ONE,
+    SUB_PHASE_SHARE = measured!("sub_phase_share", ["sub_phase"], Unit::ONE,
         "share of the completed dynamic phases that have so many sub-phases",
-        ends of the "probability that a completed dynamic phase has so many sub-phases");
+        interval of the "probability that a completed dynamic phase has so many sub-phases");
 
-    TRANSIENT_DISPLACEMENT = measured!("transient_displacement", &[], Unit::LENGTH,
+    TRANSIENT_DISPLACEMENT = measured!("transient_displacement", [], Unit::LENGTH,
         "mean displacement from the start to that time",
-        ends of the "mean displacement in the burn-in");
+        interval of the "mean displacement in the burn-in");
 
-    DISPLACEMENT_PERIOD_MEAN = measured!("displacement_period_mean", &["period"], Unit::LENGTH,
+    DISPLACEMENT_PERIOD_MEAN = measured!("displacement_period_mean", ["period"], Unit::LENGTH,
         "mean of the displacement since the start, at the end of the period").with(&[("coordinates", "period_time")]);
-    DISPLACEMENT_PERIOD_VARIANCE = measured!("displacement_period_variance", &["period"], Unit::AREA,
+    DISPLACEMENT_PERIOD_VARIANCE = measured!("displacement_period_variance", ["period"], Unit::AREA,
         "variance of the displacement at the end of the period").with(&[("coordinates", "period_time")]);
 }
 
-/// The variables of a law.
-pub(crate) struct LawLayout {
-    pub bin: Variable,
-    pub bin_lower: Variable,
-    pub count: Variable,
-    pub censored_count: Variable,
-    pub survival: WithInterval,
-    pub quantile: WithInterval,
-    pub completed: Variable,
-    pub censored: Variable,
-}
-
-/// The variables of a law, from the names of its quantity and of its bins, the unit of the
-/// quantity, and what is counted: one thing and several of them.
-macro_rules! law {
-    ($name:literal, $bin:literal, $unit:expr, $quantity:literal, $one:literal, $several:literal) => {
-        LawLayout {
-            bin: variable($bin, &[$bin], $unit, concat!("upper edge of the bin of the ", $quantity)),
-            bin_lower: variable(concat!($bin, "_lower"), &[$bin], $unit,
-                concat!("lower edge of the bin of the ", $quantity, ", itself inside the bin")),
-            count: variable(concat!($name, "_count"), &[$bin], Unit::ONE,
-                concat!("completed ", $several))
-                .with(&[("coordinates", concat!($bin, "_lower"))]),
-            censored_count: variable(concat!($name, "_censored_count"), &[$bin], Unit::ONE,
-                concat!($several, " still running at the end, by their ", $quantity, " so far"))
-                .with(&[("coordinates", concat!($bin, "_lower"))]),
-            survival: measured!(concat!($name, "_survival"), &[$bin], Unit::ONE,
-                concat!("probability that the ", $quantity, " of ", $one,
-                    " exceeds the upper edge of the bin (Kaplan-Meier)"),
-                ends of the concat!("probability that the ", $quantity, " exceeds the upper edge of the bin"))
-                .with(&[("coordinates", concat!($bin, "_lower"))]),
-            quantile: measured!(concat!($name, "_quantile"), &["quantile"], $unit,
-                concat!("quantiles of the ", $quantity, " of completed ", $several)),
-            completed: variable(concat!($name, "_completed"), &[], Unit::ONE,
-                concat!("completed ", $several)),
-            censored: variable(concat!($name, "_censored"), &[], Unit::ONE,
-                concat!($several, " still running at the end")),
-        }
+/// Mean, standard deviation and quantiles of a quantity on the output grid.
+macro_rules! band {
+    ($mean:literal, $sd:literal, $quantile:literal, $unit:expr, $of:literal) => {
+        [
+            measured!($mean, ["time"], $unit, concat!("mean of the ", $of)),
+            measured!($sd, ["time"], $unit, concat!("standard deviation of the ", $of)),
+            measured!($quantile, ["quantile", "time"], $unit, concat!("quantiles of the ", $of)),
+        ]
     };
 }
 
-/// The variables of a law.
-pub(crate) const fn of_law(law: PhaseLaw) -> LawLayout {
-    match law {
-        PhaseLaw::Stick => law!(
-            "stick_duration",
-            "duration_bin",
-            Unit::TIME,
-            "duration",
-            "a stick",
-            "sticks, the first of each path left out"
-        ),
-        PhaseLaw::Slip => law!("slip_duration", "slip_duration_bin", Unit::TIME, "duration", "a slip", "slips"),
-        PhaseLaw::Jump => law!("jump_abs", "jump_abs_bin", Unit::LENGTH, "size", "a jump", "jumps"),
-        PhaseLaw::JumpForward => law!(
-            "jump_forward",
-            "jump_forward_bin",
-            Unit::LENGTH,
-            "size",
-            "a jump to larger displacements",
-            "jumps to larger displacements"
-        ),
-        PhaseLaw::JumpBackward => law!(
-            "jump_backward",
-            "jump_backward_bin",
-            Unit::LENGTH,
-            "size",
-            "a jump to smaller displacements",
-            "jumps to smaller displacements"
-        ),
-        PhaseLaw::Recurrence => law!(
-            "recurrence_time",
-            "recurrence_time_bin",
-            Unit::TIME,
-            "length",
-            "a time from the beginning of a slip to that of the next",
-            "times from slip to slip"
-        ),
-    }
-}
-
-/// The variables of the largest displacement and of the largest speed.
-pub(crate) const EXTREMES: [LawLayout; 2] = [
-    law!(
-        "largest_displacement",
-        "largest_displacement_bin",
-        Unit::LENGTH,
-        "largest distance from the start",
-        "a path",
-        "paths"
-    ),
-    law!("largest_speed", "largest_speed_bin", Unit::VELOCITY, "largest speed", "a path", "paths"),
-];
-
-impl LawLayout {
-    /// Every variable of the law.
-    #[cfg(test)]
-    fn all(&self) -> Vec<Variable> {
-        let LawLayout { count, censored_count, survival, quantile, completed, censored, .. } = *self;
-        let measured = [survival, quantile].into_iter().flat_map(|of| [of.value, of.low, of.high]);
-        [self.bin, self.bin_lower, count, censored_count, completed, censored].into_iter().chain(measured).collect()
-    }
-}
-
-/// Mean, standard deviation and quantiles of a quantity on the output grid.
-pub(crate) const DISPLACEMENT: [WithInterval; 3] = [
-    measured!("displacement_mean", &["time"], Unit::LENGTH, "mean of the displacement"),
-    measured!("displacement_sd", &["time"], Unit::LENGTH, "standard deviation of the displacement"),
-    measured!("displacement_quantile", &["quantile", "time"], Unit::LENGTH, "quantiles of the displacement"),
-];
-pub(crate) const VELOCITY: [WithInterval; 3] = [
-    measured!("velocity_mean", &["time"], Unit::VELOCITY, "mean of the velocity"),
-    measured!("velocity_sd", &["time"], Unit::VELOCITY, "standard deviation of the velocity"),
-    measured!("velocity_quantile", &["quantile", "time"], Unit::VELOCITY, "quantiles of the velocity"),
-];
-pub(crate) const TEMPERATURE: [WithInterval; 3] = [
-    measured!("temperature_mean", &["time"], Unit::TEMPERATURE, "mean of the temperature"),
-    measured!("temperature_sd", &["time"], Unit::TEMPERATURE, "standard deviation of the temperature"),
-    measured!("temperature_quantile", &["quantile", "time"], Unit::TEMPERATURE, "quantiles of the temperature"),
-];
+pub(crate) const DISPLACEMENT: [WithInterval; 3] =
+    band!("displacement_mean", "displacement_sd", "displacement_quantile", Unit::LENGTH, "displacement");
+pub(crate) const VELOCITY: [WithInterval; 3] =
+    band!("velocity_mean", "velocity_sd", "velocity_quantile", Unit::VELOCITY, "velocity");
+pub(crate) const TEMPERATURE: [WithInterval; 3] =
+    band!("temperature_mean", "temperature_sd", "temperature_quantile", Unit::TEMPERATURE, "temperature");
 
 #[cfg(test)]
 mod tests {
@@ -348,10 +251,8 @@ mod tests {
     fn all() -> Vec<Variable> {
         let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
         let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
-        let measured = measured.flat_map(|of| [of.value, of.low, of.high]);
-        let laws = PhaseLaw::ASKED.into_iter().chain([PhaseLaw::Stick]).map(of_law).chain(EXTREMES);
-        let laws = laws.flat_map(|law| law.all());
-        ALL.iter().copied().chain(measured).chain(laws).chain(kept.into_iter().map(|(of, _)| of)).collect()
+        let measured = measured.flat_map(|of| [of.value, of.interval]);
+        ALL.iter().copied().chain(measured).chain(kept.into_iter().map(|(of, _)| of)).collect()
     }
 
     #[test]
@@ -359,42 +260,19 @@ mod tests {
         let all = all();
         assert_eq!(all.iter().map(|of| of.name).collect::<HashSet<_>>().len(), all.len());
         for axis in all.iter().flat_map(|variable| variable.axes) {
-            assert!(all.iter().any(|v| v.name == *axis && v.is_coordinate()), "{axis}");
+            assert!(all.iter().any(|v| v.name == *axis && *v.axes == [v.name]), "{axis}");
         }
-    }
-
-    #[test]
-    fn the_ends_of_an_interval_have_the_axes_and_the_unit_of_what_lies_between() {
-        let all = all();
-        for low in all.iter().filter(|variable| variable.name.ends_with("_low") && variable.unit != Unit::None) {
-            let stem = low.name.strip_suffix("_low").expect("a lower end");
-            let find =
-                |name: &str| *all.iter().find(|variable| variable.name == name).unwrap_or_else(|| panic!("{name}"));
-            let of = find(stem);
-            for end in [*low, find(&format!("{stem}_high"))] {
-                assert_eq!((end.axes, end.unit), (of.axes, of.unit), "{}", end.name);
-            }
-        }
-    }
-
-    /// The variable whose interval ends here; the page leaves the ends out.
-    fn of_interval(name: &str) -> &str {
-        name.strip_suffix("_low").or_else(|| name.strip_suffix("_high")).unwrap_or(name)
     }
 
     #[test]
     fn the_documentation_names_every_variable() {
         let text = include_str!("../../docs/output-format.md");
-        // The page lists the variables of laws once, with LAW in place of the name of a law.
-        let laws = PhaseLaw::ASKED.map(of_law).into_iter().chain(EXTREMES).map(|law| law.count.name);
-        let laws: Vec<&str> = laws.filter_map(|count| count.strip_suffix("_count")).collect();
         for variable in all() {
-            let name = of_interval(variable.name);
-            let of_law = laws.iter().find_map(|law| name.strip_prefix(law)).map(|rest| format!("`LAW{rest}`"));
-            let names = [variable.name, name].map(|name| format!("`{name}`"));
-            let is_there = names.into_iter().chain(of_law).any(|name| text.contains(&name));
+            // The page leaves the intervals out.
+            let name = variable.name.strip_suffix("_interval").unwrap_or(variable.name);
+            let name = name.strip_suffix("_low").or_else(|| name.strip_suffix("_high")).unwrap_or(name);
+            let is_there = [variable.name, name].iter().any(|name| text.contains(&format!("`{name}`")));
             assert!(is_there, "{} is not in docs/output-format.md", variable.name);
         }
-        assert!(laws.iter().all(|law| text.contains(&format!("`{law}`"))), "{laws:?}");
     }
 }

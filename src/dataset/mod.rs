@@ -5,9 +5,8 @@
 //! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
 //! run, trade, sweep, calibration, forecast, twin   the contents of each kind of data set
 //! walk            one function walks over the contents, and so writes them or reads them back
-//!   -> Destination   a file, memory, or a comparison with a file
+//!   -> Dataset       in memory, which is written to a file or compared with one
 //!   <- Source        a file, or memory
-//! Dataset         in memory
 //! Recorder        the sink that makes a run a data set in memory
 //! ```
 //!
@@ -35,8 +34,7 @@ pub(crate) use crate::stats::column::{ColumnView, Element, ElementType};
 pub use calibration::StoredCalibration;
 pub use form::Attribute;
 pub(crate) use form::{
-    Destination, Source, attributes_of, columns_of, read_attribute, read_attribute_of, read_or_empty,
-    read_other_program, read_scalar, read_variable, texts,
+    Source, attributes_of, columns_of, counted, read_attribute, read_or_empty, read_other_program, read_variable, texts,
 };
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};

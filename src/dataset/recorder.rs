@@ -1,7 +1,6 @@
 //! The sink that keeps a run in memory.
 
-use super::rows::{self, Rows};
-use super::{Dataset, header, run};
+use super::{Dataset, Rows, header, run};
 use crate::engine::{Asked, Outcome, Provenance, Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
@@ -37,27 +36,22 @@ impl Recorder {
 impl Sink for Recorder {
     fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
         let header = asked.provenance(scenario);
-        self.dataset = Dataset::new(&header.units);
-        let Ok(()) = run::write_start(&mut self.dataset, &header);
-        let Ok(()) = rows::empty_tables(&scenario.record, &header, |table| self.dataset.grow(&table));
+        self.dataset = run::start(&header, &scenario.record);
         self.header = Some(header);
         Ok(())
     }
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
-        let bearing = self.header.as_ref().and_then(|header| header.bearing);
-        let Ok(()) = rows::tables(&Rows::from(block), bearing, |table| self.dataset.grow(&table));
+        if let Some(Provenance { units, bearing, .. }) = &self.header {
+            self.dataset.grow(Dataset::of_rows(&Rows::from(block), units, *bearing));
+        }
         Ok(())
     }
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        if let Some(part) = outcome.part {
-            let Ok(()) = header::write_part(&mut self.dataset, part);
-        }
-        if let Some(reason) = &outcome.ended_by {
-            let Ok(()) = header::write_ended_by(&mut self.dataset, &reason.to_string());
-        }
-        let Ok(()) = run::write_end(&mut self.dataset, &outcome.summary, outcome.status);
+        header::write_part(&mut self.dataset, outcome.part);
+        header::write_ended_by(&mut self.dataset, outcome.ended_by.as_ref().map(ToString::to_string));
+        run::write_end(&mut self.dataset, &outcome.summary, outcome.status);
         Ok(())
     }
 }

@@ -1,11 +1,11 @@
 //! What is recorded of single paths: the tables along `path`, `event` and `trajectory`.
 
-use super::ColumnView;
-use super::layout::{self, Variable};
+use super::layout;
+use super::{Dataset, Entry};
 use crate::engine::Provenance;
 use crate::scenario::SensorBearing;
 use crate::stats::column::Columns as _;
-use crate::stats::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows};
+use crate::stats::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows, Units};
 
 /// What is recorded of consecutive paths.
 #[derive(Clone, Copy, Debug)]
@@ -43,6 +43,8 @@ pub(crate) enum RowAxis {
 }
 
 impl RowAxis {
+    pub(crate) const ALL: [RowAxis; 3] = [RowAxis::Path, RowAxis::Event, RowAxis::Trajectory];
+
     /// The name of the dimension.
     pub(crate) fn axis(self) -> &'static str {
         match self {
@@ -51,60 +53,65 @@ impl RowAxis {
             RowAxis::Trajectory => "trajectory",
         }
     }
-}
 
-/// Some rows of the variables that grow along one dimension.
-pub(crate) struct RowTable<'a> {
-    pub along: RowAxis,
-    pub rows: usize,
-    pub variables: &'a [(&'static Variable, ColumnView<'a>)],
-}
-
-/// Pass the tables that a run will have to `visit`, without rows.
-pub(crate) fn empty_tables<E>(
-    record: &Record,
-    header: &Provenance,
-    visit: impl FnMut(RowTable) -> Result<(), E>,
-) -> Result<(), E> {
-    let (columns, events, trajectories) = Default::default();
-    let rows = Rows {
-        first_path: 0,
-        paths: 0,
-        path_columns: record.paths.then_some(&columns),
-        events: record.events.then_some(&events),
-        trajectories: (record.trajectories > 0 && !header.time.is_empty()).then_some(&trajectories),
-    };
-    tables(&rows, header.bearing, visit)
-}
-
-/// Pass the tables of some paths to `visit`.
-pub(crate) fn tables<E>(
-    rows: &Rows,
-    bearing: Option<SensorBearing>,
-    mut visit: impl FnMut(RowTable) -> Result<(), E>,
-) -> Result<(), E> {
-    let Rows { first_path, paths, path_columns, events, trajectories } = *rows;
-    let (mut numbers, mut shown) = (Vec::new(), Vec::new());
-    let mut variables: Vec<(&'static Variable, ColumnView)> = Vec::new();
-    if path_columns.is_some() || events.is_some() {
-        numbers.extend((first_path..).take(paths as usize));
-        variables.push((&layout::PATH, (&numbers).into()));
+    /// The dimension along which a variable grows; none if it does not.
+    pub(crate) fn of(entry: &Entry) -> Option<RowAxis> {
+        let first = entry.axes.first()?;
+        RowAxis::ALL.into_iter().find(|along| along.axis() == first)
     }
-    variables.extend(path_columns.iter().flat_map(|columns| columns.columns()));
-    variables.extend(events.iter().flat_map(|columns| columns.columns()));
-    variables.extend(trajectories.iter().flat_map(|columns| columns.columns()));
-    // What a sensor shows is included only if there is a sensor.
-    if let (Some(bearing), Some(trajectories)) = (bearing, trajectories) {
-        let places = trajectories.displacement.iter().zip(&trajectories.friction);
-        shown.extend(places.map(|(&x, &friction)| bearing.displacement(x, friction)));
-        variables.push((&layout::TRAJECTORY_BEARING, (&shown).into()));
+}
+
+impl Dataset {
+    /// The variables of single paths that a run will have, without rows.
+    pub(super) fn without_rows(record: &Record, header: &Provenance) -> Dataset {
+        let (columns, events, trajectories) = Default::default();
+        let rows = Rows {
+            first_path: 0,
+            paths: 0,
+            path_columns: record.paths.then_some(&columns),
+            events: record.events.then_some(&events),
+            trajectories: (record.trajectories > 0 && !header.time.is_empty()).then_some(&trajectories),
+        };
+        Dataset::of_rows(&rows, &header.units, header.bearing)
     }
-    for along in [RowAxis::Path, RowAxis::Event, RowAxis::Trajectory] {
-        let of_table = variables.iter().filter(|(variable, _)| variable.axes[0] == along.axis());
-        let variables: Vec<_> = of_table.copied().collect();
-        if let Some((_, first)) = variables.first() {
-            visit(RowTable { along, rows: first.len(), variables: &variables })?;
+
+    /// The rows of some paths.
+    pub(crate) fn of_rows(rows: &Rows, units: &Units, bearing: Option<SensorBearing>) -> Dataset {
+        let Rows { first_path, paths, path_columns, events, trajectories } = *rows;
+        let mut dataset = Dataset::new(units);
+        if path_columns.is_some() || events.is_some() {
+            dataset.begin(&layout::PATH, (&(first_path..).take(paths as usize).collect::<Vec<u64>>()).into());
+        }
+        let columns = path_columns.iter().flat_map(|columns| columns.columns());
+        let columns = columns.chain(events.iter().flat_map(|columns| columns.columns()));
+        let columns = columns.chain(trajectories.iter().flat_map(|columns| columns.columns()));
+        columns.for_each(|(variable, values)| dataset.begin(variable, values));
+        // What a sensor shows is included only if there is a sensor.
+        if let (Some(bearing), Some(trajectories)) = (bearing, trajectories) {
+            let places = trajectories.displacement.iter().zip(&trajectories.friction);
+            let shown: Vec<f64> = places.map(|(&x, &friction)| bearing.displacement(x, friction)).collect();
+            dataset.begin(&layout::TRAJECTORY_BEARING, (&shown).into());
+        }
+        dataset
+    }
+
+    /// Add the rows of the next paths. Variables that are not there yet are created.
+    pub(super) fn grow(&mut self, rows: Dataset) {
+        for new in rows.entries {
+            match self.entries.iter_mut().find(|entry| entry.name == new.name) {
+                Some(entry) => entry.column.extend(new.column.values()),
+                None => self.entries.push(new),
+            }
         }
     }
-    Ok(())
+
+    /// Add the rows of single paths that another part of the run holds. Fails if a variable is
+    /// missing there or has another type.
+    pub fn append_rows(&mut self, part: &Dataset) -> Result<(), String> {
+        for entry in self.entries.iter_mut().filter(|entry| RowAxis::of(entry).is_some()) {
+            let more = part.entry(&entry.name).ok_or_else(|| format!("{} is missing", entry.name))?;
+            entry.column.append(&more.column).map_err(|()| format!("{} has another type", entry.name))?;
+        }
+        Ok(())
+    }
 }

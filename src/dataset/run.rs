@@ -1,9 +1,9 @@
 //! A run as a data set, except for the rows of single paths: what is known at its start, and what
 //! is known at its end.
 
-use super::{Destination, Source, header, layout, read_or_empty, series, summary};
-use crate::engine::{Part, Provenance, Status};
-use crate::stats::Summary;
+use super::{Dataset, Rows, Source, header, layout, read_attribute, read_or_empty, series, summary};
+use crate::engine::{Part, Provenance, Replay, Status};
+use crate::stats::{Record, Summary};
 use std::path::PathBuf;
 
 /// The header and the statistics of a run.
@@ -28,27 +28,39 @@ pub struct StoredRun {
 
 impl StoredRun {
     /// Read what was written of a run.
-    pub(crate) fn read<S: Source>(from: &S) -> Result<Self, S::Error> {
+    pub(crate) fn read(from: &dyn Source) -> Result<Self, String> {
         let (status, completed_paths) = header::read_progress(from)?;
         let header = header::read(from, read_or_empty(from, &layout::TIME)?, series::read(from)?)?;
         let summary = summary::read(from, completed_paths, header.step)?;
-        let (ended_by, part) = (header::read_ended_by(from)?, header::read_part(from)?);
+        let (ended_by, part) = (read_attribute(from, "ended_by")?, header::read_part(from)?);
         Ok(StoredRun { header, status, part, ended_by, unfinished: None, completed_paths, summary })
     }
 }
 
-/// Write where the numbers of the run come from, and the coordinates.
-pub(crate) fn write_start<D: Destination>(to: &mut D, header: &Provenance) -> Result<(), D::Error> {
-    header::write(to, header)?;
-    summary::write_coordinates(to, &header.time)?;
-    match &header.series {
-        Some(samples) => series::write(to, samples, header.series_start.as_deref()),
-        None => Ok(()),
-    }
+/// Where the numbers of the run come from, the coordinates, and the variables of single paths,
+/// without rows.
+pub(crate) fn start(header: &Provenance, record: &Record) -> Dataset {
+    let mut dataset = Dataset::new(&header.units);
+    header::write(&mut dataset, header);
+    summary::write_coordinates(&mut dataset, &header.time);
+    series::write(&mut dataset, header);
+    dataset.grow(Dataset::without_rows(record, header));
+    dataset
 }
 
 /// Write the statistics of the run and how it ended.
-pub(crate) fn write_end<D: Destination>(to: &mut D, summary: &Summary, status: Status) -> Result<(), D::Error> {
-    summary::write(to, summary)?;
-    header::write_end(to, summary.completed_paths, summary.diverged.len() as u64, status)
+pub(crate) fn write_end(to: &mut Dataset, summary: &Summary, status: Status) {
+    summary::write(to, summary);
+    header::write_end(to, summary.completed_paths, summary.diverged.len() as u64, status);
+}
+
+impl Dataset {
+    /// The data set of a single path of an ensemble.
+    pub fn of_replay(replay: &Replay) -> Self {
+        let header = replay.provenance();
+        let mut dataset = start(&header, &replay.record);
+        dataset.grow(Dataset::of_rows(&Rows::from(&replay.block), &header.units, header.bearing));
+        write_end(&mut dataset, &replay.block.totals.summary(), Status::Complete);
+        dataset
+    }
 }

@@ -1,42 +1,43 @@
 //! The statistics of an ensemble. One walk writes them and reads them back.
 
 use super::layout;
-use super::walk::{Reading, Walk};
-use super::{Destination, Source, columns_of, read_or_empty, read_variable, texts};
+use super::walk::{Walk, Walked};
+use super::{Attribute, Dataset, Element, Source, columns_of, counted, read_or_empty, read_variable, texts};
 use crate::stats::{
     Band, Bands, Bias, Corrected, Densities, Dimension, Distribution, Estimate, Extremes, FirstSticks, Fluctuations,
-    Histogram, LimitCycle, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic,
-    SubPhaseCounts, Summary, Transient,
+    LimitCycle, Line, Passages, PeriodMoments, PhaseLaw, QUANTILE_LEVELS, Spectrum, Statistic, SubPhaseCounts, Summary,
+    Transient,
 };
 use crate::sums::{Ends, Measurement};
 use ndarray::Array2;
 
 /// Write the coordinates that are known before a run: quantile levels and times.
-pub(crate) fn write_coordinates<D: Destination>(to: &mut D, time: &[f64]) -> Result<(), D::Error> {
-    to.write_variable(&layout::QUANTILE, &QUANTILE_LEVELS)?;
-    to.write_variable(&layout::TIME, time)
+pub(crate) fn write_coordinates(to: &mut Dataset, time: &[f64]) {
+    to.write(&layout::BOUND, &texts(["low", "high"]));
+    to.write(&layout::QUANTILE, &QUANTILE_LEVELS);
+    to.write(&layout::TIME, time)
 }
 
 /// Write the names, meanings and units of these statistics.
-pub(crate) fn write_statistics<D: Destination>(to: &mut D, statistics: &[Statistic]) -> Result<(), D::Error> {
+pub(crate) fn write_statistics(to: &mut Dataset, statistics: &[Statistic]) {
     let of = |of: fn(Statistic) -> &'static str| texts(statistics.iter().map(|statistic| of(*statistic)));
-    let units: Vec<String> = statistics.iter().map(|statistic| statistic.dimension().udunits(to.units())).collect();
-    to.write_variable(&layout::STATISTIC, &of(Statistic::name))?;
-    to.write_variable(&layout::STATISTIC_LONG_NAME, &of(Statistic::meaning))?;
-    to.write_variable(&layout::STATISTIC_UNIT, &units)
+    to.write(&layout::STATISTIC, &of(Statistic::name));
+    to.write(&layout::STATISTIC_LONG_NAME, &of(Statistic::meaning));
+    to.write_units(&layout::STATISTIC_UNIT, statistics.iter().map(|statistic| statistic.dimension()));
 }
 
 /// Write all statistics of a run at its end.
-pub(crate) fn write<D: Destination>(to: &mut D, summary: &Summary) -> Result<(), D::Error> {
+pub(crate) fn write(to: &mut Dataset, summary: &Summary) {
     let asked: Vec<Statistic> = summary.reported().map(|e| e.statistic).collect();
-    write_statistics(to, &asked)?;
-    walk(to, &mut summary.clone(), &texts(asked.into_iter().map(Statistic::name)))
+    write_statistics(to, &asked);
+    let done = walk(&mut Walk::Writing(to), &mut summary.clone(), &texts(asked.into_iter().map(Statistic::name)));
+    debug_assert_eq!(done, Ok(()));
 }
 
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
-pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>) -> Result<Summary, S::Error> {
-    if read_variable::<S, f64>(from, &layout::QUANTILE)? != QUANTILE_LEVELS {
-        return Err(format!("{} has other levels than this program", layout::QUANTILE.name).into());
+pub(crate) fn read(from: &dyn Source, completed_paths: u64, step: Option<f64>) -> Result<Summary, String> {
+    if read_variable::<f64>(from, &layout::QUANTILE)? != QUANTILE_LEVELS {
+        return Err(format!("{} has other levels than this program", layout::QUANTILE.name));
     }
     let names: Vec<String> = read_variable(from, &layout::STATISTIC)?;
     let mut summary = Summary {
@@ -56,7 +57,7 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
         periods: PeriodMoments::default(),
         bands: Bands { time: read_or_empty(from, &layout::TIME)?, ..Bands::default() },
     };
-    walk(&mut Reading(from), &mut summary, &names)?;
+    walk(&mut Walk::Reading(from), &mut summary, &names)?;
     if let Some(laws) = &mut summary.laws {
         let of_time = laws.iter_mut().zip(PhaseLaw::ASKED).filter(|(_, law)| law.dimension() == Dimension::TIME);
         of_time.for_each(|(distribution, _)| distribution.step = step);
@@ -66,7 +67,7 @@ pub(crate) fn read<S: Source>(from: &S, completed_paths: u64, step: Option<f64>)
 
 /// Walk over all statistics; `names` are those of the data set. Another minor version may have
 /// fewer or more of them.
-fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Result<(), W::Error> {
+fn walk(walk: &mut Walk, summary: &mut Summary, names: &[String]) -> Walked {
     let Summary {
         completed_paths: _,
         diverged,
@@ -86,19 +87,15 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
     } = summary;
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
-    walk.present(&layout::of_law(PhaseLaw::Slip).completed, laws);
-    walk_law(walk, &layout::of_law(PhaseLaw::Stick), stick_durations)?;
+    walk_laws(walk, stick_durations, laws, extremes)?;
     walk_first_sticks(walk, first_sticks)?;
-    for (law, distribution) in PhaseLaw::ASKED.into_iter().zip(laws.iter_mut().flatten()) {
-        walk_law(walk, &layout::of_law(law), distribution)?;
-    }
     walk_sub_phases(walk, sub_phases)?;
     walk_periods(walk, periods)?;
     if let Some(densities) = walk.present(&layout::REST_SHARE.value, densities) {
         walk_densities(walk, densities)?;
     }
-    if let Some(extremes) = walk.present(&layout::LEVEL, extremes) {
-        walk_extremes(walk, extremes)?;
+    if let Some(extremes) = extremes {
+        walk_passages(walk, &mut extremes.passages)?;
     }
     if let Some(spectrum) = walk.present(&layout::SPECTRUM_SEGMENTS, spectrum) {
         walk_spectrum(walk, spectrum)?;
@@ -116,7 +113,7 @@ fn walk<W: Walk>(walk: &mut W, summary: &mut Summary, names: &[String]) -> Resul
 type Estimates = [Estimate; Statistic::ALL.len()];
 
 /// The variables with one value for each statistic.
-const PER_STATISTIC: [layout::Variable; 7] = [
+pub(super) const PER_STATISTIC: [layout::Variable; 7] = [
     layout::ESTIMATE,
     layout::STANDARD_ERROR,
     layout::INTERVAL_LOW,
@@ -125,6 +122,10 @@ const PER_STATISTIC: [layout::Variable; 7] = [
     layout::BIAS_UNCERTAINTY,
     layout::BIAS_ORDER,
 ];
+
+/// What follows from them.
+pub(super) const CORRECTED: [layout::Variable; 3] =
+    [layout::ESTIMATE_CORRECTED, layout::ESTIMATE_CORRECTED_LOW, layout::ESTIMATE_CORRECTED_HIGH];
 
 /// The numbers of an estimate in the order of these variables; NaN where it is unknown.
 pub(super) fn numbers_of(e: &Estimate) -> [f64; 7] {
@@ -146,7 +147,7 @@ pub(super) fn corrected_of(e: &Estimate) -> [f64; 3] {
     e.corrected().map_or([f64::NAN; 3], |Corrected { estimate, low, high }| [estimate, low, high])
 }
 
-fn walk_estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[String]) -> Result<(), W::Error> {
+fn walk_estimates(walk: &mut Walk, estimates: &mut Estimates, names: &[String]) -> Walked {
     let is_there = |e: &&Estimate| names.iter().any(|name| name == e.statistic.name());
     let mut columns = columns_of(estimates.iter().filter(is_there).map(numbers_of));
     for (variable, values) in PER_STATISTIC.iter().zip(&mut columns) {
@@ -162,11 +163,11 @@ fn walk_estimates<W: Walk>(walk: &mut W, estimates: &mut Estimates, names: &[Str
         return Ok(());
     }
     let corrected = columns_of(estimates.iter().filter(is_there).map(corrected_of));
-    let variables = [&layout::ESTIMATE_CORRECTED, &layout::ESTIMATE_CORRECTED_LOW, &layout::ESTIMATE_CORRECTED_HIGH];
-    variables.into_iter().zip(&corrected).try_for_each(|(variable, values)| walk.derived(variable, values))
+    CORRECTED.iter().zip(&corrected).for_each(|(variable, values)| walk.derived(variable, values));
+    Ok(())
 }
 
-fn walk_bands<W: Walk>(walk: &mut W, bands: &mut Bands) -> Result<(), W::Error> {
+fn walk_bands(walk: &mut Walk, bands: &mut Bands) -> Walked {
     let Bands { time: _, displacement, velocity, temperature, static_probability, static_probability_ends } = bands;
     for ([mean, sd, quantile], band) in
         [(layout::DISPLACEMENT, displacement), (layout::VELOCITY, velocity), (layout::TEMPERATURE, temperature)]
@@ -177,47 +178,118 @@ fn walk_bands<W: Walk>(walk: &mut W, bands: &mut Bands) -> Result<(), W::Error> 
         walk.curve(&sd, sds, sd_ends)?;
         walk.curve(&quantile, &mut matrix, quantile_ends)?;
         let levels = matrix.len().checked_div(values.len()).unwrap_or(QUANTILE_LEVELS.len());
-        match Array2::from_shape_vec((levels, values.len()), matrix) {
-            Ok(matrix) => *quantiles = matrix,
-            Err(error) => walk.refuse(error.to_string())?,
-        }
+        *quantiles = Array2::from_shape_vec((levels, values.len()), matrix).map_err(|error| error.to_string())?;
     }
     walk.curve(&layout::STATIC_PROBABILITY, static_probability, static_probability_ends)
 }
 
-fn walk_law<W: Walk>(walk: &mut W, layout: &layout::LawLayout, law: &mut Distribution) -> Result<(), W::Error> {
-    let Distribution {
-        step: _,
-        completed,
-        censored,
-        histogram: Histogram { edges, counts },
-        censored_counts,
-        survival,
-        survival_ends,
-        quantiles,
-        quantile_ends,
-    } = law;
-    walk_edges(walk, [&layout.bin, &layout.bin_lower], edges)?;
-    walk.variable(&layout.count, counts)?;
-    walk.variable(&layout.censored_count, censored_counts)?;
-    walk.curve(&layout.survival, survival, survival_ends)?;
-    walk.curve(&layout.quantile, quantiles, quantile_ends)?;
-    walk.scalar(&layout.completed, completed)?;
-    walk.scalar(&layout.censored, censored)
+/// The laws of the largest displacement and of the largest speed of a path: name, quantity, unit.
+const EXTREMES: [(&str, &str, Dimension); 2] = [
+    ("largest_displacement", "largest distance from the start", Dimension::LENGTH),
+    ("largest_speed", "largest speed", Dimension::VELOCITY),
+];
+
+/// The laws of sticks, of what is asked for, and of extremes, each of which has bins of its own.
+fn walk_laws(
+    walk: &mut Walk,
+    sticks: &mut Distribution,
+    asked: &mut Option<[Distribution; PhaseLaw::ASKED.len()]>,
+    extremes: &mut Option<Extremes>,
+) -> Walked {
+    let of = |law: PhaseLaw| (law.name(), law.words(), law.dimension());
+    let known = [PhaseLaw::Stick].into_iter().chain(PhaseLaw::ASKED).map(of).chain(EXTREMES);
+    let is_there = |(name, ..): &(&str, &str, Dimension)| match *name {
+        "stick" => true,
+        name if EXTREMES.iter().any(|extreme| extreme.0 == name) => extremes.is_some(),
+        _ => asked.is_some(),
+    };
+    let there: Vec<_> = known.filter(is_there).collect();
+    let mut names = texts(there.iter().map(|law| law.0));
+    walk.variable(&layout::LAW, &mut names)?;
+    walk.derived(&layout::LAW_LONG_NAME, &texts(there.iter().map(|law| law.1)));
+    walk.units(&layout::LAW_UNIT, there.iter().map(|law| law.2));
+    if names.iter().any(|name| name == PhaseLaw::Slip.name()) {
+        asked.get_or_insert_default();
+    }
+    if names.iter().any(|name| name == EXTREMES[0].0) {
+        extremes.get_or_insert_default();
+    }
+    let extremes = extremes.iter_mut().flat_map(|of| [&mut of.displacement, &mut of.velocity]);
+    let laws: Vec<&mut Distribution> = [sticks].into_iter().chain(asked.iter_mut().flatten()).chain(extremes).collect();
+    walk.check(laws.len() == names.len(), || format!("{} has other names than this program", layout::LAW.name))?;
+    walk_distributions(walk, laws)
 }
 
-fn walk_first_sticks<W: Walk>(walk: &mut W, sticks: &mut FirstSticks) -> Result<(), W::Error> {
+fn walk_distributions(walk: &mut Walk, mut laws: Vec<&mut Distribution>) -> Walked {
+    let most = laws.iter().map(|law| law.survival.len()).max().unwrap_or(0);
+    let rows = |part: fn(&[f64]) -> Option<&[f64]>| -> Vec<Vec<f64>> {
+        laws.iter().map(|law| part(&law.histogram.edges).unwrap_or_default().to_vec()).collect()
+    };
+    let (mut lower, mut upper) = (rows(|edges| edges.split_last().map(|(_, rest)| rest)), rows(|edges| edges.get(1..)));
+    walk.derived(&layout::LAW_BIN, &counted(0, most));
+    walk_ragged(walk, &layout::LAW_LOWER, lower.iter_mut())?;
+    walk_ragged(walk, &layout::LAW_UPPER, upper.iter_mut())?;
+    walk_ragged(walk, &layout::LAW_COUNT, laws.iter_mut().map(|law| &mut law.histogram.counts))?;
+    walk_ragged(walk, &layout::LAW_CENSORED_COUNT, laws.iter_mut().map(|law| &mut law.censored_counts))?;
+    walk_ragged(walk, &layout::LAW_SURVIVAL.value, laws.iter_mut().map(|law| &mut law.survival))?;
+    walk_ragged(
+        walk,
+        &layout::LAW_SURVIVAL.interval,
+        lows_and_highs(laws.iter_mut().map(|law| &mut law.survival_ends)),
+    )?;
+    walk_ragged(walk, &layout::LAW_QUANTILE.value, laws.iter_mut().map(|law| &mut law.quantiles))?;
+    walk_ragged(
+        walk,
+        &layout::LAW_QUANTILE.interval,
+        lows_and_highs(laws.iter_mut().map(|law| &mut law.quantile_ends)),
+    )?;
+    for ((law, lower), upper) in laws.iter_mut().zip(lower).zip(upper) {
+        let bins = upper.iter().take_while(|edge| !edge.is_nan()).count();
+        law.histogram.edges = lower.into_iter().take(bins).chain(bins.checked_sub(1).map(|last| upper[last])).collect();
+        law.histogram.counts.truncate(bins);
+        law.censored_counts.truncate(bins);
+        let Ends { low, high } = &mut law.survival_ends;
+        [&mut law.survival, low, high].into_iter().for_each(|values| values.truncate(bins));
+    }
+    let (mut completed, mut censored): (Vec<u64>, Vec<u64>) =
+        laws.iter().map(|law| (law.completed, law.censored)).unzip();
+    walk.variable(&layout::LAW_COMPLETED, &mut completed)?;
+    walk.variable(&layout::LAW_CENSORED, &mut censored)?;
+    let counts = completed.into_iter().zip(censored);
+    laws.into_iter().zip(counts).for_each(|(law, counts)| (law.completed, law.censored) = counts);
+    Ok(())
+}
+
+/// The lower ends of all, and then the upper ones.
+fn lows_and_highs<'a>(all: impl Iterator<Item = &'a mut Ends>) -> impl Iterator<Item = &'a mut Vec<f64>> {
+    let (low, high): (Vec<_>, Vec<_>) = all.map(|ends| (&mut ends.low, &mut ends.high)).unzip();
+    low.into_iter().chain(high)
+}
+
+/// Walk over rows that are filled up to the longest of them.
+fn walk_ragged<'a, T: Element + 'a>(
+    walk: &mut Walk,
+    variable: &layout::Variable,
+    rows: impl Iterator<Item = &'a mut Vec<T>>,
+) -> Walked {
+    let mut rows: Vec<&mut Vec<T>> = rows.collect();
+    let width = rows.iter().map(|row| row.len()).max().unwrap_or(0);
+    let filled = |row: &&mut Vec<T>| row.iter().cloned().chain(std::iter::repeat(T::MISSING)).take(width).collect();
+    let mut values: Vec<T> = rows.iter().flat_map(|row| -> Vec<T> { filled(row) }).collect();
+    walk.variable(variable, &mut values)?;
+    let width = values.len() / rows.len().max(1);
+    rows.iter_mut().zip(values.chunks(width.max(1))).for_each(|(row, values)| **row = values.to_vec());
+    Ok(())
+}
+
+fn walk_first_sticks(walk: &mut Walk, sticks: &mut FirstSticks) -> Walked {
     let FirstSticks { completed, censored } = sticks;
     walk.scalar(&layout::FIRST_STICK_COMPLETED, completed)?;
     walk.scalar(&layout::FIRST_STICK_CENSORED, censored)
 }
 
 /// The edges of bins: the upper and the lower one of each.
-fn walk_edges<W: Walk>(
-    walk: &mut W,
-    [upper, lower]: [&layout::Variable; 2],
-    edges: &mut Vec<f64>,
-) -> Result<(), W::Error> {
+fn walk_edges(walk: &mut Walk, [upper, lower]: [&layout::Variable; 2], edges: &mut Vec<f64>) -> Walked {
     let mut below = edges.get(..edges.len().saturating_sub(1)).unwrap_or_default().to_vec();
     let mut above = edges.get(1..).unwrap_or_default().to_vec();
     walk.variable(upper, &mut above)?;
@@ -226,7 +298,7 @@ fn walk_edges<W: Walk>(
     Ok(())
 }
 
-fn walk_densities<W: Walk>(walk: &mut W, densities: &mut Densities) -> Result<(), W::Error> {
+fn walk_densities(walk: &mut Walk, densities: &mut Densities) -> Walked {
     let Densities { displacement, velocity, joint_edges, joint, at_rest, at_rest_ends } = densities;
     walk.number(&layout::REST_SHARE, at_rest, at_rest_ends)?;
     walk_edges(walk, [&layout::DISPLACEMENT_BIN, &layout::DISPLACEMENT_BIN_LOWER], &mut displacement.edges)?;
@@ -239,18 +311,11 @@ fn walk_densities<W: Walk>(walk: &mut W, densities: &mut Densities) -> Result<()
     let shape = (rows.len().saturating_sub(1), columns.len().saturating_sub(1));
     let mut values = joint.iter().copied().collect();
     walk.variable(&layout::JOINT_DENSITY, &mut values)?;
-    match Array2::from_shape_vec(shape, values) {
-        Ok(matrix) => *joint = matrix,
-        Err(error) => walk.refuse(error.to_string())?,
-    }
+    *joint = Array2::from_shape_vec(shape, values).map_err(|error| error.to_string())?;
     Ok(())
 }
 
-fn walk_extremes<W: Walk>(walk: &mut W, extremes: &mut Extremes) -> Result<(), W::Error> {
-    let Extremes { displacement, velocity, passages } = extremes;
-    for (layout, law) in layout::EXTREMES.iter().zip([displacement, velocity]) {
-        walk_law(walk, layout, law)?;
-    }
+fn walk_passages(walk: &mut Walk, passages: &mut Vec<Passages>) -> Walked {
     let mut levels: Vec<f64> = passages.iter().map(|of| of.level).collect();
     let mut survival: Vec<f64> = passages.iter().flat_map(|of| of.survival.clone()).collect();
     let ends = passages.iter().flat_map(|of| (0..of.survival.len()).map(|row| of.survival_ends.at(row)));
@@ -267,7 +332,7 @@ fn walk_extremes<W: Walk>(walk: &mut W, extremes: &mut Extremes) -> Result<(), W
     Ok(())
 }
 
-fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W::Error> {
+fn walk_spectrum(walk: &mut Walk, spectrum: &mut Spectrum) -> Walked {
     let Spectrum { segments, lag, frequency, displacement, velocity, lines } = spectrum;
     walk.scalar(&layout::SPECTRUM_SEGMENTS, segments)?;
     walk.variable(&layout::LAG, lag)?;
@@ -291,43 +356,54 @@ fn walk_spectrum<W: Walk>(walk: &mut W, spectrum: &mut Spectrum) -> Result<(), W
     Ok(())
 }
 
-fn walk_cycle<W: Walk>(walk: &mut W, cycle: &mut LimitCycle) -> Result<(), W::Error> {
+fn walk_cycle(walk: &mut Walk, cycle: &mut LimitCycle) -> Walked {
     let (mut numbers, mut section) = (cycle.numbers().to_vec(), std::mem::take(&mut cycle.section));
-    walk.derived(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS))?;
-    walk.derived(&layout::SECTION_STATE, &(0..section.len() as u32).collect::<Vec<u32>>())?;
+    walk.derived(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS));
+    walk.derived(&layout::SECTION_STATE, &counted(0, section.len()));
     walk.sized(&layout::CYCLE, &mut numbers, LimitCycle::NUMBERS.len())?;
     walk.variable(&layout::SECTION, &mut section)?;
     *cycle = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), &section);
     Ok(())
 }
 
-fn walk_sub_phases<W: Walk>(walk: &mut W, sub_phases: &mut SubPhaseCounts) -> Result<(), W::Error> {
+fn walk_sub_phases(walk: &mut Walk, sub_phases: &mut SubPhaseCounts) -> Walked {
     let SubPhaseCounts { counts, shares, share_ends, censored } = sub_phases;
-    walk.derived(&layout::SUB_PHASE, &(1..).take(counts.len()).collect::<Vec<u32>>())?;
+    walk.derived(&layout::SUB_PHASE, &counted(1, counts.len()));
     walk.variable(&layout::SUB_PHASE_COUNT, counts)?;
     walk.curve(&layout::SUB_PHASE_SHARE, shares, share_ends)?;
     walk.scalar(&layout::SUB_PHASE_CENSORED, censored)
 }
 
-fn walk_periods<W: Walk>(walk: &mut W, periods: &mut PeriodMoments) -> Result<(), W::Error> {
+fn walk_periods(walk: &mut Walk, periods: &mut PeriodMoments) -> Walked {
     let PeriodMoments { drift_limit, time, mean, mean_ends, variance, variance_ends } = periods;
     if let Some(limit) = walk.present(&layout::DRIFT_LIMIT, drift_limit) {
         walk.scalar(&layout::DRIFT_LIMIT, limit)?;
     }
-    walk.derived(&layout::PERIOD, &(1..).take(time.len()).collect::<Vec<u32>>())?;
+    walk.derived(&layout::PERIOD, &counted(1, time.len()));
     walk.variable(&layout::PERIOD_TIME, time)?;
     walk.curve(&layout::DISPLACEMENT_PERIOD_MEAN, mean, mean_ends)?;
     walk.curve(&layout::DISPLACEMENT_PERIOD_VARIANCE, variance, variance_ends)
 }
 
-fn walk_transient<W: Walk>(walk: &mut W, transient: &mut Transient) -> Result<(), W::Error> {
+fn walk_transient(walk: &mut Walk, transient: &mut Transient) -> Walked {
     let Transient { end, sticks, slips, displacement } = transient;
     let Measurement { estimate, standard_error, low, high } = displacement;
     walk.scalar(&layout::TRANSIENT_END, end)?;
     walk.scalar(&layout::TRANSIENT_STICKS, sticks)?;
     walk.scalar(&layout::TRANSIENT_SLIPS, slips)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.value, estimate)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT_ERROR, standard_error)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.low, low)?;
-    walk.scalar(&layout::TRANSIENT_DISPLACEMENT.high, high)
+    let mut ends = [*low, *high];
+    walk.number(&layout::TRANSIENT_DISPLACEMENT, estimate, &mut ends)?;
+    [*low, *high] = ends;
+    walk.scalar(&layout::TRANSIENT_DISPLACEMENT_ERROR, standard_error)
+}
+
+impl Dataset {
+    /// The statistics of a run; `step` is the step of its scheme, if it has one. Fails if the data
+    /// set is not that of a run.
+    pub fn summary(&self, step: Option<f64>) -> Result<Summary, String> {
+        match self.attribute("completed_paths") {
+            Some(Attribute::Count(paths)) => read(self, *paths, step),
+            _ => Err("completed_paths is missing: this is not the data set of a run".into()),
+        }
+    }
 }

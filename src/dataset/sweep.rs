@@ -1,12 +1,13 @@
 //! A sweep as a data set: the question, the results of every point, and the comparisons between
 //! points.
 
-use super::header::walk_origin;
-use super::layout::{Unit, variable};
-use super::summary::{corrected_of, estimate_of, numbers_of, write_statistics};
-use super::sweep_layout::{self as own, along};
-use super::walk::{Reading, Walk};
-use super::{Destination, Source, columns_of, read_attribute_of, read_variable, series, texts};
+use super::form::AttributeValue;
+use super::header::{Format, walk_origin};
+use super::layout::{self, Unit, variable};
+use super::summary::{CORRECTED, PER_STATISTIC, corrected_of, estimate_of, numbers_of, write_statistics};
+use super::sweep_layout as own;
+use super::walk::{Walk, Walked};
+use super::{Dataset, Source, columns_of, counted, read_variable, series, texts};
 use crate::engine::{Provenance, Status, other_program};
 use crate::model::Series;
 use crate::scenario::Scenario;
@@ -14,11 +15,8 @@ use crate::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
 use crate::study::sweep::{Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion};
 use std::sync::Arc;
 
-/// The attribute `format_name` of a sweep.
-pub(crate) const SWEEP_FORMAT_NAME: &str = "stick-slip sweep";
-
-/// Major and minor version of the format.
-pub(crate) const SWEEP_FORMAT_VERSION: (u32, u32) = (3, 0);
+/// Name and version of the format.
+pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
 
 /// A sweep as it is read back from a data set.
 #[derive(Clone, Debug, PartialEq)]
@@ -58,28 +56,37 @@ pub(crate) fn program(version: &str, hash: &str, generator: &str, block_size: u6
     format!("mc {version} ({hash}), {generator}, blocks of {block_size}")
 }
 
-/// Write a sweep.
-pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, sweep: &Sweep) -> Result<(), D::Error> {
-    let SweepQuestion { design, seeds, with_bias, .. } = &sweep.question;
-    let status = if sweep.is_complete() { Status::Complete } else { Status::Running };
-    let axes: Vec<&str> = design.axes().iter().map(|axis| axis.name.as_str()).collect();
-    let mut about = About {
-        seeds: seeds.name().to_owned(),
-        status: status.name().to_owned(),
-        points: [sweep.points.len(), sweep.done()],
-        bias: if *with_bias { ESTIMATED } else { "left out" }.to_owned(),
-        design: name(design).to_owned(),
-        axes: Some(axes.join(" ")).filter(|axes| !axes.is_empty()),
-        relative_step: if let Design::Star { relative_step, .. } = design { Some(*relative_step) } else { None },
-    };
-    attributes(to, &mut header.clone(), &mut about)?;
-    if let Some(samples) = &header.series {
-        series::write(to, samples, header.series_start.as_deref())?;
+impl Dataset {
+    /// The data set of a sweep.
+    pub fn of_sweep(sweep: &Sweep) -> Self {
+        let mut header = Provenance::of(&sweep.question.scenario);
+        let SweepQuestion { design, seeds, with_bias, .. } = &sweep.question;
+        let status = if sweep.is_complete() { Status::Complete } else { Status::Running };
+        let axes: Vec<&str> = design.axes().iter().map(|axis| axis.name.as_str()).collect();
+        let mut about = About {
+            seeds: seeds.name().to_owned(),
+            status: status.name().to_owned(),
+            points: [sweep.points.len(), sweep.done()],
+            bias: if *with_bias { ESTIMATED } else { "left out" }.to_owned(),
+            design: name(design).to_owned(),
+            axes: Some(axes.join(" ")).filter(|axes| !axes.is_empty()),
+            relative_step: if let Design::Star { relative_step, .. } = design { Some(*relative_step) } else { None },
+        };
+        let units = header.units.clone();
+        let mut dataset = Dataset::written(&units, |walk| attributes(walk, &mut header, &mut about));
+        series::write(&mut dataset, &header);
+        coordinates(&mut dataset, design);
+        let seeds: Vec<u64> = sweep.question.points.iter().map(|scenario| scenario.ensemble.seed).collect();
+        let done = points(&mut Walk::Writing(&mut dataset), design, &seeds, &mut sweep.points.clone());
+        debug_assert_eq!(done, Ok(()));
+        comparisons(&mut dataset, sweep);
+        dataset
     }
-    coordinates(to, sweep)?;
-    let seeds: Vec<u64> = sweep.question.points.iter().map(|scenario| scenario.ensemble.seed).collect();
-    points(to, design, &seeds, &mut sweep.points.clone())?;
-    comparisons(to, sweep)
+
+    /// The sweep in the data set. Fails if the data set is not that of a sweep.
+    pub fn sweep(&self) -> Result<StoredSweep, String> {
+        read(self)
+    }
 }
 
 /// What the attributes of a sweep say about it, besides where it comes from.
@@ -98,18 +105,18 @@ struct About {
 /// What `bias` says if the bias of the step was estimated.
 const ESTIMATED: &str = "estimated";
 
-fn attributes<W: Walk>(walk: &mut W, header: &mut Provenance, about: &mut About) -> Result<(), W::Error> {
+fn attributes(walk: &mut Walk, header: &mut Provenance, about: &mut About) -> Walked {
     let program = [&mut header.program_version, &mut header.git_hash];
-    walk_origin(walk, (SWEEP_FORMAT_NAME, SWEEP_FORMAT_VERSION), &mut header.title, program)?;
-    walk.derived_attribute("scheme", header.scheme.as_str())?;
-    walk.derived_attribute("seed", header.seed)?;
+    walk_origin(walk, SWEEP_FORMAT, &mut header.title, program)?;
+    walk.derived_attribute("scheme", header.scheme.as_str());
+    walk.derived_attribute("seed", header.seed);
     walk.attribute("seeds", &mut about.seeds)?;
     walk.attribute("generator", &mut header.generator)?;
-    walk.derived_attribute("paths", header.paths)?;
+    walk.derived_attribute("paths", header.paths);
     walk.attribute("block_size", &mut header.block_size)?;
     walk.attribute("status", &mut about.status)?;
-    walk.derived_attribute("points", about.points[0] as u64)?;
-    walk.derived_attribute("completed_points", about.points[1] as u64)?;
+    walk.derived_attribute("points", about.points[0] as u64);
+    walk.derived_attribute("completed_points", about.points[1] as u64);
     walk.attribute("bias_of_the_step", &mut about.bias)?;
     walk.attribute("design", &mut about.design)?;
     walk.attribute("axes", &mut about.axes)?;
@@ -134,45 +141,37 @@ fn shape(design: &Design) -> Vec<&str> {
     }
 }
 
-fn coordinates<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error> {
-    write_statistics(to, &Statistic::ALL)?;
-    to.write_variable(&own::GROUP, &(0..GROUPS as u32).collect::<Vec<_>>())?;
-    let design = &sweep.question.design;
+fn coordinates(to: &mut Dataset, design: &Design) {
+    write_statistics(to, &Statistic::ALL);
+    to.write(&own::GROUP, &counted(0, GROUPS));
     if !matches!(design, Design::Grid(_)) {
-        to.write_variable(&own::POINT, &(0..).take(design.points()).collect::<Vec<u32>>())?;
+        to.write(&own::POINT, &counted(0, design.points()));
     }
     match design {
         Design::Grid(axes) | Design::Zip(axes) => {
-            for axis in axes {
-                let along = if let Design::Grid(_) = design { axis.name.as_str() } else { "point" };
-                write_axis(to, axis, &[along])?;
+            for SweepAxis { name, key, values } in axes {
+                let along = if let Design::Grid(_) = design { name } else { "point" };
+                let (along, attributes) = ([along], [("key", key.as_str())]);
+                to.write(&variable(name, &along, Unit::None, key).with(&attributes), values);
             }
-            to.write_variable(&own::ALONG, &texts(design.along()))
+            to.write(&own::ALONG, &texts(design.along()));
         }
         Design::Star { keys, .. } => {
-            let settings: Vec<_> = (0..design.points()).map(|point| design.settings(point).pop()).collect();
-            let key = |setting: &Option<Setting>| setting.as_ref().map_or("none".into(), |setting| setting.key.clone());
-            let value = |setting: &Option<Setting>| setting.as_ref().map_or(f64::NAN, |setting| setting.value);
-            to.write_variable(&own::POINT_KEY, &settings.iter().map(key).collect::<Vec<_>>())?;
-            to.write_variable(&own::POINT_VALUE, &settings.iter().map(value).collect::<Vec<_>>())?;
-            to.write_variable(&own::KEY, &texts(keys.iter().map(|key| key.0.as_str())))?;
-            to.write_variable(&own::KEY_VALUE, &keys.iter().map(|key| key.1).collect::<Vec<_>>())
+            let settings = (0..design.points()).map(|point| design.settings(point).pop());
+            let none = || Setting { key: "none".into(), value: f64::NAN };
+            let settings = settings.map(|setting| setting.unwrap_or_else(none));
+            let (moved, values): (Vec<String>, Vec<f64>) = settings.map(|Setting { key, value }| (key, value)).unzip();
+            to.write(&own::POINT_KEY, &moved);
+            to.write(&own::POINT_VALUE, &values);
+            let (keys, values): (Vec<String>, Vec<f64>) = keys.iter().cloned().unzip();
+            to.write(&own::KEY, &keys);
+            to.write(&own::KEY_VALUE, &values);
         }
     }
 }
 
-fn write_axis<D: Destination>(to: &mut D, axis: &SweepAxis, axes: &[&str]) -> Result<(), D::Error> {
-    let attributes = [("key", axis.key.as_str())];
-    to.write_variable(&variable(&axis.name, axes, Unit::None, &axis.key).with(&attributes), &axis.values)
-}
-
 /// Walk over the results of all points. `seeds` are those of the points.
-fn points<W: Walk>(
-    walk: &mut W,
-    design: &Design,
-    seeds: &[u64],
-    points: &mut Vec<Option<Point>>,
-) -> Result<(), W::Error> {
+fn points(walk: &mut Walk, design: &Design, seeds: &[u64], points: &mut Vec<Option<Point>>) -> Walked {
     const STATISTICS: usize = Statistic::ALL.len();
     const MISSING: [f64; STATISTICS] = [f64::NAN; STATISTICS];
     let mut coordinates = "statistic_long_name statistic_unit".to_string();
@@ -188,10 +187,12 @@ fn points<W: Walk>(
         None => [([f64::NAN; 7], [f64::NAN; 3]); STATISTICS],
     };
     let (found, corrected): (Vec<_>, Vec<_>) = points.iter().flat_map(of_point).unzip();
-    let (mut found, mut corrected) = (columns_of(found), columns_of(corrected));
-    for (variable, values) in own::PER_STATISTIC.iter().zip(found.iter_mut().chain(&mut corrected)) {
-        let dimensions = [&shape, variable.axes].concat();
-        walk.sized(&along(variable, &dimensions, &attributes), values, count * STATISTICS)?;
+    let mut found = columns_of(found);
+    for (variable, values) in PER_STATISTIC.iter().zip(&mut found) {
+        walk.sized(&variable.along(&[&shape, variable.axes].concat(), &attributes), values, count * STATISTICS)?;
+    }
+    for (variable, values) in CORRECTED.iter().zip(&columns_of(corrected)) {
+        walk.derived(&variable.along(&[&shape, variable.axes].concat(), &attributes), values);
     }
     let without = |point: &Option<Point>| {
         let known = point.as_ref().map_or(&[][..], |point| &point.without);
@@ -199,43 +200,40 @@ fn points<W: Walk>(
     };
     let mut without: Vec<f64> = points.iter().flat_map(without).collect();
     let dimensions = [&shape, own::ESTIMATE_WITHOUT.axes].concat();
-    walk.sized(&along(&own::ESTIMATE_WITHOUT, &dimensions, &[]), &mut without, count * GROUPS * STATISTICS)?;
+    walk.sized(&own::ESTIMATE_WITHOUT.along(&dimensions, &[]), &mut without, count * GROUPS * STATISTICS)?;
 
-    let whole =
-        |of: fn(&Point) -> u64| -> Vec<u64> { points.iter().map(|point| point.as_ref().map_or(0, of)).collect() };
     let done = |point: &Option<Point>| match point {
         None => 0,
         Some(point) if point.diverged_paths < point.completed_paths => 1,
         Some(_) => 2_i8,
     };
     let mut status: Vec<i8> = points.iter().map(done).collect();
+    let whole =
+        |of: fn(&Point) -> u64| -> Vec<u64> { points.iter().map(|point| point.as_ref().map_or(0, of)).collect() };
     let (mut completed, mut diverged) = (whole(|point| point.completed_paths), whole(|point| point.diverged_paths));
     let seconds = |point: &Option<Point>| point.as_ref().map_or(f64::NAN, |point| point.seconds);
     let mut seconds: Vec<f64> = points.iter().map(seconds).collect();
-    walk.sized(&along(&own::POINT_STATUS, &shape, &[]), &mut status, count)?;
-    walk.sized(&along(&own::POINT_COMPLETED_PATHS, &shape, &[]), &mut completed, count)?;
-    walk.sized(&along(&own::POINT_DIVERGED_PATHS, &shape, &[]), &mut diverged, count)?;
-    walk.derived(&along(&own::POINT_SEED, &shape, &[]), seeds)?;
-    walk.sized(&along(&own::POINT_SECONDS, &shape, &[]), &mut seconds, count)?;
-
-    let mut cycles: Vec<Option<LimitCycle>> =
-        points.iter().map(|point| point.as_ref().and_then(|point| point.cycle.clone())).collect();
+    walk.sized(&own::POINT_STATUS.along(&shape, own::POINT_STATUS.attributes), &mut status, count)?;
+    walk.sized(&own::POINT_COMPLETED_PATHS.along(&shape, &[]), &mut completed, count)?;
+    walk.sized(&own::POINT_DIVERGED_PATHS.along(&shape, &[]), &mut diverged, count)?;
+    walk.derived(&own::POINT_SEED.along(&shape, &[]), seeds);
+    walk.sized(&own::POINT_SECONDS.along(&shape, &[]), &mut seconds, count)?;
     // A walk that reads begins without points.
-    cycles.resize(count, None);
+    points.resize(count, None);
+    let cycles = points.iter().map(|point| point.as_ref().and_then(|point| point.cycle.clone()));
+    let mut cycles: Vec<Option<LimitCycle>> = cycles.collect();
     walk_cycles(walk, &shape, &mut cycles)?;
 
-    points.clear();
-    for p in 0..count {
-        if diverged[p] > completed[p] && status[p] != 0 {
-            walk.refuse("more diverged paths than paths".to_string())?;
-        }
+    for (p, point) in points.iter_mut().enumerate() {
+        let is_done = status[p] != 0;
+        walk.check(!is_done || diverged[p] <= completed[p], || "more diverged paths than paths".to_string())?;
         let estimate = |statistic: Statistic| {
             let row = p * STATISTICS + statistic.index();
             estimate_of(statistic, found.each_ref().map(|column| column[row]))
         };
         let group = |values: &[f64]| -> GroupValues { std::array::from_fn(|i| values[i]) };
         let groups = without[p * GROUPS * STATISTICS..].chunks(STATISTICS).take(GROUPS).map(group);
-        points.push((status[p] != 0).then(|| Point {
+        *point = is_done.then(|| Point {
             estimates: Statistic::ALL.map(estimate),
             completed_paths: completed[p],
             diverged_paths: diverged[p],
@@ -243,33 +241,32 @@ fn points<W: Walk>(
             cycle: cycles[p].clone(),
             // There are fewer groups where there are fewer paths.
             without: groups.take_while(|values| values.iter().any(|x| !x.is_nan())).collect(),
-        }));
+        });
     }
     Ok(())
 }
 
 /// Walk over the cycles of the points of a design of this shape, if a point has one.
-fn walk_cycles<W: Walk>(walk: &mut W, shape: &[&str], cycles: &mut [Option<LimitCycle>]) -> Result<(), W::Error> {
+fn walk_cycles(walk: &mut Walk, shape: &[&str], cycles: &mut [Option<LimitCycle>]) -> Walked {
     const NUMBERS: usize = LimitCycle::NUMBERS.len();
-    let [number, state, cycle, section] = &own::OF_CYCLE;
-    let dimensions = |axes: &[&'static str]| [shape, axes].concat();
+    let [cycle, section] = [layout::CYCLE, layout::SECTION];
     let mut there = cycles.iter().any(Option::is_some).then_some(());
-    if walk.present(cycle, &mut there).is_none() {
+    if walk.present(&cycle, &mut there).is_none() {
         return Ok(());
     }
     let numbers = |cycle: &Option<LimitCycle>| cycle.as_ref().map_or([f64::NAN; NUMBERS], LimitCycle::numbers);
-    let mut all: Vec<f64> = cycles.iter().flat_map(numbers).collect();
     let states = |cycle: &Option<LimitCycle>| {
         let mut states = cycle.as_ref().map_or_else(Vec::new, |cycle| cycle.section.clone());
         states.resize(LimitCycle::STATES, f64::NAN);
         states
     };
+    let mut all: Vec<f64> = cycles.iter().flat_map(numbers).collect();
     let mut sections: Vec<f64> = cycles.iter().flat_map(states).collect();
-    walk.derived(number, &texts(LimitCycle::NUMBERS))?;
-    walk.derived(state, &(0..LimitCycle::STATES as u32).collect::<Vec<u32>>())?;
-    walk.sized(&along(cycle, &dimensions(cycle.axes), &[]), &mut all, cycles.len() * NUMBERS)?;
+    walk.derived(&layout::CYCLE_NUMBER, &texts(LimitCycle::NUMBERS));
+    walk.derived(&layout::SECTION_STATE, &counted(0, LimitCycle::STATES));
+    walk.sized(&cycle.along(&[shape, cycle.axes].concat(), &[]), &mut all, cycles.len() * NUMBERS)?;
     let length = cycles.len() * LimitCycle::STATES;
-    walk.sized(&along(section, &dimensions(section.axes), &[]), &mut sections, length)?;
+    walk.sized(&section.along(&[shape, section.axes].concat(), &[]), &mut sections, length)?;
     let found = all.chunks(NUMBERS).zip(sections.chunks(LimitCycle::STATES));
     for (cycle, (numbers, section)) in cycles.iter_mut().zip(found) {
         let there = LimitCycle::of_numbers(std::array::from_fn(|i| numbers[i]), section);
@@ -279,7 +276,7 @@ fn walk_cycles<W: Walk>(walk: &mut W, shape: &[&str], cycles: &mut [Option<Limit
 }
 
 /// Write the differences between points, or the elasticities.
-fn comparisons<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error> {
+fn comparisons(to: &mut Dataset, sweep: &Sweep) {
     let numbers = |paired: Option<Paired>| {
         let Paired { measurement: m, gain } = paired.unwrap_or(Paired::NOTHING);
         [m.estimate, m.standard_error, m.low, m.high, gain]
@@ -300,17 +297,16 @@ fn comparisons<D: Destination>(to: &mut D, sweep: &Sweep) -> Result<(), D::Error
         }
     };
     let columns = columns_of(rows);
-    let mut each = variables.iter().zip(&columns);
-    each.try_for_each(|(variable, values)| to.write_variable(&along(variable, &dimensions, &[]), values))
+    variables.iter().zip(&columns).for_each(|(variable, values)| to.write(&variable.along(&dimensions, &[]), values));
 }
 
 /// Read a sweep.
-pub(crate) fn read<S: Source>(from: &S) -> Result<StoredSweep, S::Error> {
+pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     let (mut header, mut about, mut results) = (Provenance::default(), About::default(), Vec::new());
-    attributes(&mut Reading(from), &mut header, &mut about)?;
+    attributes(&mut Walk::Reading(from), &mut header, &mut about)?;
     let seeds = [Seeds::Common, Seeds::Independent].into_iter().find(|seeds| seeds.name() == about.seeds);
     let design = read_design(from, &about)?;
-    points(&mut Reading(from), &design, &[], &mut results)?;
+    points(&mut Walk::Reading(from), &design, &[], &mut results)?;
     let Provenance { scenario_text, program_version, git_hash, generator, block_size, .. } = header;
     Ok(StoredSweep {
         scenario_text,
@@ -325,17 +321,18 @@ pub(crate) fn read<S: Source>(from: &S) -> Result<StoredSweep, S::Error> {
     })
 }
 
-fn read_design<S: Source>(from: &S, about: &About) -> Result<Design, S::Error> {
-    let axes = |dimension: Option<&str>| -> Result<Vec<SweepAxis>, S::Error> {
+fn read_design(from: &dyn Source, about: &About) -> Result<Design, String> {
+    let axes = |dimension: Option<&str>| -> Result<Vec<SweepAxis>, String> {
         let names = about.axes.as_ref().ok_or_else(|| "axes is missing".to_owned())?;
         let axis = |name: &str| {
             let axes = [dimension.unwrap_or(name)];
             let values = read_variable(from, &variable(name, &axes, Unit::None, ""))?;
-            Ok(SweepAxis { name: name.to_string(), key: read_attribute_of(from, name, "key")?, values })
+            let key = AttributeValue::of(from.attribute(Some(name), "key")?, &format!("key of {name}"))?;
+            Ok(SweepAxis { name: name.to_string(), key, values })
         };
         names.split(' ').map(axis).collect()
     };
-    let refused = |error: DesignError| S::Error::from(error.to_string());
+    let refused = |error: DesignError| error.to_string();
     match about.design.as_str() {
         "grid" => Design::of(axes(None)?, false).map_err(refused),
         "zip" => Design::of(axes(Some("point"))?, true).map_err(refused),
@@ -345,6 +342,6 @@ fn read_design<S: Source>(from: &S, about: &About) -> Result<Design, S::Error> {
             let relative_step = about.relative_step.ok_or_else(|| "relative_step is missing".to_owned())?;
             Ok(Design::Star { keys, relative_step })
         }
-        other => Err(format!("unknown design \"{other}\"").into()),
+        other => Err(format!("unknown design \"{other}\"")),
     }
 }

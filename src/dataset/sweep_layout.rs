@@ -1,7 +1,7 @@
 //! Every variable of a sweep. The dimensions of the design, which are those of its axes or `point`,
 //! come before the axes given here.
 
-use super::layout::{self, Described, Unit, Variable, table, variable};
+use super::layout::{Unit, Variable, table, variable};
 
 /// The axis of variables with one value per statistic. The writer puts the dimensions of the design
 /// before it.
@@ -27,50 +27,6 @@ table! {
     POINT_SECONDS = variable("point_seconds", &[], Unit::Seconds, "CPU time of the point");
 }
 
-/// The variables with one value per statistic of each point, in the order in which they are read.
-pub(crate) const PER_STATISTIC: [Variable; 10] = [
-    variable("estimate", STATISTIC, Unit::None, "estimate"),
-    variable(
-        "standard_error",
-        STATISTIC,
-        Unit::None,
-        "standard error of the estimate, the path being the independent unit",
-    ),
-    variable("interval_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval"),
-    variable("interval_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval"),
-    variable("bias", STATISTIC, Unit::None, "estimated discretisation bias, missing where unknown"),
-    variable(
-        "bias_uncertainty",
-        STATISTIC,
-        Unit::None,
-        "the discretisation bias is within this of its estimate, at 95 %",
-    ),
-    variable(
-        "bias_order",
-        STATISTIC,
-        Unit::None,
-        "observed order p of the bias in the time step, as in C h^p, missing where unknown",
-    ),
-    variable(
-        "estimate_corrected",
-        STATISTIC,
-        Unit::None,
-        "estimate with its bias removed as far as it is known, missing where unknown",
-    ),
-    variable(
-        "estimate_corrected_low",
-        STATISTIC,
-        Unit::None,
-        "lower end of the 95 % interval of the corrected estimate",
-    ),
-    variable(
-        "estimate_corrected_high",
-        STATISTIC,
-        Unit::None,
-        "upper end of the 95 % interval of the corrected estimate",
-    ),
-];
-
 /// The variables with one value per statistic of each difference.
 pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
     variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension minus that here"),
@@ -94,20 +50,6 @@ pub(crate) const PER_ELASTICITY: [Variable; 5] = [
     variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own"),
 ];
 
-/// The variables of the cycle of each point, which are those of a run.
-pub(crate) const OF_CYCLE: [Variable; 4] =
-    [layout::CYCLE_NUMBER, layout::SECTION_STATE, layout::CYCLE, layout::SECTION];
-
-/// The same variable along these axes, with these attributes if there are any.
-pub(crate) fn along<'a>(
-    variable: &Variable,
-    axes: &'a [&'a str],
-    attributes: &'a [(&'a str, &'a str)],
-) -> Described<'a> {
-    let attributes = if attributes.is_empty() { variable.attributes } else { attributes };
-    Described { axes, attributes, ..*variable }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -115,7 +57,10 @@ mod tests {
     use std::collections::BTreeSet;
 
     fn all() -> impl Iterator<Item = &'static Variable> {
-        ALL.iter().chain(&OF_CYCLE).chain(&PER_STATISTIC).chain(&PER_DIFFERENCE).chain(&PER_ELASTICITY)
+        use crate::dataset::{layout, summary};
+        const OF_CYCLE: [Variable; 4] = [layout::CYCLE_NUMBER, layout::SECTION_STATE, layout::CYCLE, layout::SECTION];
+        let of_runs = OF_CYCLE.iter().chain(&summary::PER_STATISTIC).chain(&summary::CORRECTED);
+        ALL.iter().chain(of_runs).chain(&PER_DIFFERENCE).chain(&PER_ELASTICITY)
     }
 
     /// An axis with one of these names could not be written.

@@ -1,56 +1,64 @@
 //! A trade as a data set: what was measured for every rung, and what was predicted for every
 //! target.
 
-use super::header::walk_origin;
+use super::header::{Format, walk_origin};
 use super::layout::{Unit, Variable, table, variable};
 use super::summary::{estimate_of, write_statistics};
-use super::walk::{Reading, Walk};
-use super::{Destination, Source, columns_of, read_attribute, read_other_program, read_variable, series, texts};
+use super::walk::{Walk, Walked};
+use super::{Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_variable, series, texts};
 use crate::engine::Provenance;
 use crate::scenario::Scenario;
 use crate::scheme::Kind;
 use crate::stats::Statistic;
 use crate::study::trade::{Choice, Cost, Number, Pairing, Prices, Rung, TARGETS, Trade};
 
-/// The attribute `format_name` of a trade.
-pub(crate) const TRADE_FORMAT_NAME: &str = "stick-slip trade";
+/// Name and version of the format.
+pub(crate) const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
 
-/// Major and minor version of the format.
-pub(crate) const TRADE_FORMAT_VERSION: (u32, u32) = (2, 1);
-
-/// Write a trade.
-pub(crate) fn write<D: Destination>(to: &mut D, header: &Provenance, trade: &Trade) -> Result<(), D::Error> {
-    attributes(to, &mut header.clone(), &mut trade.reference().scheme.to_string())?;
-    if let Some(samples) = &header.series {
-        series::write(to, samples, header.series_start.as_deref())?;
+impl Dataset {
+    /// The data set of a trade of this scenario.
+    pub fn of_trade(scenario: &Scenario, trade: &Trade) -> Self {
+        let mut header = Provenance::of(scenario);
+        let units = header.units.clone();
+        let mut reference = trade.reference().scheme.to_string();
+        let mut dataset = Dataset::written(&units, |walk| attributes(walk, &mut header, &mut reference));
+        series::write(&mut dataset, &header);
+        write_statistics(&mut dataset, &Statistic::ALL);
+        dataset.write(&RUNG, &counted(0, trade.rungs.len()));
+        dataset.write(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())));
+        dataset.write(&TARGET, &TARGETS);
+        let of_rung = |rung: &Rung| {
+            Statistic::ALL.map(|statistic| {
+                let Number { value, error } = trade.bias(rung, statistic);
+                [rung.variance(statistic), value, error]
+            })
+        };
+        let derived = columns_of(trade.rungs.iter().flat_map(of_rung));
+        let done = measured(&mut Walk::Writing(&mut dataset), &mut trade.rungs.clone(), derived);
+        debug_assert_eq!(done, Ok(()));
+        orders(&mut dataset, trade);
+        predicted(&mut dataset, trade);
+        dataset
     }
-    write_statistics(to, &Statistic::ALL)?;
-    to.write_variable(&RUNG, &(0..).take(trade.rungs.len()).collect::<Vec<u32>>())?;
-    to.write_variable(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())))?;
-    to.write_variable(&TARGET, &TARGETS)?;
-    let of_rung = |rung: &Rung| {
-        Statistic::ALL.map(|statistic| {
-            let Number { value, error } = trade.bias(rung, statistic);
-            [rung.variance(statistic), value, error]
-        })
-    };
-    measured(to, &mut trade.rungs.clone(), columns_of(trade.rungs.iter().flat_map(of_rung)))?;
-    orders(to, trade)?;
-    predicted(to, trade)
+
+    /// The trade in the data set. Fails if the data set is not that of a trade.
+    pub fn trade(&self) -> Result<StoredTrade, String> {
+        read(self)
+    }
 }
 
-fn attributes<W: Walk>(walk: &mut W, header: &mut Provenance, reference: &mut String) -> Result<(), W::Error> {
+fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) -> Walked {
     let program = [&mut header.program_version, &mut header.git_hash];
-    walk_origin(walk, (TRADE_FORMAT_NAME, TRADE_FORMAT_VERSION), &mut header.title, program)?;
-    walk.derived_attribute("seed", header.seed)?;
-    walk.derived_attribute("generator", header.generator.as_str())?;
+    walk_origin(walk, TRADE_FORMAT, &mut header.title, program)?;
+    walk.derived_attribute("seed", header.seed);
+    walk.derived_attribute("generator", header.generator.as_str());
     walk.attribute("reference", reference)?;
     walk.attribute("scenario", &mut header.scenario_text)
 }
 
 /// Walk over the measurements of the rungs. Variance, bias and the error of the bias follow from
 /// them.
-fn measured<W: Walk>(walk: &mut W, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]) -> Result<(), W::Error> {
+fn measured(walk: &mut Walk, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]) -> Walked {
     const ALL: usize = Statistic::ALL.len();
     let of_rung = |rung: &Rung| {
         let Rung { scheme, cost: Cost { first, each }, .. } = rung;
@@ -79,13 +87,13 @@ fn measured<W: Walk>(walk: &mut W, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]
     walk.sized(&RUNG_ESTIMATE, &mut estimates, count * ALL)?;
     walk.sized(&RUNG_STANDARD_ERROR, &mut errors, count * ALL)?;
     for (variable, values) in [&RUNG_VARIANCE, &RUNG_BIAS, &RUNG_BIAS_ERROR].into_iter().zip(&derived) {
-        walk.derived(variable, values)?;
+        walk.derived(variable, values);
     }
     walk.sized(&RUNG_CHANGE, &mut changes, count * ALL)?;
     walk.sized(&RUNG_CHANGE_ERROR, &mut change_errors, count * ALL)?;
     rungs.clear();
     for (i, name) in names.iter().enumerate() {
-        let Some(kind) = Kind::from_name(name) else { return walk.refuse(format!("unknown scheme \"{name}\"")) };
+        let kind = Kind::from_name(name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
         let at = |values: &[f64], statistic: Statistic| values[i * ALL + statistic.index()];
         let estimate = |statistic| {
             let (mut numbers, known) = ([f64::NAN; 7], [&estimates, &errors].map(|values| at(values, statistic)));
@@ -107,7 +115,7 @@ fn measured<W: Walk>(walk: &mut W, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]
     Ok(())
 }
 
-fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
+fn orders(to: &mut Dataset, trade: &Trade) {
     let law = |scheme, statistic| match trade.law(scheme, statistic) {
         Some(law) => [law.order.value, law.order.error],
         None => [f64::NAN; 2],
@@ -116,14 +124,14 @@ fn orders<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
     let [orders, errors] = columns_of(schemes.flat_map(|scheme| Statistic::ALL.map(|of| law(scheme, of))));
     let standings = Statistic::ALL.map(|statistic| trade.standing(statistic));
     let ratio = |statistic| trade.pairing.ratio(statistic).unwrap_or(f64::NAN);
-    to.write_variable(&STATISTIC_SCALE, &standings.each_ref().map(|standing| standing.scale().unwrap_or(f64::NAN)))?;
-    to.write_variable(&STATISTIC_NOTE, &standings.map(|standing| standing.to_string()))?;
-    to.write_variable(&STATISTIC_PAIRING, &Statistic::ALL.map(ratio))?;
-    to.write_variable(&SCHEME_ORDER, &orders)?;
-    to.write_variable(&SCHEME_ORDER_ERROR, &errors)
+    to.write(&STATISTIC_SCALE, &standings.each_ref().map(|standing| standing.scale().unwrap_or(f64::NAN)));
+    to.write(&STATISTIC_NOTE, &standings.map(|standing| standing.to_string()));
+    to.write(&STATISTIC_PAIRING, &Statistic::ALL.map(ratio));
+    to.write(&SCHEME_ORDER, &orders);
+    to.write(&SCHEME_ORDER_ERROR, &errors);
 }
 
-fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> {
+fn predicted(to: &mut Dataset, trade: &Trade) {
     let mut choices: Vec<Option<Choice>> = Vec::new();
     for scheme in trade.schemes() {
         for statistic in Statistic::ALL {
@@ -142,18 +150,18 @@ fn predicted<D: Destination>(to: &mut D, trade: &Trade) -> Result<(), D::Error> 
     };
     let is_antithetic = |choice: &Option<Choice>| i8::from(choice.is_some_and(|choice| choice.is_antithetic));
     let [seconds, paths, steps, tolerances, biases] = columns_of(choices.iter().map(numbers));
-    to.write_variable(&PREDICTED_SECONDS, &seconds)?;
-    to.write_variable(&PREDICTED_PATHS, &paths)?;
-    to.write_variable(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>())?;
-    to.write_variable(&PREDICTED_STEP, &steps)?;
-    to.write_variable(&PREDICTED_TOLERANCE, &tolerances)?;
-    to.write_variable(&PREDICTED_BIAS, &biases)?;
+    to.write(&PREDICTED_SECONDS, &seconds);
+    to.write(&PREDICTED_PATHS, &paths);
+    to.write(&PREDICTED_ANTITHETIC, &choices.iter().map(is_antithetic).collect::<Vec<i8>>());
+    to.write(&PREDICTED_STEP, &steps);
+    to.write(&PREDICTED_TOLERANCE, &tolerances);
+    to.write(&PREDICTED_BIAS, &biases);
     let winner = |statistic, target| match trade.best(None, &[statistic], target) {
         Ok(choice) => choice.scheme.name(),
         Err(_) => "none",
     };
     let winners = Statistic::ALL.into_iter().flat_map(|s| TARGETS.map(|target| winner(s, target)));
-    to.write_variable(&WINNER, &texts(winners))
+    to.write(&WINNER, &texts(winners));
 }
 
 /// A trade in a file or in a data set.
@@ -180,12 +188,12 @@ impl StoredTrade {
 }
 
 /// Read a trade back.
-pub(crate) fn read<S: Source>(from: &S) -> Result<StoredTrade, S::Error> {
+pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     let text: String = read_attribute(from, "scenario")?;
     let scenario = Scenario::parse_stored("scenario", &text, &[], series::read(from)?.as_ref());
     let scenario = scenario.map_err(|error| error.to_string())?;
     let mut rungs = Vec::new();
-    measured(&mut Reading(from), &mut rungs, Default::default())?;
+    measured(&mut Walk::Reading(from), &mut rungs, Default::default())?;
     let reference: String = read_attribute(from, "reference")?;
     let reference = rungs.iter().position(|rung| rung.scheme.to_string() == reference);
     let reference = reference.ok_or_else(|| "reference is none of its rungs".to_string())?;

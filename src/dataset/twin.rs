@@ -1,35 +1,31 @@
 //! Synthetic measurements of a bearing as a data set, with the true values beside them.
 
-use super::calibration::{QUANTITY, QUANTITY_SYMBOL, QUANTITY_UNIT, TIME};
+use super::Dataset;
+use super::calibration::{TIME, of_quantity, units, write_quantities};
 use super::layout::{Unit, Variable, variable};
-use super::{Destination, texts};
-use crate::bearing::calibration::{Quantity, Twin, Values};
+use crate::bearing::calibration::{Twin, Values};
 use crate::engine::{PROGRAM_VERSION, commit};
-use crate::stats::Dimension;
 
-/// The attribute `format_name` of a twin.
-const FORMAT_NAME: &str = "stick-slip twin";
-
-/// Write synthetic measurements with the true values. `start` is the time stamp of t = 0.
-pub(crate) fn write<D: Destination>(to: &mut D, start: &str, truth: &Values, twin: &Twin) -> Result<(), D::Error> {
-    for (name, value) in
-        [("format_name", FORMAT_NAME), ("program_version", PROGRAM_VERSION), ("git_hash", commit()), ("start", start)]
-    {
-        to.set_attribute(name, value)?;
+impl Dataset {
+    /// The data set of synthetic measurements, with the true values that a calibration should find
+    /// in them. `start` is the time stamp of t = 0.
+    pub fn of_twin(start: &str, truth: &Values, twin: &Twin) -> Self {
+        let mut to = Dataset::new(&units());
+        to.set_attribute("format_name", "stick-slip twin");
+        to.set_attribute("program_version", PROGRAM_VERSION);
+        to.set_attribute("git_hash", commit());
+        to.set_attribute("start", start);
+        to.set_attribute("slips", twin.slips);
+        write_quantities(&mut to);
+        to.write(&TRUTH, truth);
+        to.write(&TIME, &twin.times);
+        to.write(&TEMPERATURE, &twin.temperatures);
+        to.write(&DISPLACEMENT, &twin.readings);
+        to
     }
-    to.set_attribute("slips", twin.slips)?;
-    to.write_variable(&QUANTITY, &texts(Quantity::ALL.map(Quantity::key)))?;
-    to.write_variable(&QUANTITY_SYMBOL, &texts(Quantity::ALL.map(Quantity::symbol)))?;
-    to.write_variable(&QUANTITY_UNIT, &texts(Quantity::ALL.map(Quantity::unit)))?;
-    to.write_variable(&TRUTH, truth)?;
-    to.write_variable(&TIME, &twin.times)?;
-    to.write_variable(&TEMPERATURE, &twin.temperatures)?;
-    to.write_variable(&DISPLACEMENT, &twin.readings)
 }
 
-const TRUTH: Variable = variable("truth", &["quantity"], Unit::None, "what a calibration is to find")
-    .with(&[("coordinates", "quantity_symbol quantity_unit")]);
+const TRUTH: Variable = of_quantity("truth", "what a calibration is to find");
 const TEMPERATURE: Variable =
     variable("temperature", &["time"], Unit::None, "temperature as measured").with(&[("units", "degC")]);
-const DISPLACEMENT: Variable =
-    variable("displacement", &["time"], Unit::Of(Dimension::LENGTH), "displacement as measured");
+const DISPLACEMENT: Variable = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");

@@ -1,159 +1,119 @@
 //! One walk over everything that a data set holds, in the order in which it is written. A walk
-//! writes to a destination or reads from a source, so that each variable is named once.
+//! writes a data set or reads one back, so that each variable is named once.
 
 use super::form::AttributeValue;
 use super::layout::{Described, WithInterval};
-use super::{Attribute, ColumnView, Destination, Element, Source, read_attribute, read_or_empty, read_scalar};
+use super::{Attribute, ColumnView, Dataset, Element, Source, read_attribute, read_or_empty, read_variable};
+use crate::stats::{Dimension, Units};
 use crate::sums::Ends;
 
-/// What is done with each part of a data set. A walk that writes leaves the values as they are, and
-/// one that reads replaces them.
-pub(crate) trait Walk {
-    /// The error of the walk.
-    type Error;
+/// A walk that writes leaves the values as they are, and one that reads replaces them.
+pub(crate) enum Walk<'a> {
+    Writing(&'a mut Dataset),
+    Reading(&'a dyn Source),
+}
 
+/// What is wrong with what was read. A walk that writes does not fail.
+pub(crate) type Walked = Result<(), String>;
+
+impl Walk<'_> {
     /// An attribute of the data set.
-    fn attribute<T: AttributeValue>(&mut self, name: &str, value: &mut T) -> Result<(), Self::Error>;
+    pub fn attribute<T: AttributeValue>(&mut self, name: &str, value: &mut T) -> Walked {
+        match self {
+            Walk::Writing(to) => value.attribute().into_iter().for_each(|value| to.set_attribute(name, value)),
+            Walk::Reading(from) => *value = read_attribute(*from, name)?,
+        }
+        Ok(())
+    }
 
     /// An attribute that is not read back, because it is constant or follows from other things.
-    fn derived_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), Self::Error>;
+    pub fn derived_attribute(&mut self, name: &str, value: impl Into<Attribute>) {
+        if let Walk::Writing(to) = self {
+            to.set_attribute(name, value);
+        }
+    }
 
     /// A variable. Reading fails if it is absent although its dimensions are there.
-    fn variable<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>) -> Result<(), Self::Error>;
-
-    /// A variable with one value.
-    fn scalar<T: Element>(&mut self, variable: &Described, value: &mut T) -> Result<(), Self::Error>;
-
-    /// A variable that is not read back.
-    fn derived<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<(), Self::Error>;
-
-    /// The value of something that may be absent, if it is there. It is read if `first`, its first
-    /// variable, is there.
-    fn present<'a, T: Default>(&mut self, first: &Described, value: &'a mut Option<T>) -> Option<&'a mut T>;
-
-    /// Fail because what was read is wrong. A walk that writes has read nothing and does not fail.
-    fn refuse(&mut self, cause: String) -> Result<(), Self::Error>;
-
-    /// Fail unless what was read is right.
-    fn check(&mut self, is_right: bool, cause: impl FnOnce() -> String) -> Result<(), Self::Error> {
-        if is_right { Ok(()) } else { self.refuse(cause()) }
+    pub fn variable<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>) -> Walked {
+        match self {
+            Walk::Writing(to) => to.write(variable, &*values),
+            Walk::Reading(from) => *values = read_or_empty(*from, variable)?,
+        }
+        Ok(())
     }
 
     /// A variable that must have so many values.
-    fn along<T: Element>(
-        &mut self,
-        variable: &Described,
-        values: &mut Vec<T>,
-        length: usize,
-    ) -> Result<(), Self::Error> {
+    pub fn sized<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>, length: usize) -> Walked {
         self.variable(variable, values)?;
         self.check(values.len() == length, || format!("{} has {} values, not {length}", variable.name, values.len()))
     }
 
-    /// The same; the refusal does not say how many there are.
-    fn sized<T: Element>(
-        &mut self,
-        variable: &Described,
-        values: &mut Vec<T>,
-        length: usize,
-    ) -> Result<(), Self::Error> {
-        self.variable(variable, values)?;
-        self.check(values.len() == length, || format!("{} has another size", variable.name))
+    /// A variable with one value.
+    pub fn scalar<T: Element>(&mut self, variable: &Described, value: &mut T) -> Walked {
+        match self {
+            Walk::Writing(to) => to.write(variable, std::slice::from_ref(&*value)),
+            Walk::Reading(from) => match read_variable(*from, variable)?.as_slice() {
+                [one] => *value = T::clone(one),
+                values => return Err(format!("{} has {} values, not one", variable.name, values.len())),
+            },
+        }
+        Ok(())
     }
 
-    /// The values of a curve with the ends of their intervals.
-    fn curve<T: Element>(
-        &mut self,
-        WithInterval { value, low, high }: &WithInterval,
-        values: &mut Vec<T>,
-        ends: &mut Ends,
-    ) -> Result<(), Self::Error> {
-        self.variable(value, values)?;
-        self.variable(low, &mut ends.low)?;
-        self.variable(high, &mut ends.high)
+    /// A variable that is not read back.
+    pub fn derived<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) {
+        if let Walk::Writing(to) = self {
+            to.write(variable, values);
+        }
     }
 
-    /// A number with the ends of its interval.
-    fn number<T: Element>(
-        &mut self,
-        of: &WithInterval,
-        number: &mut T,
-        ends: &mut [f64; 2],
-    ) -> Result<(), Self::Error> {
+    /// Units of these dimensions, as texts, which are not read back.
+    pub fn units(&mut self, variable: &Described, dimensions: impl Iterator<Item = Dimension>) {
+        if let Walk::Writing(to) = self {
+            to.write_units(variable, dimensions);
+        }
+    }
+
+    /// The value of something that may be absent, if it is there. It is read if `first`, its first
+    /// variable, is there.
+    pub fn present<'a, T: Default>(&mut self, first: &Described, value: &'a mut Option<T>) -> Option<&'a mut T> {
+        if let Walk::Reading(from) = self {
+            *value = from.has(first.name).then(T::default);
+        }
+        value.as_mut()
+    }
+
+    /// Fail unless what was read is right.
+    pub fn check(&self, is_right: bool, cause: impl FnOnce() -> String) -> Walked {
+        if is_right || matches!(self, Walk::Writing(_)) { Ok(()) } else { Err(cause()) }
+    }
+
+    /// The values of a curve with their intervals.
+    pub fn curve<T: Element>(&mut self, of: &WithInterval, values: &mut Vec<T>, ends: &mut Ends) -> Walked {
+        self.variable(&of.value, values)?;
+        let mut interval = [&ends.low[..], &ends.high].concat();
+        self.variable(&of.interval, &mut interval)?;
+        let high = interval.split_off(interval.len() / 2);
+        *ends = Ends { low: interval, high };
+        Ok(())
+    }
+
+    /// A number with its interval.
+    pub fn number<T: Element>(&mut self, of: &WithInterval, number: &mut T, ends: &mut [f64; 2]) -> Walked {
         self.scalar(&of.value, number)?;
-        self.scalar(&of.low, &mut ends[0])?;
-        self.scalar(&of.high, &mut ends[1])
-    }
-}
-
-/// Writes.
-impl<D: Destination> Walk for D {
-    type Error = D::Error;
-
-    fn attribute<T: AttributeValue>(&mut self, name: &str, value: &mut T) -> Result<(), D::Error> {
-        value.attribute().map_or(Ok(()), |attribute| self.set_attribute(name, attribute))
-    }
-
-    fn derived_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), D::Error> {
-        self.set_attribute(name, value)
-    }
-
-    fn variable<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>) -> Result<(), D::Error> {
-        self.write_variable(variable, &*values)
-    }
-
-    fn scalar<T: Element>(&mut self, variable: &Described, value: &mut T) -> Result<(), D::Error> {
-        self.write_variable(variable, std::slice::from_ref(&*value))
-    }
-
-    fn derived<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<(), D::Error> {
-        self.write_variable(variable, values)
-    }
-
-    fn present<'a, T: Default>(&mut self, _: &Described, value: &'a mut Option<T>) -> Option<&'a mut T> {
-        value.as_mut()
-    }
-
-    fn refuse(&mut self, _: String) -> Result<(), D::Error> {
+        let mut interval = ends.to_vec();
+        self.sized(&of.interval, &mut interval, ends.len())?;
+        ends.copy_from_slice(&interval);
         Ok(())
     }
 }
 
-/// A walk that reads from a source.
-pub(crate) struct Reading<'a, S>(pub &'a S);
-
-impl<S: Source> Walk for Reading<'_, S> {
-    type Error = S::Error;
-
-    fn attribute<T: AttributeValue>(&mut self, name: &str, value: &mut T) -> Result<(), S::Error> {
-        *value = read_attribute(self.0, name)?;
-        Ok(())
-    }
-
-    fn derived_attribute(&mut self, _: &str, _: impl Into<Attribute>) -> Result<(), S::Error> {
-        Ok(())
-    }
-
-    fn variable<T: Element>(&mut self, variable: &Described, values: &mut Vec<T>) -> Result<(), S::Error> {
-        *values = read_or_empty(self.0, variable)?;
-        Ok(())
-    }
-
-    fn scalar<T: Element>(&mut self, variable: &Described, value: &mut T) -> Result<(), S::Error> {
-        *value = read_scalar(self.0, variable)?;
-        Ok(())
-    }
-
-    fn derived<'a>(&mut self, _: &Described, _: impl Into<ColumnView<'a>>) -> Result<(), S::Error> {
-        Ok(())
-    }
-
-    fn present<'a, T: Default>(&mut self, first: &Described, value: &'a mut Option<T>) -> Option<&'a mut T> {
-        *value = self.0.has(first.name).then(T::default);
-        value.as_mut()
-    }
-
-    fn refuse(&mut self, cause: String) -> Result<(), S::Error> {
-        Err(cause.into())
+impl Dataset {
+    /// A data set with everything that a walk goes over.
+    pub(super) fn written(units: &Units, walk: impl FnOnce(&mut Walk) -> Walked) -> Self {
+        let mut dataset = Dataset::new(units);
+        let done = walk(&mut Walk::Writing(&mut dataset));
+        debug_assert_eq!(done, Ok(()));
+        dataset
     }
 }

@@ -15,6 +15,7 @@ mod error;
 mod part;
 mod parts;
 mod rows;
+pub mod seal;
 mod state;
 
 pub use again::{Again, BlocksAgain, Difference, again_in_memory, drawn};
@@ -27,9 +28,9 @@ pub use state::RunQuestion;
 pub(crate) use rows::write_rows;
 #[cfg(feature = "store")]
 pub(crate) use {
-    again::{Against, Held, again},
+    again::{Against, again},
     checksum::checksum,
-    parts::{RowSource, each_block},
+    parts::each_block,
     rows::{OwnedRows, Position, read_rows},
     state::{MAGIC, State, of_bytes, to_bytes},
 };

@@ -5,7 +5,7 @@ use super::SavedError;
 use super::rows::{OwnedRows, Position};
 use super::state::{RunQuestion, State, of_bytes};
 use crate::dataset::layout::Variable;
-use crate::dataset::{Column, Dataset, ElementType};
+use crate::dataset::{Dataset, ElementType, Source};
 use crate::engine::SoFar;
 use crate::ensemble::BLOCK_SIZE;
 use crate::scenario::Scenario;
@@ -139,16 +139,17 @@ impl Parts {
     pub fn check_rows(&self, part: usize, dataset: &Dataset) -> Result<(), PartsError> {
         let Some((path, state)) = self.parts.get(part) else { return Ok(()) };
         let wrong = |cause: String| PartsError::Rows { path: path.clone(), cause };
-        each_block(state, dataset, |_| Ok(())).map_err(wrong)
+        each_block(state, dataset, |_| Ok(()), wrong)
     }
 }
 
 /// Read the rows of a part block by block, and compare them with the checksum of those that were
-/// simulated.
-pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
+/// simulated. What is wrong with them becomes an error by `wrong`.
+pub(crate) fn each_block<E>(
     state: &State,
-    from: &S,
+    from: &dyn Source,
     mut visit: impl FnMut(&OwnedRows) -> Result<(), E>,
+    wrong: impl Fn(String) -> E,
 ) -> Result<(), E> {
     let RunQuestion { scenario: Scenario { record, .. }, asked, .. } = &state.question;
     if *record == Record::NOTHING {
@@ -161,52 +162,34 @@ pub(crate) fn each_block<S: RowSource, E: From<S::Error> + From<String>>(
         let place = (first_path - origin) as usize..(end - origin) as usize;
         let mut owned = OwnedRows { first_path, paths: end - first_path, ..OwnedRows::default() };
         if record.paths {
-            owned.path_columns = Some(PathColumns::read(|variable, kind| from.rows(variable, kind, &place))?);
+            owned.path_columns =
+                Some(PathColumns::read(|variable, kind| from.rows(variable.name, kind, &place)).map_err(&wrong)?);
         }
         if record.events {
-            let (found, next) = events(from, &place, event)?;
+            let (found, next) = events(from, &place, event).map_err(&wrong)?;
             (owned.events, event) = (Some(found), next);
         }
         if first_path < record.trajectories {
             let kept = place.start..(record.trajectories.min(end) - origin) as usize;
-            owned.trajectories = Some(TrajectoryRows::read(|variable, kind| from.rows(variable, kind, &kept))?);
+            owned.trajectories =
+                Some(TrajectoryRows::read(|variable, kind| from.rows(variable.name, kind, &kept)).map_err(&wrong)?);
         }
         bytes.clear();
         position = position.after(&owned.rows(), &mut bytes);
         visit(&owned)?;
     }
-    if state.rows == position { Ok(()) } else { Err("its rows are not those that were written".to_string().into()) }
-}
-
-/// Where rows of single paths are read from: a file, or a data set in memory.
-pub(crate) trait RowSource {
-    /// The error of reading.
-    type Error: From<String>;
-
-    /// Some rows of a variable. Fewer rows than these are an error.
-    fn rows(&self, variable: &Variable, kind: ElementType, rows: &Range<usize>) -> Result<Column, Self::Error>;
-}
-
-impl RowSource for Dataset {
-    type Error = String;
-
-    fn rows(&self, variable: &Variable, _: ElementType, rows: &Range<usize>) -> Result<Column, String> {
-        let name = variable.name;
-        let entry = self.entry(name).ok_or_else(|| format!("{name} is missing"))?;
-        let width = self.shape(entry).iter().skip(1).product::<usize>();
-        entry.column.slice(rows.start * width..rows.end * width).ok_or_else(|| format!("{name} is too short"))
-    }
+    if state.rows == position { Ok(()) } else { Err(wrong("its rows are not those that were written".to_string())) }
 }
 
 /// Read the events of some paths. `first` is the row of their first event; the row after their last
 /// event is returned with them.
-fn events<S: RowSource>(from: &S, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize), S::Error> {
-    let count: Vec<u32> = values_of(&EVENT_COUNT, from.rows(&EVENT_COUNT, ElementType::U32, rows)?)?;
+fn events(from: &dyn Source, rows: &Range<usize>, first: usize) -> Result<(EventColumns, usize), String> {
+    let count: Vec<u32> = values_of(&EVENT_COUNT, from.rows(EVENT_COUNT.name, ElementType::U32, rows)?)?;
     let next = first + count.iter().map(|&count| count as usize).sum::<usize>();
     if next == first {
         return Ok((EventColumns { count, ..EventColumns::default() }, next));
     }
     let rows_of = |variable: &Variable| if variable.axes == EVENT_COUNT.axes { rows.clone() } else { first..next };
-    let events = EventColumns::read(|variable, kind| from.rows(variable, kind, &rows_of(variable)))?;
+    let events = EventColumns::read(|variable, kind| from.rows(variable.name, kind, &rows_of(variable)))?;
     Ok((events, next))
 }

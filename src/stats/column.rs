@@ -59,19 +59,17 @@ pub(crate) struct Described<'a> {
 }
 
 impl<'a> Described<'a> {
-    /// Whether the variable gives a dimension its name and length.
-    pub(crate) fn is_coordinate(&self) -> bool {
-        *self.axes == [self.name]
-    }
-
-    /// Whether the variable is only a dimension, without values of its own.
-    pub(crate) fn is_bare_dimension(&self) -> bool {
-        self.long_name == BARE_DIMENSION
-    }
-
     pub(crate) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.attributes = attributes;
         self
+    }
+
+    /// The same variable along these axes, with these attributes.
+    pub(crate) fn along<'b>(&self, axes: &'b [&'b str], attributes: &'b [(&'b str, &'b str)]) -> Described<'b>
+    where
+        'a: 'b,
+    {
+        Described { axes, attributes, ..*self }
     }
 
     pub(crate) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {

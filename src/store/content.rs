@@ -1,36 +1,44 @@
 //! What a file holds, whatever its kind.
 
-use super::reader::{check_file, open, unfinished};
-use super::{StoreError, read, read_calibration, read_sweep, read_trade};
-use crate::dataset::calibration::CALIBRATION_FORMAT_NAME;
-use crate::dataset::header::FORMAT_NAME;
-use crate::dataset::sweep::SWEEP_FORMAT_NAME;
-use crate::dataset::trade::TRADE_FORMAT_NAME;
+use super::StoreError;
+use super::reader::{check_file, check_seal, open, read, read_kind, unfinished};
+use crate::dataset::calibration::{self, CALIBRATION_FORMAT};
+use crate::dataset::header::FORMAT;
+use crate::dataset::sweep::{self, SWEEP_FORMAT};
+use crate::dataset::trade::{self, TRADE_FORMAT};
 use crate::dataset::{StoredCalibration, StoredRun as Stored, StoredSweep, StoredTrade, read_attribute};
 use std::path::Path;
 
-/// From one list: the kinds of files, with the name of the format of each, and their contents.
+/// From one list: the kinds of files, with the format of each, and the readers of their contents.
 macro_rules! kinds {
-    ($($(#[$doc:meta])* $ElementType:ident: $format:ident, $read:ident -> $Content:ident;)+) => {
+    ($($(#[$doc:meta])* $Kind:ident: $format:ident, $read:ident -> $Content:ident $(= $of:path)?;)+) => {
         /// What a file of this program holds.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
         pub enum FileKind {
-            $($(#[$doc])* $ElementType,)+
+            $($(#[$doc])* $Kind,)+
         }
 
-        const FORMATS: &[(&str, FileKind)] = &[$(($format, FileKind::$ElementType),)+];
+        const FORMATS: &[(&str, FileKind)] = &[$(($format.0, FileKind::$Kind),)+];
 
         /// The content of a file of any kind.
         #[derive(Debug)]
         pub enum Content {
-            $($(#[$doc])* $ElementType(Box<$Content>),)+
+            $($(#[$doc])* $Kind(Box<$Content>),)+
         }
+
+        $($(
+            /// Read such a file. A file of another kind, of another format, or a damaged one, is an
+            /// error.
+            pub fn $read(path: &Path) -> Result<$Content, StoreError> {
+                read_kind(path, $format, |file| $of(file))
+            }
+        )?)+
 
         impl FileKind {
             /// Read a file of this kind.
             pub(super) fn read(self, path: &Path) -> Result<Content, StoreError> {
                 match self {
-                    $(FileKind::$ElementType => Ok(Content::$ElementType(Box::new($read(path)?))),)+
+                    $(FileKind::$Kind => Ok(Content::$Kind(Box::new($read(path)?))),)+
                 }
             }
         }
@@ -39,13 +47,22 @@ macro_rules! kinds {
 
 kinds! {
     /// The ensemble of a run.
-    Run: FORMAT_NAME, read -> Stored;
+    Run: FORMAT, read -> Stored;
     /// A trade: the price of accuracy for each scheme.
-    Trade: TRADE_FORMAT_NAME, read_trade -> StoredTrade;
+    Trade: TRADE_FORMAT, read_trade -> StoredTrade = trade::read;
     /// A sweep: statistics as functions of keys of the scenario.
-    Sweep: SWEEP_FORMAT_NAME, read_sweep -> StoredSweep;
+    Sweep: SWEEP_FORMAT, read_sweep -> StoredSweep = sweep::read;
     /// A calibration: parameters fitted to a measurement.
-    Calibration: CALIBRATION_FORMAT_NAME, read_calibration -> StoredCalibration;
+    Calibration: CALIBRATION_FORMAT, read_calibration -> StoredCalibration = calibration::read;
+}
+
+/// Check that there is a finished file of this name: every byte is that of its seal, and it can be
+/// read. Whether a file without a seal was changed cannot be known.
+pub(super) fn check_finished(target: &Path) -> Result<(), StoreError> {
+    check_file(target)?;
+    check_seal(target, u64::MAX)?;
+    let kind = kind(target)?.ok_or_else(|| StoreError::NotHdf5 { path: target.to_owned() })?;
+    kind.read(target).map(drop)
 }
 
 /// What kind of file this is; `None` if it cannot be opened or is not an HDF5 file. An HDF5 file of
@@ -58,7 +75,7 @@ pub fn kind(path: &Path) -> Result<Option<FileKind>, StoreError> {
         Err(StoreError::NotHdf5 { .. } | StoreError::NotOpened { .. }) => return Ok(None),
         other => other?,
     };
-    let format = read_attribute::<_, String>(&open(path)?, "format_name").unwrap_or_default();
+    let format: String = read_attribute(&open(path)?, "format_name").unwrap_or_default();
     let known = FORMATS.iter().find(|(name, _)| *name == format);
     known.map(|(_, kind)| Some(*kind)).ok_or_else(|| StoreError::Foreign { path: path.to_owned() })
 }

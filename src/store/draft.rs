@@ -7,21 +7,19 @@
 //! write     values go to the system at once, because there is no sieve buffer
 //! flush     writes what the library still holds, and its result is looked at
 //! close     has nothing left to write
-//! compare   the file is opened anew, and everything in it is compared with the ledger
+//! compare   the file is opened anew, and everything in it is compared with what was written
 //! seal      a checksum of the whole file, synced to the disk with it
 //! ```
 //!
 //! After a failed write or flush the handles are leaked on purpose, and the file is never touched
 //! again. Closing such a file crashes some versions of the library, and others report success.
 
+use super::StoreError;
 use super::error::cause;
 use super::failure::WriteFailure;
-use super::ledger::Ledger;
-use super::read_back::compare;
-use super::superblock::superblock;
+use super::read_back::Written;
 use super::variable::OpenFile;
-use super::{StoreError, seal};
-use crate::stats::Units;
+use crate::saved::seal::{self, superblock};
 use hdf5::File;
 use hdf5::file::{FileCloseDegree, LibraryVersion};
 use hdf5::plist::file_create::{AttrCreationOrder, LinkCreationOrder};
@@ -38,10 +36,10 @@ pub(super) struct Draft {
 
 impl Draft {
     /// Create a file, which must not exist.
-    pub fn create(path: &Path, units: Units) -> Result<Draft, StoreError> {
+    pub fn create(path: &Path) -> Result<Draft, StoreError> {
         let file =
             create(path).map_err(|error| StoreError::NotCreated { partial: path.to_owned(), cause: cause(&error) })?;
-        Ok(Draft { path: path.to_owned(), place: Some(OpenFile::new(file, units)) })
+        Ok(Draft { path: path.to_owned(), place: Some(OpenFile::new(file)) })
     }
 
     /// Do something with the file. After the first failure nothing is done any more.
@@ -57,17 +55,17 @@ impl Draft {
     /// Close the file, of which every variable must be flushed, compare it with what was to be
     /// written, and seal it.
     pub fn finish(mut self) -> Result<(), WriteFailure> {
-        let mut ledger = Ledger::default();
+        let mut written = Written::default();
         self.write(|place| {
             place.file.flush()?;
-            ledger = std::mem::take(&mut place.ledger);
+            written = std::mem::take(&mut place.written);
             Ok(())
         })?;
         drop(self.place.take());
         if superblock(&mut fs::File::open(&self.path)?)?.is_none_or(|superblock| superblock.is_open) {
             return Err(WriteFailure { cause: "HDF5 could not close the file".into(), full: false });
         }
-        compare(&ledger, &self.path)?;
+        written.compare(&self.path)?;
         // Some file systems report only at this point that they are full.
         Ok(seal::seal(&self.path)?)
     }
@@ -106,35 +104,39 @@ fn create(path: &Path) -> hdf5::Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::Destination as _;
-    use crate::dataset::ElementType;
-    use crate::dataset::layout;
-    use crate::store::ledger::Sum;
+    use crate::dataset::{Column, Dataset, ElementType, Entry, layout};
+    use crate::stats::Units;
+    use crate::store::read_back::Sum;
 
-    /// A file whose ledger says something else than was written cannot be finished.
+    /// A file that was to hold something else than was written cannot be finished.
     #[test]
     fn what_is_not_in_the_file_as_it_was_to_be_written_is_found() {
-        let changes: [fn(&mut Ledger); 5] = [
+        let changes: [fn(&mut Written); 6] = [
             |_| (),
-            |ledger| {
-                ledger.variable("quantile", {
-                    let mut sum = Sum::of(ElementType::F64);
-                    sum.add((&[0.5, 0.25]).into());
-                    sum
-                })
+            |written| written.dataset.entries[0].column = Column::F64(vec![0.5, 0.25]),
+            |written| {
+                let (axes, attributes) = (vec!["lost".into()], Vec::new());
+                let entry = Entry { name: "lost".into(), axes, attributes, column: Column::F64(Vec::new()) };
+                let mut sum = Sum::of(ElementType::F64);
+                sum.add((&[1.0]).into());
+                written.rows.push((entry, sum));
             },
-            |ledger| ledger.variable("lost", Sum::of(ElementType::F64)),
-            |ledger| ledger.attribute("", "title", "another".into()),
-            |ledger| ledger.attribute("quantile", "long_name", "another".into()),
+            |written| written.dataset.set_attribute("title", "another"),
+            |written| written.dataset.entries[0].attributes[0].1 = "another".into(),
+            |written| drop(written.dataset.entries.pop()),
         ];
         for (i, change) in changes.into_iter().enumerate() {
             let here = tempfile::tempdir().expect("a folder");
             let path = here.path().join("a.h5");
-            let mut draft = Draft::create(&path, Units::default()).expect("made");
+            let mut draft = Draft::create(&path).expect("made");
+            let mut dataset = Dataset::new(&Units::default());
+            dataset.set_attribute("title", "a title");
+            dataset.set_attribute("program_version", "1");
+            dataset.set_attribute("git_hash", "1");
+            dataset.write(&layout::QUANTILE, &[0.25, 0.5]);
             let written = draft.write(|place| {
-                place.set_attribute("title", "a title")?;
-                place.write_variable(&layout::QUANTILE, &[0.25, 0.5])?;
-                change(&mut place.ledger);
+                place.write(dataset)?;
+                change(&mut place.written);
                 Ok(())
             });
             written.expect("written");

@@ -220,7 +220,7 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The file is an HDF5 file, but not one of this program.
-    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\")\n  fix: give a file that mc run wrote", path.display(), crate::dataset::header::FORMAT_NAME)]
+    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\")\n  fix: give a file that mc run wrote", path.display(), crate::dataset::header::FORMAT.0)]
     Foreign {
         /// The file.
         path: PathBuf,

@@ -8,8 +8,9 @@
 
 use super::folder::{self, RESULTS, STATE, partial_path};
 use super::naming::has_name;
-use super::{StoreError, reader, seal};
-use std::fs;
+use super::{StoreError, own, reader};
+use crate::saved::seal;
+use std::fs::{self, File};
 use std::path::Path;
 
 /// What lies under `NAME.partial`.
@@ -42,10 +43,15 @@ pub(super) fn unfinished(target: &Path) -> Partial {
             false => Partial::Folder { is_saved: fs::exists(partial.join(STATE)).unwrap_or(true) },
         },
         () if there.is_file() && has_name(&partial, target) => Partial::Named,
-        () if there.is_file() && seal::has_mark(&partial) => Partial::File,
+        () if there.is_file() && has_mark(&partial) => Partial::File,
         () if there.is_file() && reader::check_file(&partial).is_ok() => Partial::Unsealed,
         () => Partial::Foreign,
     }
+}
+
+fn has_mark(path: &Path) -> bool {
+    let opened = own::open(path, File::options().read(true));
+    opened.and_then(|mut file| seal::has_mark(&mut file)).unwrap_or(false)
 }
 
 /// Whether `NAME.partial` holds a sweep that is not finished.

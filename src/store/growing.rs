@@ -3,23 +3,21 @@
 //! A block of 256 paths is far smaller than a chunk. If it were appended directly, the same chunk
 //! would be rewritten many times, so rows wait in memory until they fill one.
 
-use super::ledger::{Ledger, Sum};
-use super::variable::{Growth, OpenFile, Storable};
-use crate::dataset::layout::{self, Variable};
-use crate::dataset::rows::{RowAxis, RowTable};
-use crate::dataset::{Column, ColumnView};
-use hdf5::{Dataset, Result};
+use super::read_back::Sum;
+use super::variable::{Growth, OpenFile};
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{Column, Dataset, Entry, layout};
+use hdf5::{H5Type, Result};
 use ndarray::{ArrayView1, ArrayView2, s};
 
 /// One growing variable.
 #[derive(Debug)]
 struct GrowingVariable {
-    name: &'static str,
-    dataset: Dataset,
+    /// The variable, with the values that wait to be written.
+    entry: Entry,
+    dataset: hdf5::Dataset,
     /// Number of values in a row.
     width: usize,
-    /// Values that wait to be written.
-    pending: Column,
     /// All values, written or waiting.
     sum: Sum,
 }
@@ -27,8 +25,9 @@ struct GrowingVariable {
 /// A growing dimension with all its variables.
 #[derive(Debug)]
 pub(super) struct GrowingTable {
+    pub along: RowAxis,
     /// The dataset of the dimension itself, where no variable is its coordinate.
-    bare_dimension: Option<Dataset>,
+    bare_dimension: Option<hdf5::Dataset>,
     columns: Vec<GrowingVariable>,
     /// Number of rows in a chunk.
     chunk: usize,
@@ -38,47 +37,62 @@ pub(super) struct GrowingTable {
     pending: usize,
 }
 
+/// The variables of a data set along this dimension.
+fn of_table(along: RowAxis, dataset: &Dataset) -> impl Iterator<Item = &Entry> {
+    dataset.entries.iter().filter(move |entry| RowAxis::of(entry) == Some(along))
+}
+
 impl GrowingTable {
-    /// Create the variables with no rows. The first variable is the coordinate of the dimension;
-    /// only the dimension of events has no coordinate and gets a bare dimension instead.
-    pub(super) fn define(place: &mut OpenFile, table: &RowTable, growth: Growth) -> Result<GrowingTable> {
-        let bare_dimension = match table.along {
-            RowAxis::Event => Some(place.define_growing::<u32>(&layout::EVENT, growth)?),
-            RowAxis::Path | RowAxis::Trajectory => None,
+    /// Create the variables of an empty data set that grow along a dimension; none if there are
+    /// none. The first variable is the coordinate of the dimension; only the dimension of events
+    /// has no coordinate and gets a bare dimension instead.
+    pub(super) fn define(
+        place: &mut OpenFile,
+        along: RowAxis,
+        empty: &Dataset,
+        growth: Growth,
+    ) -> Result<Option<GrowingTable>> {
+        if of_table(along, empty).next().is_none() {
+            return Ok(None);
+        }
+        let bare_dimension =
+            (along == RowAxis::Event).then(|| place.define_bare(layout::EVENT.name, growth)).transpose()?;
+        let define = |entry: &Entry| -> Result<GrowingVariable> {
+            let dataset = place.define_growing(entry, growth)?;
+            let width = dataset.shape().iter().skip(1).product();
+            Ok(GrowingVariable { entry: entry.clone(), dataset, width, sum: Sum::of(entry.column.values().kind()) })
         };
-        let mut define =
-            |(variable, values): &(&Variable, ColumnView)| GrowingVariable::define(place, variable, *values, growth);
-        let columns = table.variables.iter().map(&mut define).collect::<Result<_>>()?;
-        Ok(GrowingTable { bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 })
+        let columns = of_table(along, empty).map(define).collect::<Result<_>>()?;
+        Ok(Some(GrowingTable { along, bare_dimension, columns, chunk: growth.rows, written: 0, pending: 0 }))
     }
 
     /// Add rows, with the variables in the order given to `define`, and write every chunk that is
     /// now full.
-    pub(super) fn push(&mut self, RowTable { rows, variables, .. }: &RowTable) -> Result<()> {
-        if !self.columns.iter().map(|column| column.name).eq(variables.iter().map(|(variable, _)| variable.name)) {
+    pub(super) fn push(&mut self, rows: &Dataset) -> Result<()> {
+        let new: Vec<&Entry> = of_table(self.along, rows).collect();
+        let Some(first) = new.first() else { return Ok(()) };
+        if !self.columns.iter().map(|column| &column.entry.name).eq(new.iter().map(|entry| &entry.name)) {
             return Err("a block holds other variables than the file records".into());
         }
-        for (column, (variable, values)) in self.columns.iter_mut().zip(*variables) {
-            let expected = rows * column.width;
+        let more = first.column.len() / self.columns[0].width;
+        for (column, Entry { name, column: values, .. }) in self.columns.iter_mut().zip(new) {
+            let expected = more * column.width;
             if values.len() != expected {
-                return Err(format!("{} has {} values, not {expected}", variable.name, values.len()).into());
+                return Err(format!("{name} has {} values, not {expected}", values.len()).into());
             }
-            column.pending.extend(*values);
-            column.sum.add(*values);
+            column.entry.column.extend(values.values());
+            column.sum.add(values.values());
         }
-        self.pending += rows;
+        self.pending += more;
         let full = (self.written + self.pending) / self.chunk * self.chunk;
         self.write_to(full)
     }
 
-    /// Write all rows that wait, including a last incomplete chunk, and note in `ledger` what was
-    /// written in all.
-    pub(super) fn write_all(&mut self, ledger: &mut Ledger) -> Result<()> {
+    /// Write all rows that wait, including a last incomplete chunk. Returns the variables, without
+    /// values, and the sums of all their values.
+    pub(super) fn write_all(&mut self) -> Result<impl Iterator<Item = (Entry, Sum)>> {
         self.write_to(self.written + self.pending)?;
-        for column in &self.columns {
-            ledger.variable(column.name, column.sum);
-        }
-        Ok(())
+        Ok(self.columns.iter().map(|column| (column.entry.clone(), column.sum)))
     }
 
     fn write_to(&mut self, end: usize) -> Result<()> {
@@ -98,28 +112,9 @@ impl GrowingTable {
 }
 
 impl GrowingVariable {
-    fn define(
-        place: &mut OpenFile,
-        variable: &Variable,
-        values: ColumnView,
-        growth: Growth,
-    ) -> Result<GrowingVariable> {
-        let dataset = match values {
-            ColumnView::F64(_) => place.define_growing::<f64>(variable, growth)?,
-            ColumnView::U64(_) => place.define_growing::<u64>(variable, growth)?,
-            ColumnView::U32(_) => place.define_growing::<u32>(variable, growth)?,
-            ColumnView::I8(_) => place.define_growing::<i8>(variable, growth)?,
-            ColumnView::U8(_) => place.define_growing::<u8>(variable, growth)?,
-            ColumnView::Text(_) => return Err("no text is kept of single paths".into()),
-        };
-        let width = dataset.shape().iter().skip(1).product();
-        let (pending, sum) = (values.empty_column(), Sum::of(values.kind()));
-        Ok(GrowingVariable { name: variable.name, dataset, width, pending, sum })
-    }
-
     fn write(&mut self, start: usize, end: usize) -> Result<()> {
         let (dataset, width) = (&self.dataset, self.width);
-        match &mut self.pending {
+        match &mut self.entry.column {
             Column::F64(values) => write_rows(dataset, width, values, start, end),
             Column::U64(values) => write_rows(dataset, width, values, start, end),
             Column::U32(values) => write_rows(dataset, width, values, start, end),
@@ -132,8 +127,8 @@ impl GrowingVariable {
 
 /// Write the first waiting rows to rows `start..end` of the file, and remove them from the waiting
 /// ones.
-fn write_rows<T: Storable>(
-    dataset: &Dataset,
+fn write_rows<T: H5Type>(
+    dataset: &hdf5::Dataset,
     width: usize,
     waiting: &mut Vec<T>,
     start: usize,

@@ -1,11 +1,11 @@
 //! Joining the files of the parts of a run: their rows are written one after the other.
 
 use super::naming::parent;
-use super::reader::{check_file, damaged, open};
-use super::variable::read_variable;
+use super::reader::{damaged, open, read_kind};
 use super::workshop::Workshop;
 use super::{StoreError, Writer, check_space};
-use crate::dataset::{header, layout};
+use crate::dataset::header::FORMAT;
+use crate::dataset::{Source as _, header, layout, read_variable};
 use crate::engine::{Asked, Outcome, Sink, SinkError, Status};
 use crate::saved::{Parts, PartsError, RunQuestion, State, each_block, of_bytes};
 use crate::scenario::Scenario;
@@ -53,16 +53,13 @@ impl Parts {
 
 /// Read the state of a part from its file.
 fn read_state(path: &Path) -> Result<State, PartError> {
-    let read = || -> Result<(Status, Option<Vec<u8>>), StoreError> {
-        check_file(path)?;
-        let file = open(path)?;
-        if header::format_version(&file).is_none() {
-            return Err(StoreError::Foreign { path: path.to_owned() });
-        }
-        let (status, _) = header::read_progress(&file).map_err(damaged(path))?;
-        let is_there = file.link_exists(layout::PART_STATE.name);
-        let state = is_there.then(|| read_variable(&file, &layout::PART_STATE));
-        Ok((status, state.transpose().map_err(damaged(path))?))
+    let read = || {
+        read_kind(path, FORMAT, |file| {
+            let (status, _) = header::read_progress(file)?;
+            let is_there = file.has(layout::PART_STATE.name);
+            let state = is_there.then(|| read_variable::<u8>(file, &layout::PART_STATE)).transpose()?;
+            Ok((status, state))
+        })
     };
     match read() {
         Ok((Status::Part, Some(bytes))) => Ok(of_bytes(&bytes, path).map_err(StoreError::from)?),
@@ -111,12 +108,5 @@ impl Sink for PartsSink<'_> {
 
 /// Copy the rows of a part to the new file.
 fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), StoreError> {
-    let mut failure = None;
-    let copied = each_block(state, &open(path)?, |rows| {
-        writer.append_rows(rows.rows()).map_err(|error| {
-            failure = Some(error);
-            hdf5::Error::from("not written")
-        })
-    });
-    copied.map_err(|error| failure.take().unwrap_or_else(|| damaged(path)(error)))
+    each_block(state, &open(path)?, |rows| writer.append_rows(rows.rows()), damaged(path))
 }

@@ -3,14 +3,18 @@
 use super::error::{cause, system_error};
 use super::folder::{STATE, file_of, partial_path};
 use super::lock::Lock;
-use super::superblock::superblock;
-use super::{StoreError, seal, state};
-use crate::dataset::header::{FORMAT_VERSION, parse_version};
-use crate::dataset::{StoredRun as Stored, header, read_attribute};
+use super::{StoreError, state};
+use crate::dataset::header::{FORMAT, Format};
+use crate::dataset::{StoredRun as Stored, read_attribute};
 use crate::engine::Status;
+use crate::saved::seal::{self, superblock};
 use hdf5::File;
 use std::io;
 use std::path::{Path, PathBuf};
+
+/// Files larger than this many bytes are opened without reading them through first, which would
+/// take minutes.
+const LARGEST: u64 = 1 << 30;
 
 /// The target of an unfinished run, if there is one. `path` is either the target itself or the
 /// folder in which the run is saved.
@@ -35,19 +39,7 @@ pub fn read(path: &Path) -> Result<Stored, StoreError> {
     if let Some(target) = unfinished(path) {
         return read_unfinished(&target);
     }
-    check_file(path)?;
-    let file = open(path)?;
-    match header::format_version(&file) {
-        None => return Err(StoreError::Foreign { path: path.to_owned() }),
-        Some(found) => check_version(path, found, FORMAT_VERSION)?,
-    }
-    Stored::read(&file).map_err(damaged(path))
-}
-
-/// Check that a file has the format that this program writes.
-pub(super) fn check_version(path: &Path, (major, minor): (u32, u32), reads: (u32, u32)) -> Result<(), StoreError> {
-    let reads = reads.0;
-    if major == reads { Ok(()) } else { Err(StoreError::OtherFormat { path: path.to_owned(), major, minor, reads }) }
+    read_kind(path, FORMAT, |file| Stored::read(file))
 }
 
 /// Check a file before the HDF5 library opens it, and return whether the file has a seal. The
@@ -55,7 +47,17 @@ pub(super) fn check_version(path: &Path, (major, minor): (u32, u32), reads: (u32
 /// whatever address a flipped bit has made.
 pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
     check_is_hdf5(path)?;
-    seal::check(path)
+    check_seal(path, LARGEST)
+}
+
+/// Compare a file with its seal, and return whether it has one. A wrong seal is an error. In larger
+/// files than these the seal is found but the checksum is not computed.
+pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> {
+    let sealed = seal::is_right(path, largest);
+    match sealed.map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })? {
+        Some(false) => Err(damaged(path)("its checksum is not that of its bytes".to_string())),
+        sealed => Ok(sealed.is_some()),
+    }
 }
 
 /// Check that a file begins as HDF5 files do.
@@ -72,39 +74,48 @@ pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
     }
 }
 
+/// Whether a file has a checksum, right or wrong; its readers compare it. A file that another
+/// program has changed has none. A file that is not an HDF5 file is an error.
+pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
+    check_is_hdf5(path)?;
+    seal::is_there(path).map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })
+}
+
 /// Read something from a file of which `read` fails only if the file is damaged.
-pub(super) fn read_from<T>(path: &Path, read: impl FnOnce(&File) -> hdf5::Result<T>) -> Result<T, StoreError> {
+pub(super) fn read_from<T>(path: &Path, read: impl FnOnce(&File) -> Result<T, String>) -> Result<T, StoreError> {
     check_file(path)?;
     read(&open(path)?).map_err(damaged(path))
 }
 
-/// Read a file of the kind and the format of this name and version. `other_kind` is the error of a
-/// file of another kind.
+/// Read a file of the kind and the format of this name and version.
 pub(super) fn read_kind<T>(
     path: &Path,
-    (name, reads): (&str, (u32, u32)),
-    other_kind: impl FnOnce(PathBuf) -> StoreError,
-    read: impl FnOnce(&File) -> hdf5::Result<T>,
+    (name, (reads, _)): Format,
+    read: impl FnOnce(&File) -> Result<T, String>,
 ) -> Result<T, StoreError> {
     check_file(path)?;
     let file = open(path)?;
-    if read_attribute::<_, String>(&file, "format_name").ok().as_deref() != Some(name) {
-        return Err(other_kind(path.to_owned()));
+    if read_attribute::<String>(&file, "format_name").ok().as_deref() != Some(name) {
+        return Err(StoreError::Foreign { path: path.to_owned() });
     }
     let version: String = read_attribute(&file, "format_version").map_err(damaged(path))?;
-    check_version(path, parse_version(&version).unwrap_or((u32::MAX, 0)), reads)?;
+    let parts = version.split_once('.').and_then(|(major, minor)| Some((major.parse().ok()?, minor.parse().ok()?)));
+    let (major, minor) = parts.unwrap_or((u32::MAX, 0));
+    if major != reads {
+        return Err(StoreError::OtherFormat { path: path.to_owned(), major, minor, reads });
+    }
     read(&file).map_err(damaged(path))
 }
 
 /// The error of a file that could not be read.
-pub(super) fn damaged(path: &Path) -> impl Fn(hdf5::Error) -> StoreError + Copy {
-    move |error| StoreError::Damaged { path: path.to_owned(), cause: cause(&error) }
+pub(super) fn damaged(path: &Path) -> impl Fn(String) -> StoreError + Copy {
+    move |cause| StoreError::Damaged { path: path.to_owned(), cause }
 }
 
 pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     File::open(path).map_err(|error| match system_error(&error) {
         Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse { path: path.to_owned() },
         Some(system) => StoreError::NotOpened { path: path.to_owned(), source: system },
-        None => damaged(path)(error),
+        None => damaged(path)(cause(&error)),
     })
 }

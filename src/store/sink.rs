@@ -1,12 +1,13 @@
 //! The sink that writes a run to a file.
 
+use super::content::check_finished;
 use super::folder::{ROWS, STATE, partial_path};
 use super::log::{self, Log};
 use super::naming::parent;
 use super::state;
 use super::workshop::{Workshop, lock};
-use super::{StoreError, Writer, check_space, finished, found};
-use crate::engine::{Asked, Moment, Outcome, Sink, SinkError, SoFar, Status};
+use super::{StoreError, Writer, check_space, found};
+use crate::engine::{Asked, Moment, Outcome, Part, Sink, SinkError, SoFar, Status};
 use crate::saved::{Position, RunQuestion, State, to_bytes};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
@@ -118,7 +119,7 @@ impl FileSink {
             found::Partial::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
             // The run was finished, and at most its folder was left to be removed.
             found if is_there => {
-                finished::check_finished(target)?;
+                check_finished(target)?;
                 if is_ours(found) {
                     found::clear(target)?;
                 }
@@ -212,18 +213,17 @@ impl Open {
         let header = asked.provenance(scenario);
         let [log_path, state] = [ROWS, STATE].map(|name| workshop.path(name));
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
-        if let Some(reason) = &outcome.ended_by {
-            writer.ended_by(&reason.to_string())?;
-        }
         if log.is_some() {
             log::read(&log_path, rows, |block| writer.append_rows(block.rows()))?;
         }
-        if let Some(part) = asked.part {
-            // The state of a part contains a checksum of its rows, which is checked when parts are
-            // merged. It does not say how long the part took, so that equal parts are equal files.
+        // The state of a part contains a checksum of its rows, which is checked when parts are
+        // merged. It does not say how long the part took, so that equal parts are equal files.
+        let of_part = |part| -> Result<(Part, Vec<u8>), StoreError> {
             let totals = state::read(&state)?.so_far.totals;
-            writer.part(part, &to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows))?;
-        }
+            Ok((part, to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows)))
+        };
+        let part = asked.part.map(of_part).transpose()?;
+        writer.about(outcome.ended_by.as_ref().map(ToString::to_string), part)?;
         writer.finish(&outcome.summary, outcome.status)
     }
 }

@@ -1,15 +1,19 @@
 //! A netCDF variable in HDF5: a dataset with attributes, and a coordinate attached to each of its
 //! axes.
 
-use super::ledger::{Ledger, Sum};
+use super::error::cause;
+use super::read_back::Written;
 use super::scale::{attach_scale, make_scale};
 use crate::dataset::layout::{BARE_DIMENSION, Described};
-use crate::dataset::{Attribute, Column, ColumnView, Destination, ElementType, Source, attributes_of};
-use crate::stats::Units;
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{self, Attribute, Column, ColumnView, ElementType, Entry, Source};
+use crate::saved::seal;
 use hdf5::types::{FixedAscii, FixedUnicode, IntSize, TypeDescriptor, VarLenAscii, VarLenUnicode};
-use hdf5::{Container, Dataset, Error, Extent, File, H5Type, Location, Result};
-use std::cell::RefCell;
+use hdf5::{Container, Dataset, DatasetBuilderEmpty, Error, Extent, File, H5Type, Location, Result};
+use ndarray::{IxDyn, s};
 use std::collections::BTreeMap;
+use std::ops::Range;
+use std::path::Path;
 use std::str::FromStr;
 
 /// How a growing variable is cut into chunks.
@@ -21,205 +25,207 @@ pub(super) struct Growth {
     pub columns: usize,
 }
 
-/// An HDF5 file as a destination for netCDF variables.
+/// An HDF5 file that netCDF variables are written to.
 #[derive(Debug)]
 pub(super) struct OpenFile {
     /// The coordinates that variables have been attached to. They are kept open, because most
     /// variables share a few. They come first, so that they are closed before the file.
-    coordinates: RefCell<BTreeMap<String, Dataset>>,
+    coordinates: BTreeMap<String, Dataset>,
     /// The file; all variables are in its root group.
     pub file: File,
-    /// Labels of the units.
-    pub units: Units,
     /// Everything that was written so far.
-    pub ledger: Ledger,
+    pub written: Written,
 }
 
 impl OpenFile {
     /// A place for variables in a file.
-    pub fn new(file: File, units: Units) -> Self {
-        OpenFile { coordinates: RefCell::default(), file, units, ledger: Ledger::default() }
+    pub fn new(file: File) -> Self {
+        OpenFile { coordinates: BTreeMap::new(), file, written: Written::default() }
     }
 
-    /// The coordinate of an axis; `None` if it is not in the file.
-    fn coordinate(&self, axis: &str) -> Result<Option<Dataset>> {
-        if let Some(open) = self.coordinates.borrow().get(axis) {
-            return Ok(Some(open.clone()));
+    /// Write a data set, without the rows of single paths. Attributes that are there already get
+    /// the new values.
+    pub fn write(&mut self, dataset: dataset::Dataset) -> Result<()> {
+        for (name, value) in dataset.attributes {
+            match self.written.dataset.attribute(&name).is_some() {
+                true => replace_attribute(&self.file, &name, &value)?,
+                false => new_attribute(&self.file, &name, &value)?,
+            }
+            self.written.dataset.set_attribute(&name, value);
         }
-        if !self.file.link_exists(axis) {
-            return Ok(None);
+        for entry in dataset.entries.into_iter().filter(|entry| RowAxis::of(entry).is_none()) {
+            let shape = match entry.is_coordinate() {
+                true => vec![entry.column.len()],
+                false => self.lengths(&entry.axes)?,
+            };
+            if shape.iter().product::<usize>() != entry.column.len() {
+                return Err(format!("{} has {} values for shape {shape:?}", entry.name, entry.column.len()).into());
+            }
+            let made = self.create(&entry, |builder| builder.shape(shape))?;
+            match entry.column.values() {
+                ColumnView::F64(values) => made.write_raw(values)?,
+                ColumnView::U64(values) => made.write_raw(values)?,
+                ColumnView::U32(values) => made.write_raw(values)?,
+                ColumnView::I8(values) => made.write_raw(values)?,
+                ColumnView::U8(values) => made.write_raw(values)?,
+                ColumnView::Text(texts) => {
+                    made.write_raw(&texts.iter().map(|name| text(name)).collect::<Result<Vec<_>>>()?)?;
+                }
+            }
+            self.written.dataset.entries.push(entry);
         }
-        let opened = self.file.dataset(axis)?;
-        self.coordinates.borrow_mut().insert(axis.to_owned(), opened.clone());
-        Ok(Some(opened))
-    }
-
-    /// The same for an axis that must be there.
-    fn known_coordinate(&self, axis: &str) -> Result<Dataset> {
-        self.coordinate(axis)?.ok_or_else(|| format!("{axis} is not in the file").into())
-    }
-
-    /// Write a variable whose size is known. An empty variable is left out together with its
-    /// dimension, because readers take a dimension of length zero for an unlimited one.
-    fn write<T: Storable>(&mut self, variable: &Described, values: &[T]) -> Result<()> {
-        if values.is_empty() {
-            return Ok(());
-        }
-        let shape = if variable.is_coordinate() {
-            vec![values.len()]
-        } else {
-            self.shape_along_axes(variable)?.ok_or_else(|| format!("{} has values but no coordinate", variable.name))?
-        };
-        if shape.iter().product::<usize>() != values.len() {
-            return Err(format!("{} has {} values for shape {shape:?}", variable.name, values.len()).into());
-        }
-        let dataset = T::builder(&self.file, variable).shape(shape).create(variable.name)?;
-        self.describe::<T>(&dataset, variable)?;
-        dataset.write_raw(values)
+        Ok(())
     }
 
     /// Create a variable that grows along its first axis, without rows.
-    pub(super) fn define_growing<T: Storable>(&mut self, variable: &Described, growth: Growth) -> Result<Dataset> {
-        let mut shape = vec![Extent::resizable(0)];
-        let mut chunk = vec![growth.rows];
-        if variable.axes.len() > 1 {
-            for axis in &variable.axes[1..] {
-                shape.push(Extent::fixed(self.known_coordinate(axis)?.size()));
-            }
-            chunk.push(growth.columns);
-        }
+    pub fn define_growing(&mut self, entry: &Entry, growth: Growth) -> Result<Dataset> {
+        let others = self.lengths(&entry.axes[1..])?;
+        let mut chunk = vec![growth.columns; entry.axes.len()];
+        chunk[0] = growth.rows;
+        let shape: Vec<Extent> =
+            [Extent::resizable(0)].into_iter().chain(others.into_iter().map(Extent::fixed)).collect();
         // The data are not compressed: random values shrink by a third at most, and deflate writes
         // 30 MB/s, which is less than two threads produce.
-        let builder = T::builder(&self.file, variable).chunk(chunk);
-        let dataset = builder.shape(shape).create(variable.name)?;
-        self.describe::<T>(&dataset, variable)?;
-        Ok(dataset)
+        self.create(entry, |builder| builder.chunk(chunk).shape(shape))
     }
 
-    /// The lengths of the axes; `None` if one of the axes is not in the file.
-    fn shape_along_axes(&self, variable: &Described) -> Result<Option<Vec<usize>>> {
-        let mut shape = Vec::new();
-        for axis in variable.axes {
-            let Some(coordinate) = self.coordinate(axis)? else { return Ok(None) };
-            shape.push(coordinate.size());
-        }
-        Ok(Some(shape))
+    /// Create a dimension that grows and has no variable.
+    pub fn define_bare(&mut self, name: &str, growth: Growth) -> Result<Dataset> {
+        let builder = self.file.new_dataset::<u32>().chunk([growth.rows]);
+        let made = builder.shape([Extent::resizable(0)]).create(name)?;
+        make_scale(&made, BARE_DIMENSION)?;
+        Ok(made)
     }
 
-    /// Write the attributes of a variable, and attach the coordinates of its axes.
-    fn describe<T: Storable>(&mut self, dataset: &Dataset, variable: &Described) -> Result<()> {
-        if variable.is_bare_dimension() {
-            return make_scale(dataset, BARE_DIMENSION);
-        }
-        for (name, value) in attributes_of(variable, &self.units) {
-            new_attribute(dataset, name, &value)?;
-            self.ledger.attribute(variable.name, name, value);
-        }
-        if variable.is_coordinate() {
-            return make_scale(dataset, variable.name);
-        }
-        T::mark_missing(dataset)?;
-        for (index, axis) in variable.axes.iter().enumerate() {
-            attach_scale(dataset, index, &self.known_coordinate(axis)?)?;
-        }
-        Ok(())
-    }
-}
-
-impl Destination for OpenFile {
-    type Error = Error;
-
-    fn units(&self) -> &Units {
-        &self.units
+    /// The lengths of axes, which must be in the file.
+    fn lengths(&mut self, axes: &[String]) -> Result<Vec<usize>> {
+        axes.iter().map(|axis| Ok(self.coordinate(axis)?.size())).collect()
     }
 
-    fn write_variable<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) -> Result<()> {
-        let values = values.into();
-        let mut sum = Sum::of(values.kind());
-        sum.add(values);
-        if values.len() > 0 {
-            self.ledger.variable(variable.name, sum);
+    fn coordinate(&mut self, axis: &str) -> Result<Dataset> {
+        if let Some(open) = self.coordinates.get(axis) {
+            return Ok(open.clone());
         }
-        match values {
-            ColumnView::F64(values) => self.write(variable, values),
-            ColumnView::U64(values) => self.write(variable, values),
-            ColumnView::U32(values) => self.write(variable, values),
-            ColumnView::I8(values) => self.write(variable, values),
-            ColumnView::U8(values) => self.write(variable, values),
-            ColumnView::Text(texts) => {
-                self.write(variable, &texts.iter().map(|name| text(name)).collect::<Result<Vec<_>>>()?)
-            }
+        if !self.file.link_exists(axis) {
+            return Err(format!("{axis} is not in the file").into());
         }
+        let opened = self.file.dataset(axis)?;
+        self.coordinates.insert(axis.to_owned(), opened.clone());
+        Ok(opened)
     }
 
-    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<()> {
-        let value = value.into();
-        match self.file.attr_names()?.iter().any(|there| there == name) {
-            true => replace_attribute(&self.file, name, &value)?,
-            false => new_attribute(&self.file, name, &value)?,
+    /// Create a variable with its attributes, and attach the coordinates of its axes.
+    fn create(
+        &mut self,
+        entry: &Entry,
+        shaped: impl FnOnce(DatasetBuilderEmpty) -> hdf5::DatasetBuilderEmptyShape,
+    ) -> Result<Dataset> {
+        let is_coordinate = entry.is_coordinate();
+        let builder = match entry.column.values() {
+            // The CF conventions allow no missing values in a coordinate.
+            ColumnView::F64(_) if is_coordinate => self.file.new_dataset::<f64>(),
+            ColumnView::F64(_) => self.file.new_dataset::<f64>().fill_value(f64::NAN),
+            ColumnView::U64(_) => self.file.new_dataset::<u64>(),
+            ColumnView::U32(_) => self.file.new_dataset::<u32>(),
+            ColumnView::I8(_) => self.file.new_dataset::<i8>(),
+            ColumnView::U8(_) => self.file.new_dataset::<u8>(),
+            ColumnView::Text(_) => self.file.new_dataset::<VarLenUnicode>(),
+        };
+        let made = shaped(builder).create(entry.name.as_str())?;
+        for (name, value) in &entry.attributes {
+            new_attribute(&made, name, value)?;
         }
-        self.ledger.attribute("", name, value);
-        Ok(())
+        if is_coordinate {
+            make_scale(&made, &entry.name)?;
+            return Ok(made);
+        }
+        if let ColumnView::F64(_) = entry.column.values() {
+            write_scalar(&made, "_FillValue", &f64::NAN)?;
+        }
+        for (index, axis) in entry.axes.iter().enumerate() {
+            attach_scale(&made, index, &self.coordinate(axis)?)?;
+        }
+        Ok(made)
     }
 }
 
+/// Attributes by which HDF5 and netCDF-4 attach coordinates to variables.
+const OF_LIBRARY: [&str; 8] = [
+    "CLASS",
+    "NAME",
+    "DIMENSION_LIST",
+    "REFERENCE_LIST",
+    "_Netcdf4Dimid",
+    "_Netcdf4Coordinates",
+    "_NCProperties",
+    "_nc3_strict",
+];
+
+/// A file from which every variable is read whose type and shape are those with which it is
+/// written.
 impl Source for File {
-    type Error = Error;
-
-    fn column(&self, variable: &Described, kind: ElementType) -> Result<Option<Column>> {
-        if !self.link_exists(variable.name) {
-            return Ok(None);
-        }
-        Ok(Some(match kind {
-            ElementType::F64 => Column::F64(read_variable(self, variable)?),
-            ElementType::U64 => Column::U64(read_variable(self, variable)?),
-            ElementType::U32 => Column::U32(read_variable(self, variable)?),
-            ElementType::I8 => Column::I8(read_variable(self, variable)?),
-            ElementType::U8 => Column::U8(read_variable(self, variable)?),
-            ElementType::Text => Column::Text(read_texts(&*shaped(self, variable)?)?),
-        }))
+    fn names(&self) -> Read<Vec<String>> {
+        said(self.member_names())
     }
 
     fn has(&self, name: &str) -> bool {
         self.link_exists(name)
     }
 
-    fn attribute(&self, variable: Option<&str>, name: &str) -> Result<Option<Attribute>> {
-        match variable {
+    fn column(&self, variable: &Described, kind: ElementType) -> Read<Option<Column>> {
+        let read = || {
+            let dataset = shaped(self, variable)?;
+            let length = dataset.shape().first().copied().unwrap_or(1);
+            some_rows(variable.name, &dataset, kind, &(0..length))
+        };
+        said(self.link_exists(variable.name).then(read).transpose())
+    }
+
+    fn rows(&self, name: &str, kind: ElementType, rows: &Range<usize>) -> Read<Column> {
+        let read = || {
+            let dataset = self.dataset(name)?;
+            match dataset.shape().first() {
+                Some(&length) if length >= rows.end => some_rows(name, &dataset, kind, rows),
+                _ => Err(format!("{name} is too short").into()),
+            }
+        };
+        said(read())
+    }
+
+    fn length(&self, name: &str) -> Read<Option<usize>> {
+        let length = |dataset: Dataset| dataset.shape().first().copied().unwrap_or(0);
+        said(self.link_exists(name).then(|| self.dataset(name).map(length)).transpose())
+    }
+
+    fn attribute(&self, variable: Option<&str>, name: &str) -> Read<Option<Attribute>> {
+        said(match variable {
             None => read_attribute(self, name),
-            Some(variable) => read_attribute(&*self.dataset(variable)?, name),
-        }
+            Some(variable) => self.dataset(variable).and_then(|dataset| read_attribute(&dataset, name)),
+        })
+    }
+
+    fn attributes(&self, variable: Option<&str>) -> Read<Vec<(String, Attribute)>> {
+        let of = |location: &Location| {
+            let own = location.attr_names()?.into_iter().filter(|name| !OF_LIBRARY.contains(&name.as_str()));
+            own.filter_map(|name| Some(read_attribute(location, &name).transpose()?.map(|value| (name, value))))
+                .collect()
+        };
+        said(match variable {
+            None => of(self),
+            Some(variable) => self.dataset(variable).and_then(|dataset| of(&dataset)),
+        })
+    }
+
+    fn is_laid_out_anew(&self) -> bool {
+        !matches!(seal::is_there(Path::new(&self.filename())), Ok(true))
     }
 }
 
-/// A type of values that can be stored.
-pub(super) trait Storable: H5Type + Clone {
-    /// Start a dataset of this type.
-    fn builder(file: &File, _variable: &Described) -> hdf5::DatasetBuilderEmpty {
-        file.new_dataset::<Self>()
-    }
+type Read<T> = std::result::Result<T, String>;
 
-    /// Mark the value that means "missing", if the type has one.
-    fn mark_missing(_dataset: &Dataset) -> Result<()> {
-        Ok(())
-    }
-}
-
-impl Storable for u64 {}
-impl Storable for u32 {}
-impl Storable for i8 {}
-impl Storable for u8 {}
-impl Storable for VarLenUnicode {}
-impl Storable for f64 {
-    fn builder(file: &File, variable: &Described) -> hdf5::DatasetBuilderEmpty {
-        let builder = file.new_dataset::<f64>();
-        // The CF conventions allow no missing values in a coordinate.
-        if variable.is_coordinate() { builder } else { builder.fill_value(f64::NAN) }
-    }
-
-    fn mark_missing(dataset: &Dataset) -> Result<()> {
-        write_scalar(dataset, "_FillValue", &f64::NAN)
-    }
+/// What HDF5 says, in a line.
+fn said<T>(read: Result<T>) -> Read<T> {
+    read.map_err(|error| cause(&error))
 }
 
 /// Write a new attribute.
@@ -250,7 +256,7 @@ fn replace_attribute(location: &Location, name: &str, value: &Attribute) -> Resu
 
 /// Read an attribute; none if there is no such attribute. Other programs write a number as an array
 /// of one number, and a text with a fixed length.
-pub(super) fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
+fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
     let Ok(attribute) = location.attr(name) else { return Ok(None) };
     let one =
         |values: usize| if values == 1 { Ok(()) } else { Err(Error::from(format!("{name} has {values} values"))) };
@@ -309,7 +315,7 @@ fn read_as<T: H5Type + AsRef<str>>(of: &Container) -> Result<Vec<String>> {
 }
 
 /// The text of a file as UTF-8. The file may hold any bytes, so this is checked.
-pub(super) fn readable(text: &str) -> Result<String> {
+fn readable(text: &str) -> Result<String> {
     std::str::from_utf8(text.as_bytes()).map(str::to_owned).map_err(|_| Error::from("a text is not UTF-8"))
 }
 
@@ -318,14 +324,31 @@ fn text(value: &str) -> Result<VarLenUnicode> {
     VarLenUnicode::from_str(value).map_err(|_| Error::from("a text holds a NUL character"))
 }
 
-/// Read a variable, which must be there. Its type and its shape are checked before anything is
-/// read.
-pub(super) fn read_variable<T: H5Type>(file: &File, variable: &Described) -> Result<Vec<T>> {
-    let dataset = shaped(file, variable)?;
+/// Read some rows of a variable as values of this type, row by row.
+fn some_rows(name: &str, dataset: &Dataset, kind: ElementType, rows: &Range<usize>) -> Result<Column> {
+    Ok(match kind {
+        ElementType::F64 => Column::F64(slice(name, dataset, rows)?),
+        ElementType::U64 => Column::U64(slice(name, dataset, rows)?),
+        ElementType::U32 => Column::U32(slice(name, dataset, rows)?),
+        ElementType::I8 => Column::I8(slice(name, dataset, rows)?),
+        ElementType::U8 => Column::U8(slice(name, dataset, rows)?),
+        ElementType::Text => Column::Text(read_texts(dataset)?),
+    })
+}
+
+fn slice<T: H5Type + Clone>(name: &str, dataset: &Dataset, rows: &Range<usize>) -> Result<Vec<T>> {
     if !dataset.dtype()?.is::<T>() {
-        return Err(format!("{} has another type than it was written with", variable.name).into());
+        return Err(format!("{name} has another type than it was written with").into());
     }
-    dataset.read_raw()
+    let some = rows.clone();
+    match dataset.shape()[..] {
+        // A variable that is read as a whole needs no selection, which is much faster.
+        [] => dataset.read_raw(),
+        [length, ..] if *rows == (0..length) => dataset.read_raw(),
+        [_] => Ok(dataset.read_slice_1d::<T, _>(s![some])?.to_vec()),
+        [_, _] => Ok(dataset.read_slice_2d::<T, _>(s![some, ..])?.into_iter().collect()),
+        _ => Ok(dataset.read_slice::<T, _, IxDyn>(s![some, .., ..])?.into_iter().collect()),
+    }
 }
 
 /// A variable that must be there, with the lengths of its axes.

@@ -7,10 +7,9 @@ use super::growing::GrowingTable;
 use super::variable::{Growth, OpenFile};
 use super::workshop::Workshop;
 use super::{StoreError, own};
-use crate::dataset::rows::{self, RowAxis};
-use crate::dataset::{Destination as _, Rows, header, layout, run};
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{Dataset, Rows, header, layout, run};
 use crate::engine::{Part, Provenance, Status};
-use crate::scenario::SensorBearing;
 use crate::stats::{BlockResult, Record, Summary};
 use std::path::Path;
 
@@ -26,8 +25,8 @@ const CHUNK: usize = 16_384;
 pub struct Writer {
     workshop: Workshop,
     draft: Draft,
-    tables: Vec<(RowAxis, GrowingTable)>,
-    bearing: Option<SensorBearing>,
+    tables: Vec<GrowingTable>,
+    header: Provenance,
     /// Why nothing can be written any more.
     failure: Option<WriteFailure>,
     /// Number of paths appended.
@@ -47,16 +46,15 @@ impl Writer {
         let path = workshop.path(RESULTS);
         // An earlier attempt to finish the run may have left a file of this name.
         own::remove(&path).map_err(|error| workshop.failed(&error))?;
-        let draft = Draft::create(&path, header.units.clone())?;
-        let bearing = header.bearing;
-        let mut writer = Writer { workshop, draft, tables: Vec::new(), bearing, failure: None, appended: 0 };
-        writer.guarded(|place, tables| {
-            run::write_start(place, header)?;
-            rows::empty_tables(record, header, |table| {
-                let growth = growth(table.along, header, record);
-                tables.push((table.along, GrowingTable::define(place, &table, growth)?));
-                Ok(())
-            })
+        let (draft, header) = (Draft::create(&path)?, header.clone());
+        let mut writer = Writer { workshop, draft, tables: Vec::new(), header, failure: None, appended: 0 };
+        let start = run::start(&writer.header, record);
+        writer.guarded(|place, tables, header| {
+            place.write(start.clone())?;
+            for along in RowAxis::ALL {
+                tables.extend(GrowingTable::define(place, along, &start, growth(along, header, record))?);
+            }
+            Ok(())
         })?;
         Ok(writer)
     }
@@ -68,28 +66,23 @@ impl Writer {
 
     /// Append the rows of consecutive paths.
     pub fn append_rows(&mut self, rows: Rows) -> Result<(), StoreError> {
-        let bearing = self.bearing;
-        self.guarded(|_, tables| {
-            rows::tables(&rows, bearing, |rows| match tables.iter_mut().find(|(along, _)| *along == rows.along) {
-                Some((_, table)) => table.push(&rows),
-                None => Ok(()),
-            })
+        self.guarded(|_, tables, header| {
+            let rows = Dataset::of_rows(&rows, &header.units, header.bearing);
+            tables.iter_mut().try_for_each(|table| table.push(&rows))
         })?;
         self.appended += rows.paths;
         Ok(())
     }
 
-    /// Write what ended the run before its last path.
-    pub fn ended_by(&mut self, reason: &str) -> Result<(), StoreError> {
-        self.guarded(|place, _| header::write_ended_by(place, reason))
-    }
-
-    /// Write which part of a run this is, and keep the state of the part, from which it can be
-    /// joined to the others.
-    pub(super) fn part(&mut self, part: Part, state: &[u8]) -> Result<(), StoreError> {
-        self.guarded(|place, _| {
-            header::write_part(place, part)?;
-            place.write_variable(&layout::PART_STATE, state)
+    /// Write what ended the run before its last path, and which part of a run this is, with the
+    /// state of the part, from which it can be joined to the others.
+    pub(super) fn about(&mut self, ended_by: Option<String>, part: Option<(Part, Vec<u8>)>) -> Result<(), StoreError> {
+        self.guarded(|place, _, header| {
+            let mut about = Dataset::new(&header.units);
+            header::write_ended_by(&mut about, ended_by);
+            header::write_part(&mut about, part.as_ref().map(|(part, _)| *part));
+            part.iter().for_each(|(_, state)| about.write(&layout::PART_STATE, state));
+            place.write(about)
         })
     }
 
@@ -98,12 +91,16 @@ impl Writer {
     pub fn finish(mut self, summary: &Summary, status: Status) -> Result<(), StoreError> {
         let paths = summary.completed_paths;
         let appended = self.appended;
-        self.guarded(|place, tables| {
-            if tables.iter().any(|(along, _)| *along == RowAxis::Path) && appended != paths {
+        self.guarded(|place, tables, header| {
+            if tables.iter().any(|table| table.along == RowAxis::Path) && appended != paths {
                 return Err(format!("the statistics are of {paths} paths, but {appended} were appended").into());
             }
-            tables.iter_mut().try_for_each(|(_, table)| table.write_all(&mut place.ledger))?;
-            run::write_end(place, summary, status)?;
+            for table in tables {
+                place.written.rows.extend(table.write_all()?);
+            }
+            let mut end = Dataset::new(&header.units);
+            run::write_end(&mut end, summary, status);
+            place.write(end)?;
             place.file.flush()
         })?;
         // Everything is written by now, so closing the variables writes nothing more.
@@ -116,11 +113,11 @@ impl Writer {
     /// Do something with the open file. After the first failure, every call returns that failure.
     fn guarded(
         &mut self,
-        work: impl FnOnce(&mut OpenFile, &mut Vec<(RowAxis, GrowingTable)>) -> hdf5::Result<()>,
+        work: impl FnOnce(&mut OpenFile, &mut Vec<GrowingTable>, &Provenance) -> hdf5::Result<()>,
     ) -> Result<(), StoreError> {
-        let Writer { draft, tables, failure, .. } = self;
+        let Writer { draft, tables, header, failure, .. } = self;
         if failure.is_none()
-            && let Err(new) = draft.write(|place| work(place, tables))
+            && let Err(new) = draft.write(|place| work(place, tables, header))
         {
             // The variables are leaked like the file, because closing them would write to it.
             std::mem::forget(std::mem::take(tables));

@@ -13,10 +13,8 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Names that do not belong to this package: of other programs, their types and units, of other
-/// packages, and a column that benches/peers/report.py prints; and variables whose names the source
-/// puts together from that of a law.
+/// packages, and a column that benches/peers/report.py prints.
 const FOREIGN: &[&str] = &[
-    "duration_bin_lower",
     "agrees",
     "aarch64-unknown-linux-gnu",
     "apt-get",
@@ -140,7 +138,7 @@ fn lists(body: &str, item: &str) -> bool {
 /// or placeholder in capitals.
 fn could_be_a_name(span: &str) -> bool {
     let is_word = span.chars().all(|c| c.is_ascii_alphanumeric() || "_:/.*-".contains(c));
-    is_word && !span.starts_with('-') && !span.split(['.', '/', '_']).any(|part| ["NAME", "LAW"].contains(&part))
+    is_word && !span.starts_with('-') && !span.split(['.', '/', '_']).any(|part| part == "NAME")
 }
 
 #[test]

@@ -10,23 +10,12 @@ use std::path::Path;
 const PAGE: &str = "docs/output-format.md";
 
 /// A row of a table on the page: the description of a variable.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 struct Documented {
     axes: Vec<String>,
     kind: String,
     unit: String,
 }
-
-/// The laws that the page stands LAW for, with their units.
-const LAWS: [(&str, &str); 7] = [
-    ("slip_duration", "time"),
-    ("jump_abs", "length"),
-    ("jump_forward", "length"),
-    ("jump_backward", "length"),
-    ("recurrence_time", "time"),
-    ("largest_displacement", "length"),
-    ("largest_speed", "length/time"),
-];
 
 /// All variables of the tables by name. If a cell has several names, the row has one type and one
 /// unit for all of them, or one for each.
@@ -43,14 +32,8 @@ fn documented(page: &Page) -> BTreeMap<String, Documented> {
         let kind = if kind.is_empty() { "f64" } else { kind };
         let axes: Vec<String> = axes.split(", ").filter(|axis| !axis.is_empty()).map(String::from).collect();
         for (i, name) in names.iter().enumerate() {
-            let laws = if name.starts_with("LAW_") { &LAWS[..] } else { &[("", "")] };
-            for (law, of_law) in laws {
-                let axes = axes.iter().map(|axis| axis.replace("LAW", law)).collect();
-                let unit = if *unit == "LAW" { of_law.to_string() } else { each(unit, i) };
-                let row = Documented { axes, kind: each(kind, i), unit };
-                let name = name.replace("LAW", law);
-                assert!(all.insert(name.clone(), row).is_none(), "{name} is listed twice");
-            }
+            let row = Documented { axes: axes.clone(), kind: each(kind, i), unit: each(unit, i) };
+            assert!(all.insert(name.to_string(), row).is_none(), "{name} is listed twice");
         }
     }
     all
@@ -102,11 +85,14 @@ fn udunits(unit: &str) -> Option<&'static str> {
     })
 }
 
-/// The row of a variable. The ends of an interval, which the page leaves out, are as the variable
-/// that it is of.
-fn row<'a>(rows: &'a BTreeMap<String, Documented>, name: &str) -> Option<&'a Documented> {
-    let of = || name.strip_suffix("_low").or_else(|| name.strip_suffix("_high"));
-    rows.get(name).or_else(|| rows.get(of()?))
+/// The row of a variable. An interval, or an end of one, which the page leaves out, is as the
+/// variable that it is of; an interval has the axis `bound` before.
+fn row(rows: &BTreeMap<String, Documented>, name: &str) -> Option<Documented> {
+    let ends = || name.strip_suffix("_low").or_else(|| name.strip_suffix("_high"));
+    if let Some(of) = name.strip_suffix("_interval").and_then(|of| rows.get(of)) {
+        return Some(Documented { axes: [vec!["bound".into()], of.axes.clone()].concat(), ..of.clone() });
+    }
+    rows.get(name).or_else(|| rows.get(ends()?)).cloned()
 }
 
 /// Checks that each variable of a file is as the page says. Returns the names of the variables
@@ -123,7 +109,7 @@ fn check(file: &File, page: &Page) -> BTreeSet<String> {
         assert_eq!(kind(&dataset), documented, "type of {name}");
         let lengths: Vec<usize> = axes.iter().map(|axis| file.dataset(axis).expect("an axis").size()).collect();
         assert_eq!(dataset.shape(), lengths, "axes of {name}");
-        assert_eq!(text(&dataset, "units").as_deref(), udunits(unit), "unit of {name}");
+        assert_eq!(text(&dataset, "units").as_deref(), udunits(&unit), "unit of {name}");
     }
     members.into_iter().filter(|name| rows.contains_key(name) || bare.contains(name)).collect()
 }

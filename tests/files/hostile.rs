@@ -282,8 +282,7 @@ fn a_replay_of_a_file_that_was_edited_is_refused() {
 
 #[test]
 fn a_file_without_what_a_table_needs_is_damaged() {
-    for name in ["statistic", "estimate", "standard_error", "interval_low", "interval_high", "stick_duration_completed"]
-    {
+    for name in ["statistic", "estimate", "standard_error", "interval_low", "interval_high", "law_completed"] {
         let here = folder();
         run(&here, &[]);
         edited(&here, |file| file.unlink(name).expect("there"));

@@ -52,18 +52,18 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
     let moved = transient.displacement;
     let curves = [
         ("static_probability", s.bands.static_probability.clone(), &s.bands.static_probability_ends),
-        ("stick_duration_survival", sticks.survival.clone(), &sticks.survival_ends),
-        ("stick_duration_quantile", sticks.quantiles.clone(), &sticks.quantile_ends),
+        ("law_survival", sticks.survival.clone(), &sticks.survival_ends),
+        ("law_quantile", sticks.quantiles.clone(), &sticks.quantile_ends),
         ("sub_phase_share", sub.shares.clone(), &sub.share_ends),
         ("displacement_period_mean", periods.mean.clone(), &periods.mean_ends),
         ("displacement_period_variance", periods.variance.clone(), &periods.variance_ends),
     ]
     .map(|(name, values, ends)| (name.to_string(), values, ends.clone()));
     for (name, expected) in [
-        ("stick_duration_count", &sticks.histogram.counts),
-        ("stick_duration_censored_count", &sticks.censored_counts),
-        ("stick_duration_completed", &vec![sticks.completed]),
-        ("stick_duration_censored", &vec![sticks.censored]),
+        ("law_count", &sticks.histogram.counts),
+        ("law_censored_count", &sticks.censored_counts),
+        ("law_completed", &vec![sticks.completed]),
+        ("law_censored", &vec![sticks.censored]),
         ("first_stick_duration_completed", &vec![s.first_sticks.completed]),
         ("first_stick_duration_censored", &vec![s.first_sticks.censored]),
         ("sub_phase_count", &sub.counts),
@@ -90,7 +90,7 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
     });
     for (name, values, ends) in curves.into_iter().chain(numbers).chain(bands.into_iter().flatten()) {
         assert_same(&there(&name), &values);
-        assert_same(&[there(&format!("{name}_low")), there(&format!("{name}_high"))], &[ends.low, ends.high]);
+        assert_same(&there(&format!("{name}_interval")), &[ends.low, ends.high].concat());
     }
     assert_same(&there("transient_end"), &vec![transient.end]);
     assert_same(&there("transient_displacement_error"), &vec![moved.standard_error]);

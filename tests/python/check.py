@@ -26,6 +26,7 @@ ROOT_ATTRIBUTES = """Conventions title format_name format_version references sou
 # Names, flags and mixed arrays have no unit.
 WITHOUT_UNITS = """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias
     bias_uncertainty bias_order estimate_corrected estimate_corrected_low estimate_corrected_high
+    bound law law_long_name law_unit law_lower law_upper law_quantile law_quantile_interval
     cycle cycle_number path_diverged event_sign event_kind trajectory_static""".split()
 
 FLAGS = {
@@ -119,21 +120,15 @@ def check_contents(data):
     low, high = known.interval_low, known.interval_high
     check(bool(((low <= known.estimate) | low.isnull()).all()), "interval_low <= estimate")
     check(bool(((known.estimate <= high) | high.isnull()).all()), "estimate <= interval_high")
-    for name in [
-        name.removesuffix("_low")
-        for name in data
-        if name.endswith("_low") and name != "interval_low"
-    ]:
-        low, value, high = data[f"{name}_low"], data[name], data[f"{name}_high"]
+    for name in [name.removesuffix("_interval") for name in data if name.endswith("_interval")]:
+        value, interval = data[name], data[f"{name}_interval"]
+        low, high = interval.sel(bound="low"), interval.sel(bound="high")
         check(
             bool(((low <= value) & (value <= high) | low.isnull()).all()),
             f"{name} is in its interval",
         )
-        check(low.dims == value.dims == high.dims, f"{name}: axes of its interval")
-        check(
-            low.attrs.get("units") == value.attrs.get("units") == high.attrs.get("units"),
-            f"{name}: units of its interval",
-        )
+        check(interval.dims == ("bound", *value.dims), f"{name}: axes of its interval")
+        check(value.attrs.get("units") == interval.attrs.get("units"), f"{name}: units of its interval")
     check(bool((np.diff(data.time) > 0).all()), "time increases")
     for name in ("displacement", "velocity", "temperature"):
         steps = np.diff(data[f"{name}_quantile"], axis=0)
@@ -145,16 +140,12 @@ def check_contents(data):
         bool(((data.static_probability >= 0) & (data.static_probability <= 1)).all()),
         "a probability",
     )
-    if "duration_bin" in data:
-        check(
-            int(data.stick_duration_count.sum()) == int(data.stick_duration_completed),
-            "every stick is in a bin",
-        )
-        check(bool((np.diff(data.stick_duration_survival) <= 0).all()), "survival does not rise")
-        check(
-            bool((data.duration_bin_lower[1:].values == data.duration_bin[:-1].values).all()),
-            "bins touch",
-        )
+    if "law_bin" in data:
+        check(bool((data.law_count.sum("law_bin") == data.law_completed).all()), "every phase is in a bin")
+        for law in data.law:
+            of = data.sel(law=law).dropna("law_bin")
+            check(bool((np.diff(of.law_survival) <= 0).all()), "survival does not rise")
+            check(bool((of.law_lower[1:].values == of.law_upper[:-1].values).all()), "bins touch")
 
     if "path" in data.dims:
         check(data.sizes["path"] == completed, "one row a completed path")

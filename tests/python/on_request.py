@@ -18,6 +18,9 @@ import numpy as np
 
 BATCHES, BLOCK = 32, 256
 
+# The names of the laws in the file, by those of their statistics.
+NAMES = {"slip_duration": "slip", "jump_abs": "jump", "jump_forward": "jump_forward", "jump_backward": "jump_backward", "recurrence_time": "recurrence"}
+
 
 def same(name, got, wanted, within=1e-9):
     got, wanted = np.asarray(got, float), np.asarray(wanted, float)
@@ -35,7 +38,7 @@ def phases(data, after):
     end = data["time"][-1]
     for stop, count in zip(ends, counts):
         of = slice(stop - count, stop)
-        laws = {name: ([], []) for name in ("slip_duration", "jump_abs", "jump_forward", "jump_backward", "recurrence_time")}
+        laws = {name: ([], []) for name in NAMES}
         jumps, slip, start = [], None, None
         for t, y, what in zip(time[of], x[of], kind[of]):
             if what == 1:
@@ -77,16 +80,19 @@ def kaplan_meier(values, censored, edges):
 def check_laws(data, statistic, after):
     paths = list(phases(data, after))
     jumps = np.array([jump for _, jumps in paths for jump in jumps])
-    for law in ("slip_duration", "jump_abs", "jump_forward", "jump_backward", "recurrence_time"):
+    for law in NAMES:
         values = np.array([v for laws, _ in paths for v in laws[law][0]])
         censored = np.array([c for laws, _ in paths for c in laws[law][1]])
-        same(f"{law}_completed", data[f"{law}_completed"][()], len(values))
-        same(f"{law}_censored", data[f"{law}_censored"][()], len(censored))
-        lower, upper = data[f"{law}_bin_lower"][:], data[f"{law}_bin"][:]
+        row = [name.decode() for name in data["law"][:]].index(NAMES[law])
+        of = {name: data[f"law_{name}"][row] for name in ("completed", "censored", "lower", "upper", "count", "survival")}
+        same(f"{law}_completed", of["completed"], len(values))
+        same(f"{law}_censored", of["censored"], len(censored))
+        bins = np.isfinite(of["upper"])
+        lower, upper = of["lower"][bins], of["upper"][bins]
         count = [np.sum((lo <= values) & (values < hi)) for lo, hi in zip(lower, upper)]
-        same(f"{law}_count", data[f"{law}_count"][:], count)
+        same(f"{law}_count", of["count"][bins], count)
         # The file counts values that share a fine bin, of 1/256 of an octave, as ties.
-        off = np.abs(data[f"{law}_survival"][:] - kaplan_meier(values, censored, upper))
+        off = np.abs(of["survival"][bins] - kaplan_meier(values, censored, upper))
         if off.max() > 3e-4:
             sys.exit(f"{law}_survival: off by {off.max()}")
         if law in ("slip_duration", "jump_abs", "recurrence_time"):

@@ -25,12 +25,12 @@ import numpy as np
 # The unit of every variable, in UDUNITS notation; None where it has none.
 UNITS = {
     None: """statistic statistic_long_name statistic_unit estimate standard_error interval_low interval_high bias bias_uncertainty
-        bias_order estimate_corrected estimate_corrected_low estimate_corrected_high path_diverged event event_sign event_kind trajectory_static
+        bias_order estimate_corrected estimate_corrected_low estimate_corrected_high bound law law_long_name law_unit law_lower law_upper
+        law_quantile path_diverged event event_sign event_kind trajectory_static
         cycle cycle_number""",
-    "1": """quantile static_probability stick_duration_count stick_duration_censored_count stick_duration_survival
-        stick_duration_completed stick_duration_censored first_stick_duration_completed first_stick_duration_censored
+    "1": """quantile static_probability law_bin law_count law_censored_count law_survival law_completed law_censored first_stick_duration_completed first_stick_duration_censored
         sub_phase sub_phase_count sub_phase_share sub_phase_censored transient_sticks transient_slips period path path_sticks path_slips path_sub_phases event_count trajectory section_state""",
-    "s": """time series_time duration_bin duration_bin_lower stick_duration_quantile period_time path_first_stick_duration path_stick_time
+    "s": """time series_time period_time path_first_stick_duration path_stick_time
         event_time transient_end""",
     "mm": """transient_displacement transient_displacement_error
         displacement_mean displacement_sd displacement_quantile displacement_period_mean path_displacement_end
@@ -43,12 +43,11 @@ UNITS = {
 }
 UNIT = {name: unit for unit, names in UNITS.items() for name in names.split()}
 
-# Variables that are estimated from the paths have an interval, NAME_low and NAME_high, in their own
-# unit.
+# Variables that are estimated from the paths have an interval in their own unit.
 WITH_INTERVAL = """displacement_mean displacement_sd displacement_quantile velocity_mean velocity_sd velocity_quantile temperature_mean
-    temperature_sd temperature_quantile static_probability stick_duration_survival stick_duration_quantile
+    temperature_sd temperature_quantile static_probability law_survival law_quantile
     sub_phase_share displacement_period_mean displacement_period_variance transient_displacement""".split()
-UNIT |= {f"{name}_{end}": UNIT[name] for name in WITH_INTERVAL for end in ("low", "high")}
+UNIT |= {f"{name}_interval": UNIT[name] for name in WITH_INTERVAL}
 
 # Every statistic, in the order of the file, with its unit.
 STATISTICS = {
@@ -474,16 +473,16 @@ def check_quantiles(name, got, values):
 def check_durations(data, paths):
     durations = np.array([d for path in paths for d in path.sticks])
     cut = np.array([path.censored_stick for path in paths if path.censored_stick is not None])
-    lower, upper = data["duration_bin_lower"], data["duration_bin"]
+    lower, upper = data["law_lower"], data["law_upper"]
     check(
         bool((lower[1:] == upper[:-1]).all() and (lower < upper).all()),
-        "duration_bin: the bins touch",
+        "law_upper: the bins touch",
     )
     count = lambda values: [
         int(((lo <= values) & (values < hi)).sum()) for lo, hi in zip(lower, upper, strict=True)
     ]
-    same("stick_duration_count", data["stick_duration_count"], count(durations))
-    same("stick_duration_censored_count", data["stick_duration_censored_count"], count(cut))
+    same("law_count", data["law_count"], count(durations))
+    same("law_censored_count", data["law_censored_count"], count(cut))
     # The product of Kaplan and Meier over the sticks in the order of their durations. At equal
     # durations, sticks that end come before those that are cut off.
     survival, at_risk, product, curve = {}, len(durations) + len(cut), 1.0, []
@@ -499,8 +498,8 @@ def check_durations(data, paths):
     # Sticks that are cut off in a bin count as longer than those that end in it, which concerns
     # some in a thousand.
     check(
-        float(np.abs(data["stick_duration_survival"] - curve).max()) < 0.002,
-        "stick_duration_survival",
+        float(np.abs(data["law_survival"] - curve).max()) < 0.002,
+        "law_survival",
     )
     if data.has_step:
         # Quantiles of a discrete law: the smallest multiple of the step that at least this share of
@@ -508,20 +507,20 @@ def check_durations(data, paths):
         ordered = np.sort(in_steps(data, durations))
         smallest = [ordered[math.ceil(level * len(ordered) - 1e-9) - 1] for level in LEVELS]
         same(
-            "stick_duration_quantile",
-            data["stick_duration_quantile"],
+            "law_quantile",
+            data["law_quantile"],
             np.array(smallest) * data.spacing,
         )
     else:
-        check_quantiles("stick_duration_quantile", data["stick_duration_quantile"], durations)
+        check_quantiles("law_quantile", data["law_quantile"], durations)
     for name, number in [
-        ("stick_duration_completed", len(durations)),
-        ("stick_duration_censored", len(cut)),
+        ("law_completed", len(durations)),
+        ("law_censored", len(cut)),
         ("first_stick_duration_completed", sum(not path.is_first_censored for path in paths)),
         ("first_stick_duration_censored", sum(path.is_first_censored for path in paths)),
     ]:
         same(name, data[name], number)
-    checked.update(["duration_bin", "duration_bin_lower", "stick_duration_survival"])
+    checked.update(["law_upper", "law_lower", "law_survival"])
     check_duration_intervals(data, paths, count)
 
 
@@ -544,7 +543,7 @@ def check_duration_intervals(data, paths, count):
     )
     error = np.sqrt(31 / 32 * ((without - without.mean(axis=0)) ** 2).sum(axis=0))
     is_sure = error < 1e-12
-    told = data["stick_duration_survival"]
+    told = data["law_survival"]
     n = np.where(
         is_sure,
         np.clip(at_risk, 1, contributing),
@@ -552,29 +551,29 @@ def check_duration_intervals(data, paths, count):
     )
     few, many = wilson(told, np.maximum(n, 1e-9)), wilson(told, np.maximum(n, 1e-9), student(31))
     for end, a, b in zip(("low", "high"), few, many, strict=True):
-        got = data[f"stick_duration_survival_{end}"]
+        got = data[f"law_survival_{end}"]
         off = np.abs(got - np.where(is_sure, a, b))[told > 0]
-        check(float(off.max()) < 0.01, f"stick_duration_survival_{end}: off by {off.max()}")
+        check(float(off.max()) < 0.01, f"law_survival_{end}: off by {off.max()}")
     check(
         bool(
-            (data["stick_duration_survival_low"] <= told).all()
-            and (told <= data["stick_duration_survival_high"]).all()
+            (data["law_survival_low"] <= told).all()
+            and (told <= data["law_survival_high"]).all()
         ),
         "survival in its interval",
     )
     ended = told == 0
     check(
-        bool((data["stick_duration_survival_low"][ended] == 0).all()),
-        "stick_duration_survival_low: 0 where none is left",
+        bool((data["law_survival_low"][ended] == 0).all()),
+        "law_survival_low: 0 where none is left",
     )
     check(
         bool(
-            (data["stick_duration_survival_high"] <= 1).all()
-            and (data["stick_duration_survival_high"] > 0).all()
+            (data["law_survival_high"] <= 1).all()
+            and (data["law_survival_high"] > 0).all()
         ),
-        "stick_duration_survival_high",
+        "law_survival_high",
     )
-    checked.update(["stick_duration_survival_low", "stick_duration_survival_high"])
+    checked.update(["law_survival_low", "law_survival_high"])
 
 
 def check_sub_phases(data, paths):
@@ -986,7 +985,7 @@ def check_duration_quantile_intervals(data, share, durations, batches):
     ordered = np.sort(in_units)
     unit = data.spacing if data.has_step else 1
     for row, level in enumerate(LEVELS):
-        told = [data[f"stick_duration_quantile_{end}"][row] for end in ("low", "high")]
+        told = [data[f"law_quantile_{end}"][row] for end in ("low", "high")]
         quantile = (
             ordered[math.ceil(level * len(ordered) - 1e-9) - 1]
             if data.has_step
@@ -1018,9 +1017,9 @@ def check_duration_quantile_intervals(data, share, durations, batches):
         for a, b in zip(told, ends, strict=True):
             check(
                 a == b or abs(a - b) <= near,
-                f"stick_duration_quantile at {level}: {told}, not {ends}",
+                f"law_quantile at {level}: {told}, not {ends}",
             )
-    checked.update(["stick_duration_quantile_low", "stick_duration_quantile_high"])
+    checked.update(["law_quantile_low", "law_quantile_high"])
 
 
 class Data(dict):
@@ -1041,10 +1040,24 @@ class Data(dict):
         for name, unit in units.items():
             check(name in UNIT, f"{name} is in the file, and not in the list of this test")
             check(unit == UNIT[name], f"{name}: unit {unit!r}, not {UNIT[name]!r}")
+        self.show()
         self.scenario = tomllib.loads(self.attributes["scenario"])
         self.spacing = self.scenario["time"]["output_step"]
         self.has_step = "step" in self.attributes
         self.after = self.scenario["statistics"]["after"]
+
+    def show(self):
+        """The law of sticks, which is the only one, and the ends of intervals as variables."""
+        if "bound" in self:
+            check(list(self.pop("bound")) == ["low", "high"], "the ends of an interval")
+        if "law" in self:
+            check([list(self.pop(n)) for n in ("law", "law_unit")] == [["stick"], ["s"]], "the law of sticks")
+            check(list(self.pop("law_bin")) == list(range(self["law_upper"].shape[1])), "numbers of bins")
+            self.pop("law_long_name")
+        for name in [name for name in self if name.startswith("law_")]:
+            self[name] = self[name][:, 0] if name.endswith("_interval") else self[name][0]
+        for name in [name for name in self if name.endswith("_interval")]:
+            self[name.replace("_interval", "_low")], self[name.replace("_interval", "_high")] = self.pop(name)
 
     def events(self):
         ends = np.cumsum(self["event_count"].astype(int))[:-1]

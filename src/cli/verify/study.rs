@@ -9,7 +9,7 @@ use std::collections::BTreeSet;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stick_slip::bearing::calibration::calibrate_again;
-use stick_slip::engine::Provenance;
+use stick_slip::dataset::Dataset;
 use stick_slip::saved::{BlocksAgain, drawn};
 use stick_slip::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
 use stick_slip::study::sweep::{Sweep, SweepSimulation};
@@ -33,8 +33,7 @@ impl Arguments {
             self.simulate_point(&mut again, point as usize)?;
             done.insert(point);
         }
-        let header = Provenance::of(&again.question.scenario);
-        let verified = store::verify_sweep(&self.file, &header, &again)?;
+        let verified = store::verify_whole(&self.file, &Dataset::of_sweep(&again))?;
         let is_whole = done.len() as u64 == all;
         Ok(Checked {
             simulated: format!("{} of {} points", grouped(done.len() as u64), grouped(all)),
@@ -62,7 +61,7 @@ impl Arguments {
 
     /// Check a trade: everything that follows from its measurements is computed again.
     pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
-        let verified = store::verify_trade(&self.file, &Provenance::of(&stored.scenario), &stored.trade)?;
+        let verified = store::verify_whole(&self.file, &Dataset::of_trade(&stored.scenario, &stored.trade))?;
         Ok(Checked {
             simulated: "nothing: times cannot be measured twice, and estimates depend on the time that there was"
                 .into(),
@@ -83,7 +82,7 @@ impl Arguments {
         let again = calibrate_again(&stored.calibration, self.threads.number(), &AtomicBool::new(false));
         let again = again.map_err(|error| Failure::Run(format!("{}: {error}", self.file.display())))?;
         let again = StoredCalibration::of(&stored.title, &stored.scenario_text, again);
-        let verified = store::verify_calibration(&self.file, &again)?;
+        let verified = store::verify_whole(&self.file, &Dataset::of_calibration(&again))?;
         Ok(Checked {
             simulated: "the fit, with the record in the file".into(),
             compared: "estimates, intervals, slips, the model, attributes, coordinates and units".into(),

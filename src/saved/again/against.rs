@@ -1,109 +1,99 @@
-//! A destination that compares a data set with one that is stored, instead of writing it.
+//! A data set compared with one that is stored.
 
-use super::{Difference, Held, ReadError};
-use crate::dataset::layout::Described;
-use crate::dataset::{Attribute, ColumnView, Destination, ElementType, attributes_of, read_other_program};
-use crate::stats::Units;
+use super::Difference;
+use crate::dataset::layout::{Described, Unit, variable};
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{Attribute, Dataset, ElementType, Entry, Source, read_other_program};
 use crate::stats::column::FirstDifference;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Attributes that name the program. They are not compared, because a file of another program is
-/// told apart before it is compared.
-const OF_PROGRAM: [&str; 3] = ["program_version", "git_hash", "source"];
-
-/// Attributes that another version may write otherwise although every number is the same: the
-/// version of the format, and the text of the scenario.
-const OF_FORMAT: [&str; 3] = ["Conventions", "format_version", "scenario"];
-
-/// A data set that is stored, while another one is compared with it.
-#[derive(Debug)]
-pub(crate) struct Against<'a, H> {
-    pub held: &'a H,
-    units: Units,
-    /// Names of the variables that were compared.
-    seen: BTreeSet<String>,
-    /// The attributes of the data set. A later value replaces an earlier one, so they are compared
-    /// at the end.
-    attributes: BTreeMap<String, Attribute>,
-    /// Attributes that are not compared, because another program laid the data set out.
-    laid_out: &'static [&'static str],
-    values: u64,
-    difference: Option<Difference>,
-}
+/// Attributes that another program, or another version of this one, may write otherwise although
+/// every number is the same: names of the program, the version of the format, and the text of the
+/// scenario.
+const OF_PROGRAM: [&str; 6] = ["program_version", "git_hash", "source", "Conventions", "format_version", "scenario"];
 
 /// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and
 /// keeps the second for itself.
-const OF_LAYOUT: &[&str] = &["_FillValue", "coordinates"];
+const OF_LAYOUT: [&str; 2] = ["_FillValue", "coordinates"];
 
-impl<'a, H: Held> Against<'a, H> {
-    pub fn of(held: &'a H, units: Units) -> Self {
-        let (seen, attributes) = Default::default();
-        let laid_out = if held.is_laid_out_anew() { OF_LAYOUT } else { &[] };
-        Against { held, units, seen, attributes, laid_out, values: 0, difference: None }
-    }
-
+/// A data set that is stored, while another one is compared with it.
+pub(crate) struct Against<'a> {
+    pub held: &'a dyn Source,
+    /// Names of the variables that were compared.
+    seen: BTreeSet<String>,
+    /// Whether attributes of the layout are compared: not if another program laid the data set out.
+    pub with_layout: bool,
     /// Number of values and texts that were compared so far.
-    pub fn values(&self) -> u64 {
-        self.values
-    }
+    pub values: u64,
+    /// The first difference, if there is one.
+    pub difference: Option<Difference>,
+}
 
-    /// Count values that were compared elsewhere.
-    pub fn count(&mut self, values: usize) {
-        self.values += values as u64;
-    }
-
-    /// The first difference that was found, if any.
-    pub fn difference(&self) -> Option<&Difference> {
-        self.difference.as_ref()
+impl<'a> Against<'a> {
+    pub fn of(held: &'a dyn Source) -> Self {
+        let with_layout = !held.is_laid_out_anew();
+        Against { held, seen: BTreeSet::new(), with_layout, values: 0, difference: None }
     }
 
     /// Keep a difference if it is the first one. Later differences often follow from the first.
-    pub fn differ(&mut self, new: Difference) {
-        self.difference.get_or_insert(new);
+    pub fn differs(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): FirstDifference) {
+        let difference = || Difference { variable: variable.to_owned(), path, index, stored, computed };
+        self.difference.get_or_insert_with(difference);
     }
 
-    fn differs_at(&mut self, variable: &str, (index, stored, computed): FirstDifference) {
-        self.differ(Difference { variable: variable.to_owned(), path: None, index, stored, computed });
-    }
-
-    /// Compare the attributes of a variable that is written elsewhere, or row by row.
-    pub fn describe(&mut self, variable: &Described, kind: ElementType) -> Result<(), ReadError<H>> {
-        self.seen.insert(variable.name.to_owned());
-        if variable.is_bare_dimension() || !self.held.has(variable.name) {
-            return Ok(());
-        }
-        let mut expected: BTreeMap<String, Attribute> = attributes_of(variable, &self.units)
-            .into_iter()
-            .map(|(name, attribute)| (name.to_owned(), attribute))
-            .collect();
-        if kind == ElementType::F64 && !variable.is_coordinate() {
-            expected.insert("_FillValue".into(), Attribute::Real(f64::NAN));
-        }
-        self.compare_attributes(Some(variable.name), &expected, &[])
-    }
-
-    /// Compare the attributes of the data set, and see that nothing else is stored.
-    pub fn finish(&mut self) -> Result<(), ReadError<H>> {
-        let expected = std::mem::take(&mut self.attributes);
-        let is_own = read_other_program(self.held)?.is_none();
-        let left_out = if is_own { OF_PROGRAM.to_vec() } else { [&OF_PROGRAM[..], &OF_FORMAT[..]].concat() };
-        self.compare_attributes(None, &expected, &left_out)?;
-        let surplus = self.held.names()?.into_iter().find(|name| !self.seen.contains(name));
-        if let Some(name) = surplus {
-            self.differs_at(&name, (None, "there".into(), "missing".into()));
+    /// Compare all variables of a data set with those that are stored, except those that have rows
+    /// of single paths.
+    pub fn variables(&mut self, expected: &Dataset) -> Result<(), String> {
+        for entry in expected.entries.iter().filter(|entry| RowAxis::of(entry).is_none()) {
+            self.described(entry)?;
+            let (values, axes) = (entry.column.values(), entry.axes.iter().map(String::as_str).collect::<Vec<_>>());
+            self.values += values.len() as u64;
+            let found = match self.held.column(&variable(&entry.name, &axes, Unit::None, ""), values.kind())? {
+                Some(stored) => stored.values().first_difference(values),
+                None => Some((None, "missing".into(), "there".into())),
+            };
+            found.into_iter().for_each(|found| self.differs(&entry.name, None, found));
         }
         Ok(())
     }
 
-    fn compare_attributes(
+    /// Compare the attributes of a variable.
+    pub fn described(&mut self, entry: &Entry) -> Result<(), String> {
+        self.seen.insert(entry.name.clone());
+        if !self.held.has(&entry.name) {
+            return Ok(());
+        }
+        let mut expected = entry.attributes.clone();
+        if entry.column.values().kind() == ElementType::F64 && !entry.is_coordinate() {
+            expected.push(("_FillValue".into(), Attribute::Real(f64::NAN)));
+        }
+        self.attributes(Some(&entry.name), &expected, &[])
+    }
+
+    /// See that a variable is stored of which only the name is known.
+    pub fn exempt(&mut self, variable: &Described) {
+        self.seen.insert(variable.name.to_owned());
+    }
+
+    /// Compare the attributes of the data set, and see that nothing else is stored.
+    pub fn finish(&mut self, expected: &Dataset) -> Result<(), String> {
+        let is_own = read_other_program(self.held)?.is_none();
+        self.attributes(None, &expected.attributes, if is_own { &[] } else { &OF_PROGRAM })?;
+        let surplus = self.held.names()?.into_iter().find(|name| !self.seen.contains(name));
+        surplus.into_iter().for_each(|name| self.differs(&name, None, (None, "there".into(), "missing".into())));
+        Ok(())
+    }
+
+    fn attributes(
         &mut self,
         variable: Option<&str>,
-        expected: &BTreeMap<String, Attribute>,
+        expected: &[(String, Attribute)],
         left_out: &[&str],
-    ) -> Result<(), ReadError<H>> {
-        let there = self.held.attributes(variable)?;
+    ) -> Result<(), String> {
+        let (there, expected): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            (self.held.attributes(variable)?.into_iter().collect(), expected.iter().cloned().collect());
         let names = there.keys().chain(expected.keys().filter(|name| !there.contains_key(*name)));
-        let left_out = [left_out, self.laid_out].concat();
+        let left_out = [left_out, if self.with_layout { &[] } else { &OF_LAYOUT }].concat();
         for name in names.filter(|name| !left_out.contains(&name.as_str())) {
             self.values += 1;
             // Reals are compared as they are printed, which tells any two of them apart and takes
@@ -113,7 +103,7 @@ impl<'a, H: Held> Against<'a, H> {
                 .unwrap_or_else(|| [stored, computed].map(|attribute| attribute.map_or("missing".into(), shown)));
             if stored != computed {
                 let name = variable.map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
-                self.differs_at(&name, (None, stored, computed));
+                self.differs(&name, None, (None, stored, computed));
             }
         }
         Ok(())
@@ -133,40 +123,5 @@ fn shown(attribute: &Attribute) -> String {
         Attribute::Real(value) => format!("{value:?}"),
         Attribute::Count(value) => value.to_string(),
         Attribute::Flags(values) => format!("{values:?}"),
-    }
-}
-
-/// Compares each value with what is stored instead of writing it.
-impl<H: Held> Destination for Against<'_, H> {
-    type Error = ReadError<H>;
-
-    fn units(&self) -> &Units {
-        &self.units
-    }
-
-    fn write_variable<'a>(
-        &mut self,
-        variable: &Described,
-        values: impl Into<ColumnView<'a>>,
-    ) -> Result<(), ReadError<H>> {
-        let values = values.into();
-        if values.len() == 0 {
-            return Ok(());
-        }
-        self.describe(variable, values.kind())?;
-        self.count(values.len());
-        let found = match self.held.column(variable, values.kind())? {
-            Some(stored) => stored.values().first_difference(values),
-            None => Some((None, "missing".into(), "there".into())),
-        };
-        if let Some(found) = found {
-            self.differs_at(variable.name, found);
-        }
-        Ok(())
-    }
-
-    fn set_attribute(&mut self, name: &str, value: impl Into<Attribute>) -> Result<(), ReadError<H>> {
-        self.attributes.insert(name.to_owned(), value.into());
-        Ok(())
     }
 }

@@ -1,17 +1,15 @@
 //! A run against its scenario: [`Verification`] takes the place of the writer.
 
-use super::{Against, Difference, Held, ReadError};
-use crate::dataset::header;
-use crate::dataset::layout::{self, Variable};
-use crate::dataset::rows::{self, RowAxis, RowTable};
-use crate::dataset::{ColumnView, Destination as _, ElementType, Rows, StoredRun, read_variable, run, summary};
+use super::{Against, Difference};
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{
+    Dataset, ElementType, Entry, Rows, Source, StoredRun, header, layout, read_or_empty, read_variable, run, summary,
+};
 use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::saved::state::of_bytes;
-use crate::scenario::SensorBearing;
-use crate::stats::column::{FirstDifference, values_of};
+use crate::stats::column::values_of;
 use crate::stats::{BlockResult, EVENT_COUNT, Record, Summary};
-use std::ops::Range;
 use std::path::Path;
 
 /// Number of rows that are read at a time.
@@ -55,171 +53,126 @@ impl Expected {
 }
 
 /// A run that is stored, while it is compared with a simulation of its scenario.
-#[derive(Debug)]
-pub(super) struct Verification<'a, H> {
-    against: Against<'a, H>,
+pub(super) struct Verification<'a> {
+    pub against: Against<'a>,
     /// The number of the first path.
     origin: u64,
-    bearing: Option<SensorBearing>,
+    header: &'a Provenance,
     /// The first path whose events are not counted yet, and the number of events before it.
     counted: (u64, usize),
 }
 
-impl<'a, H: Held> Verification<'a, H> {
+impl<'a> Verification<'a> {
     /// Of a run with this header, whose first path is number `origin`.
-    pub fn of(held: &'a H, origin: u64, header: &Provenance) -> Self {
-        let against = Against::of(held, header.units.clone());
-        Verification { against, origin, bearing: header.bearing, counted: (origin, 0) }
-    }
-
-    /// Number of values and texts that were compared so far.
-    pub fn values(&self) -> u64 {
-        self.against.values()
-    }
-
-    /// The first difference that was found, if any.
-    pub fn difference(&self) -> Option<&Difference> {
-        self.against.difference()
-    }
-
-    /// Compare the rows that are stored with those of a block that was simulated again. Blocks must
-    /// be given in ascending order.
-    pub fn block(&mut self, block: &BlockResult) -> Result<(), ReadError<H>> {
-        rows::tables(&Rows::from(block), self.bearing, |table| self.table(block, &table))
+    pub fn of(held: &'a dyn Source, origin: u64, header: &'a Provenance) -> Self {
+        Verification { against: Against::of(held), origin, header, counted: (origin, 0) }
     }
 
     /// Compare everything but the rows: attributes, coordinates, lengths and statistics. `summary`
     /// holds the statistics that were computed again, or else those that are stored, whose derived
     /// values are then compared.
-    pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> Result<(), ReadError<H>> {
-        let Expected { header, record, status, completed_paths, part, ended_by } = expected;
-        let against = &mut self.against;
-        run::write_start(against, header)?;
-        run::write_end(against, summary, *status)?;
-        against.set_attribute("completed_paths", *completed_paths)?;
-        if let Some(reason) = ended_by {
-            header::write_ended_by(against, reason)?;
+    pub fn rest(&mut self, expected: &Expected, summary: &Summary) -> Result<(), String> {
+        let mut run = run::start(&expected.header, &expected.record);
+        run::write_end(&mut run, summary, expected.status);
+        run.set_attribute("completed_paths", expected.completed_paths);
+        header::write_ended_by(&mut run, expected.ended_by.clone());
+        header::write_part(&mut run, expected.part);
+        if expected.part.is_some() {
+            // Its values are compared below.
+            run.write(&layout::PART_STATE, &read_or_empty::<u8>(self.against.held, &layout::PART_STATE)?);
         }
-        if let Some(part) = part {
-            header::write_part(against, *part)?;
-            against.describe(&layout::PART_STATE, ElementType::U8)?;
+        self.against.variables(&run)?;
+        for entry in &run.entries {
+            if let Some(along) = RowAxis::of(entry) {
+                self.lengths(expected, along, entry)?;
+            }
         }
-        rows::empty_tables(record, header, |table| self.lengths(expected, &table))?;
-        self.against.finish()?;
-        if self.difference().is_none() && part.is_some() { self.part_state(expected) } else { Ok(()) }
+        self.against.finish(&run)?;
+        if self.against.difference.is_none() && expected.part.is_some() { self.part_state(expected) } else { Ok(()) }
     }
 
-    /// See that a table has as many rows as there are paths or events, and compare the attributes
-    /// of its variables.
-    fn lengths(&mut self, expected: &Expected, table: &RowTable) -> Result<(), ReadError<H>> {
+    /// See that a variable has as many rows as there are paths or events, and compare its
+    /// attributes.
+    fn lengths(&mut self, expected: &Expected, along: RowAxis, entry: &Entry) -> Result<(), String> {
         let paths = expected.completed_paths;
-        let rows = match table.along {
+        let rows = match along {
             RowAxis::Path => paths as usize,
             RowAxis::Trajectory => expected.record.trajectories.saturating_sub(self.origin).min(paths) as usize,
-            RowAxis::Event => {
-                let rows = self.events_before(self.origin + paths)?;
-                self.bare(&layout::EVENT, rows)?;
-                rows
-            }
+            RowAxis::Event => self.events_before(self.origin + paths)?,
         };
-        for (variable, values) in table.variables {
-            let there = self.against.held.length(variable.name)?.unwrap_or(0);
-            if rows == 0 && there == 0 {
-                continue;
+        let held = self.against.held;
+        let check = |against: &mut Against, name: &str, is_bare: bool| -> Result<(), String> {
+            // Another program may have left out a dimension without a variable.
+            let there = held.length(name)?.unwrap_or(if is_bare { rows } else { 0 });
+            if there != rows && !(is_bare && there == 0 && held.is_laid_out_anew()) {
+                against.differs(name, None, (None, format!("one of {there} rows"), format!("one of {rows}")));
             }
-            self.against.describe(variable, values.kind())?;
-            if there != rows {
-                let (stored, computed) = (format!("one of {there} rows"), format!("one of {rows}"));
-                self.differs(variable.name, None, (None, stored, computed));
-            }
+            Ok(())
+        };
+        if along == RowAxis::Event {
+            self.against.exempt(&layout::EVENT);
+            check(&mut self.against, layout::EVENT.name, true)?;
         }
-        Ok(())
-    }
-
-    /// A dimension without a variable has this length and no values.
-    fn bare(&mut self, dimension: &Variable, rows: usize) -> Result<(), ReadError<H>> {
-        self.against.describe(dimension, ElementType::U32)?;
-        if let Some(found) = self.against.held.bare_difference(dimension.name, rows)? {
-            self.differs(dimension.name, None, found);
-        }
-        Ok(())
+        check(&mut self.against, &entry.name, false)?;
+        self.against.described(entry)
     }
 
     /// The state from which a part is joined to the others must have the scenario and the
     /// statistics of the part.
-    fn part_state(&mut self, expected: &Expected) -> Result<(), ReadError<H>> {
+    fn part_state(&mut self, expected: &Expected) -> Result<(), String> {
+        let name = layout::PART_STATE.name;
         let bytes: Vec<u8> = read_variable(self.against.held, &layout::PART_STATE)?;
-        let state = of_bytes(&bytes, Path::new(layout::PART_STATE.name)).map_err(|error| error.to_string())?;
-        let mut derived = Against::of(self.against.held, expected.header.units.clone());
-        summary::write(&mut derived, &state.so_far.totals.totals().summary())?;
-        if let Some(difference) = derived.difference() {
-            let variable = format!("{} in {}", difference.variable, layout::PART_STATE.name);
-            self.against.differ(Difference { variable, ..difference.clone() });
+        let state = of_bytes(&bytes, Path::new(name)).map_err(|error| error.to_string())?;
+        let mut derived = Dataset::new(&expected.header.units);
+        summary::write(&mut derived, &state.so_far.totals.totals().summary());
+        let mut against = Against::of(self.against.held);
+        against.variables(&derived)?;
+        if let Some(difference) = against.difference {
+            let variable = format!("{} in {name}", difference.variable);
+            self.against.difference.get_or_insert(Difference { variable, ..difference });
         }
-        let text = |header: &Provenance| header.scenario_text.clone();
-        if text(&state.header()) != text(&expected.header) {
-            let (stored, computed) = ("another scenario".into(), "that of the file".into());
-            self.differs(layout::PART_STATE.name, None, (None, stored, computed));
+        if state.header().scenario_text != expected.header.scenario_text {
+            self.against.differs(name, None, (None, "another scenario".into(), "that of the file".into()));
         }
         Ok(())
     }
 
-    fn differs(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): FirstDifference) {
-        self.against.differ(Difference { variable: variable.to_owned(), path, index, stored, computed });
-    }
-
-    /// Compare the rows of a block along one dimension.
-    fn table(&mut self, block: &BlockResult, table: &RowTable) -> Result<(), ReadError<H>> {
-        if self.difference().is_some() {
-            return Ok(());
-        }
+    /// Compare the rows that are stored with those of a block that was simulated again. Blocks must
+    /// be given in ascending order.
+    pub fn block(&mut self, block: &BlockResult) -> Result<(), String> {
+        let computed = Dataset::of_rows(&Rows::from(block), &self.header.units, self.header.bearing);
         let first = (block.first_path - self.origin) as usize;
         let counts = block.events.as_ref().map_or(&[][..], |events| &events.count);
-        let rows = match table.along {
-            RowAxis::Path | RowAxis::Trajectory => first..first + table.rows,
-            RowAxis::Event => {
-                let start = self.events_before(block.first_path)?;
-                self.counted = (block.first_path + block.paths, start + table.rows);
-                start..start + table.rows
+        let first_event = if counts.is_empty() { 0 } else { self.events_before(block.first_path)? };
+        let events = counts.iter().map(|&count| count as usize).sum::<usize>();
+        self.counted = (block.first_path + block.paths, first_event + events);
+        for entry in &computed.entries {
+            let (shape, values) = (computed.shape(entry), entry.column.values());
+            let width = shape[1..].iter().product::<usize>();
+            let along = RowAxis::of(entry);
+            let start = if along == Some(RowAxis::Event) { first_event } else { first };
+            if self.against.difference.is_some() || values.len() == 0 {
+                continue;
             }
-        };
-        for (variable, values) in table.variables {
-            let Some((at, stored, computed)) = self.held(variable, *values, &rows)? else { continue };
-            let (width, at) = (values.len() / table.rows, at.unwrap_or(0));
-            let (row, within) = (at / width, at % width);
-            let (path, index) = match table.along {
-                RowAxis::Path | RowAxis::Trajectory => (row, within),
-                RowAxis::Event => path_of(counts, row),
-            };
-            self.differs(variable.name, Some(block.first_path + path as u64), (Some(index), stored, computed));
-            return Ok(());
+            self.against.values += values.len() as u64;
+            let there = self.against.held.rows(&entry.name, values.kind(), &(start..start + shape[0]))?;
+            let Some((at, stored, computed)) = there.values().first_difference(values) else { continue };
+            let (row, within) = (at.unwrap_or(0) / width, at.unwrap_or(0) % width);
+            let (path, index) = if along == Some(RowAxis::Event) { path_of(counts, row) } else { (row, within) };
+            let path = block.first_path + path as u64;
+            self.against.differs(&entry.name, Some(path), (Some(index), stored, computed));
         }
         Ok(())
-    }
-
-    /// Compare some rows of a variable; returns the first difference.
-    fn held(
-        &mut self,
-        variable: &Variable,
-        values: ColumnView,
-        rows: &Range<usize>,
-    ) -> Result<Option<FirstDifference>, ReadError<H>> {
-        if rows.is_empty() {
-            return Ok(None);
-        }
-        self.against.count(values.len());
-        Ok(self.against.held.rows(variable, values.kind(), rows)?.values().first_difference(values))
     }
 
     /// The number of events of all paths before this one, as it is stored.
-    fn events_before(&mut self, path: u64) -> Result<usize, ReadError<H>> {
+    fn events_before(&self, path: u64) -> Result<usize, String> {
         let (mut next, mut events) = self.counted;
         while next < path {
             let some = next..path.min(next + PIECE);
             let rows = (some.start - self.origin) as usize..(some.end - self.origin) as usize;
-            let counts: Vec<u32> =
-                values_of(&EVENT_COUNT, self.against.held.rows(&EVENT_COUNT, ElementType::U32, &rows)?)?;
-            events += counts.iter().map(|&count| count as usize).sum::<usize>();
+            let counts = self.against.held.rows(EVENT_COUNT.name, ElementType::U32, &rows)?;
+            events += values_of::<u32>(&EVENT_COUNT, counts)?.iter().map(|&count| count as usize).sum::<usize>();
             next = some.end;
         }
         Ok(events)

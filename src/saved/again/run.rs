@@ -1,8 +1,8 @@
 //! A run, or a part of one: which of its blocks are simulated again, and what comes of it.
 
+use super::Difference;
 use super::rows::{Expected, Verification};
-use super::{Difference, Held, ReadError};
-use crate::dataset::StoredRun;
+use crate::dataset::{Source, StoredRun};
 use crate::engine::{Asked, Provenance};
 use crate::ensemble::{BLOCK_SIZE, in_order};
 use crate::scenario::Scenario;
@@ -48,8 +48,8 @@ pub struct Again {
 }
 
 /// A data set, and what it must hold.
-struct Claim<'a, H> {
-    held: &'a H,
+struct Claim<'a> {
+    held: &'a dyn Source,
     stored: &'a StoredRun,
     scenario: &'a Scenario,
     expected: Expected,
@@ -59,14 +59,18 @@ struct Claim<'a, H> {
 }
 
 /// Compare the data set of a run with what this scenario gives.
-pub(crate) fn again<H: Held>(
-    held: &H,
+///
+/// # Errors
+///
+/// Something in the data set cannot be read.
+pub(crate) fn again(
+    held: &dyn Source,
     stored: &StoredRun,
     scenario: &Scenario,
     sample: BlocksAgain,
     threads: usize,
     stop: &AtomicBool,
-) -> Result<Again, ReadError<H>> {
+) -> Result<Again, String> {
     let expected = Expected::of(stored, Provenance::of(scenario), scenario.record);
     let asked = Asked { part: stored.part, ..Asked::paths(expected.header.paths) };
     let first = asked.blocks().start;
@@ -75,14 +79,14 @@ pub(crate) fn again<H: Held>(
 }
 
 /// The blocks that were simulated again, and what came of it.
-struct MadeAgain<'a, H> {
+struct MadeAgain<'a> {
     blocks: BTreeSet<u64>,
-    compared: Verification<'a, H>,
+    compared: Verification<'a>,
     totals: RunTotals,
 }
 
-impl<'a, H: Held> Claim<'a, H> {
-    fn check(&self, sample: BlocksAgain) -> Result<Again, ReadError<H>> {
+impl Claim<'_> {
+    fn check(&self, sample: BlocksAgain) -> Result<Again, String> {
         let count = self.blocks.end - self.blocks.start;
         let all = || self.blocks.clone().collect();
         let mut again = match sample {
@@ -93,7 +97,7 @@ impl<'a, H: Held> Claim<'a, H> {
             BlocksAgain::Within(limit) => self.simulate_within(limit)?,
         };
         let is_whole = again.blocks.len() as u64 == count;
-        if again.compared.difference().is_none() {
+        if again.compared.against.difference.is_none() {
             let mut summary = if is_whole { self.again(&again.totals) } else { self.stored_summary() };
             // A run that was interrupted has none.
             if self.stored.summary.cycle.is_some() {
@@ -103,23 +107,23 @@ impl<'a, H: Held> Claim<'a, H> {
         }
         let end = self.origin() + self.stored.completed_paths;
         let paths = |block: &u64| ((block + 1) * BLOCK_SIZE).min(end) - block * BLOCK_SIZE;
-        let difference = again.compared.difference().cloned();
+        let difference = again.compared.against.difference;
         Ok(Again {
             blocks: self.blocks.clone(),
             paths: again.blocks.iter().map(paths).sum(),
             has_statistics: is_whole && difference.is_none(),
-            values: again.compared.values(),
+            values: again.compared.against.values,
             simulated: again.blocks,
             difference,
         })
     }
 
     /// All blocks if that takes no longer than this, and else a few blocks.
-    fn simulate_within(&self, limit: Duration) -> Result<MadeAgain<'a, H>, ReadError<H>> {
+    fn simulate_within(&self, limit: Duration) -> Result<MadeAgain<'_>, String> {
         let count = self.blocks.end - self.blocks.start;
         let start = Instant::now();
         let few = self.simulate(drawn(&self.blocks, FEW))?;
-        if few.blocks.len() as u64 == count || few.compared.difference().is_some() {
+        if few.blocks.len() as u64 == count || few.compared.against.difference.is_some() {
             return Ok(few);
         }
         let passes = count as f64 / FEW as f64 * if self.stored.summary.has_bias() { 1.0 + BIAS } else { 1.0 };
@@ -143,17 +147,17 @@ impl<'a, H: Held> Claim<'a, H> {
     }
 
     /// Simulate these blocks again and compare each with what is stored.
-    fn simulate(&self, blocks: BTreeSet<u64>) -> Result<MadeAgain<'a, H>, ReadError<H>> {
+    fn simulate(&self, blocks: BTreeSet<u64>) -> Result<MadeAgain<'_>, String> {
         let mut compared = Verification::of(self.held, self.origin(), &self.expected.header);
         let plan = Asked::paths(self.expected.header.paths).plan(self.scenario);
         let numbers: Vec<u64> = blocks.iter().copied().collect();
         let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         let make = |index: u64| plan.block(numbers[index as usize]);
-        let deliver = |block: BlockResult| -> Result<ControlFlow<()>, ReadError<H>> {
+        let deliver = |block: BlockResult| -> Result<ControlFlow<()>, String> {
             compared.block(&block)?;
             let pushed = totals.push(block.first_path / BLOCK_SIZE, block.totals);
             pushed.map_err(|flaw| flaw.to_string())?;
-            Ok(if compared.difference().is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
+            Ok(if compared.against.difference.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         };
         in_order(numbers.len() as u64, self.threads, self.stop, make, deliver)?;
         Ok(MadeAgain { blocks, compared, totals })

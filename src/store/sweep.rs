@@ -5,24 +5,20 @@
 //! SweepFile::open   takes the lock, and returns the points that are saved already
 //!   -> save         replaces NAME.partial, a complete file of the points done so far, in one step
 //!     -> finish     gives NAME.partial the name NAME
-//! read_sweep        reads either of the two
 //! ```
 //!
 //! NAME.partial is written as every file is: in a folder of its own, NAME.partial.partial.
 
-mod read;
-
-pub use read::read_sweep;
-
-use super::at_once::write_at_once;
+use super::at_once::write_dataset;
 use super::error::StoreError;
 use super::found::{self, Partial};
 use super::lock::Lock;
 use super::naming::{give_name, parent};
 use super::own::{self, identity};
 use super::reader::check_file;
-use super::{check_space, partial_path, remains, workshop};
-use crate::dataset;
+use super::{check_space, partial_path, read_sweep, remains, workshop};
+use crate::dataset::sweep::{name, program};
+use crate::dataset::{Dataset, StoredSweep};
 use crate::engine::Provenance;
 use crate::stats::{GROUPS, Statistic};
 use crate::study::sweep::{Design, Point, Sweep, SweepQuestion};
@@ -40,7 +36,6 @@ const ONE_PART_IN: u32 = 50;
 #[derive(Debug)]
 pub struct SweepFile {
     target: PathBuf,
-    header: Provenance,
     /// When the file was last updated.
     last: Option<Instant>,
     interval: Duration,
@@ -60,7 +55,6 @@ impl SweepFile {
     /// one that another program has changed, is an error, unless `force` lets it be replaced.
     pub fn open(
         target: &Path,
-        header: &Provenance,
         question: &SweepQuestion,
         force: bool,
     ) -> Result<(SweepFile, Vec<Option<Point>>), StoreError> {
@@ -70,8 +64,8 @@ impl SweepFile {
         }
         let is_there = target.symlink_metadata().is_ok() && !force;
         let points = match is_there {
-            true => Some(same_question(target, header, question)?),
-            false => known(target, header, question, force)?,
+            true => Some(same_question(target, question)?),
+            false => known(target, question, force)?,
         };
         let points = points.unwrap_or_else(|| vec![None; question.points.len()]);
         let has_name = is_there && points.iter().all(Option::is_some);
@@ -82,13 +76,10 @@ impl SweepFile {
             check_space(&parent(target), 2 * sweep_bytes(&question.design))?;
         }
         let partial = identity(&partial_path(target));
-        let (target, header) = (target.to_owned(), header.clone());
+        let target = target.to_owned();
         // A file of this question without some of its points is replaced by one with all of them.
         let force = force || is_there;
-        Ok((
-            SweepFile { target, header, last: None, interval: INTERVAL, force, has_name, partial, _lock: lock },
-            points,
-        ))
+        Ok((SweepFile { target, last: None, interval: INTERVAL, force, has_name, partial, _lock: lock }, points))
     }
 
     /// Whether every point is in a file that has its name already, so that nothing is left to do.
@@ -110,9 +101,7 @@ impl SweepFile {
         if found.is_some() && found != self.partial {
             return Err(StoreError::TakenAway { partial, target: self.target.clone() });
         }
-        let units = self.header.units.clone();
-        let written = write_at_once(&partial, units, true, |place| dataset::sweep::write(place, &self.header, sweep));
-        written.map_err(|error| match error {
+        write_dataset(&partial, Dataset::of_sweep(sweep), true).map_err(|error| match error {
             // The file that could not be named is not one that `mc resume` knows.
             StoreError::Rename { target, source, .. } => {
                 StoreError::Write { partial: partial.clone(), target, saved_paths: 0, cause: source.to_string() }
@@ -139,14 +128,9 @@ impl SweepFile {
 
 /// The points that an interrupted sweep of this question has left in `NAME.partial`, if any. With
 /// `force`, what is left of anything else is removed.
-fn known(
-    target: &Path,
-    header: &Provenance,
-    question: &SweepQuestion,
-    force: bool,
-) -> Result<Option<Vec<Option<Point>>>, StoreError> {
+fn known(target: &Path, question: &SweepQuestion, force: bool) -> Result<Option<Vec<Option<Point>>>, StoreError> {
     if found::unfinished(target) == Partial::File {
-        match same_question(&partial_path(target), header, question) {
+        match same_question(&partial_path(target), question) {
             Err(_) if force => {}
             points => return points.map(Some),
         }
@@ -156,15 +140,56 @@ fn known(
 
 /// The points in a file, if it is of this question and was written by this program; an error
 /// otherwise.
-fn same_question(path: &Path, header: &Provenance, question: &SweepQuestion) -> Result<Vec<Option<Point>>, StoreError> {
+fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Point>>, StoreError> {
     if !check_file(path)? {
         return Err(StoreError::NotSealed { path: path.to_owned() });
     }
-    let stored = read_sweep(path)?;
-    match read::difference(&stored, header, question) {
+    let stored = read_sweep(path).map_err(|error| match error {
+        StoreError::Foreign { path } => StoreError::NotASweep { path },
+        error => error,
+    })?;
+    match difference(&stored, question) {
         Some(what) => Err(StoreError::OtherSweep { path: path.to_owned(), what }),
         None => Ok(stored.points),
     }
+}
+
+/// The first difference between a stored sweep and this question, in words; `None` if there is
+/// none.
+fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> {
+    let header = Provenance::of(&question.scenario);
+    let mine = program(&header.program_version, &header.git_hash, &header.generator, header.block_size);
+    let parts = |design: &Design| -> Vec<String> {
+        let axes = design.axes().iter();
+        let mut parts: Vec<String> =
+            axes.map(|axis| format!("{} = {} at {:?}", axis.name, axis.key, axis.values)).collect();
+        if let Design::Star { keys, relative_step } = design {
+            parts.extend(keys.iter().map(|(key, value)| format!("{key} = {value:?}")));
+            parts.push(format!("relative step {relative_step:?}"));
+        }
+        parts.push(name(design).to_string());
+        parts
+    };
+    let bias = |with_bias| if with_bias { "estimates the bias of the step" } else { "leaves out the bias of the step" };
+    let compared = [
+        (lines(&stored.scenario_text), lines(&header.scenario_text)),
+        (parts(&stored.design), parts(&question.design)),
+        (vec![format!("{} seeds", stored.seeds.name())], vec![format!("{} seeds", question.seeds.name())]),
+        (vec![bias(stored.with_bias).to_string()], vec![bias(question.with_bias).to_string()]),
+        (vec![stored.program.clone()], vec![mine]),
+    ];
+    compared.iter().find_map(|(theirs, mine)| {
+        let most = theirs.len().max(mine.len());
+        let at = |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
+        let i = (0..most).find(|&i| theirs.get(i) != mine.get(i))?;
+        Some(format!("it has `{}`, and this sweep `{}`", at(theirs, i), at(mine, i)))
+    })
+}
+
+/// The lines of a text without comments and empty lines.
+fn lines(text: &str) -> Vec<String> {
+    let said = text.lines().map(|line| line.split("  #").next().unwrap_or("").trim().to_string());
+    said.filter(|line| !line.is_empty()).collect()
 }
 
 /// Approximate size of the file of a sweep, in bytes.

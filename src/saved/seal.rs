@@ -6,12 +6,14 @@
 //! program that changes the file drops the bytes behind the end, and the seal with them. Where
 //! there are bytes behind the end they must be a seal, so that a seal which is itself damaged does
 //! not pass for one that is absent.
+//!
+//! The end is in the superblock, the first bytes of an HDF5 file, which are read without the
+//! library, because it must not see a damaged file (HDF5 File Format Specification, version 3.0,
+//! section II.A).
 
-use super::superblock::superblock;
-use super::{StoreError, own};
-use crate::saved::checksum;
+use super::checksum::checksum;
 use std::fs::File;
-use std::io::{self, Read, Seek as _, SeekFrom, Write as _};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
 use std::path::Path;
 
 /// The first bytes of the seal.
@@ -19,12 +21,8 @@ const MAGIC: &[u8; 8] = b"mc-seal\n";
 /// Length of the seal in bytes: the magic, the length and the checksum of the file before it, and a
 /// checksum of these three.
 const LENGTH: usize = 8 + 8 + 4 + 4;
-/// Files larger than this many bytes are opened without reading them through first, which would
-/// take minutes.
-const LARGEST: u64 = 1 << 30;
-
 /// Append a seal to a file that HDF5 has closed.
-pub(super) fn seal(path: &Path) -> io::Result<()> {
+pub fn seal(path: &Path) -> io::Result<()> {
     let mut file = File::options().read(true).append(true).open(path)?;
     let length = file.metadata()?.len();
     let sum = sum(&mut file, length)?;
@@ -32,39 +30,21 @@ pub(super) fn seal(path: &Path) -> io::Result<()> {
     file.sync_all()
 }
 
-/// Compare a file with its seal, and return whether it has one. A wrong seal is an error. In files
-/// larger than `LARGEST` the seal is found but the checksum is not computed.
-pub(super) fn check(path: &Path) -> Result<bool, StoreError> {
-    check_up_to(path, LARGEST)
-}
-
-/// The same for a file of any size.
-pub(super) fn check_all(path: &Path) -> Result<bool, StoreError> {
-    check_up_to(path, u64::MAX)
-}
-
-fn check_up_to(path: &Path, largest: u64) -> Result<bool, StoreError> {
-    let read = || -> io::Result<Option<bool>> {
-        let mut file = File::open(path)?;
-        let Some((length, found)) = find(&mut file)? else { return Ok(None) };
-        if length > largest {
-            return Ok(Some(found.starts_with(MAGIC)));
-        }
-        file.rewind()?;
-        let sum = sum(&mut file, length)?;
-        Ok(Some(found == bytes(length, sum)))
-    };
-    match read().map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })? {
-        Some(false) => {
-            let cause = "its checksum is not that of its bytes".to_string();
-            Err(StoreError::Damaged { path: path.to_owned(), cause })
-        }
-        sealed => Ok(sealed.is_some()),
+/// Whether the seal of a file is right; none if it has no seal. In files larger than `largest`
+/// bytes the seal is found but the checksum is not computed.
+pub fn is_right(path: &Path, largest: u64) -> io::Result<Option<bool>> {
+    let mut file = File::open(path)?;
+    let Some((length, found)) = find(&mut file)? else { return Ok(None) };
+    if length > largest {
+        return Ok(Some(found.starts_with(MAGIC)));
     }
+    file.rewind()?;
+    let sum = sum(&mut file, length)?;
+    Ok(Some(found == bytes(length, sum)))
 }
 
 /// Whether a file has a seal, right or wrong. Only its two ends are read.
-pub(super) fn is_there(path: &Path) -> io::Result<bool> {
+pub fn is_there(path: &Path) -> io::Result<bool> {
     find(&mut File::open(path)?).map(|found| found.is_some())
 }
 
@@ -82,15 +62,11 @@ fn find(file: &mut File) -> io::Result<Option<(u64, [u8; LENGTH])>> {
 }
 
 /// Whether a file ends as only files of this program do, damaged or not.
-pub(super) fn has_mark(path: &Path) -> bool {
-    let end = || -> io::Result<[u8; 8]> {
-        let mut file = own::open(path, File::options().read(true))?;
-        let mut found = [0; 8];
-        file.seek(SeekFrom::End(-(LENGTH as i64)))?;
-        file.read_exact(&mut found)?;
-        Ok(found)
-    };
-    end().is_ok_and(|found| found == *MAGIC)
+pub fn has_mark(file: &mut File) -> io::Result<bool> {
+    let mut found = [0; 8];
+    file.seek(SeekFrom::End(-(LENGTH as i64)))?;
+    file.read_exact(&mut found)?;
+    Ok(found == *MAGIC)
 }
 
 fn bytes(length: u64, sum: u32) -> [u8; LENGTH] {
@@ -115,4 +91,34 @@ fn sum(file: &mut File, length: u64) -> io::Result<u32> {
         left -= some as u64;
     }
     Ok(sum)
+}
+
+/// The first bytes of every HDF5 file.
+const SIGNATURE: [u8; 8] = *b"\x89HDF\r\n\x1a\n";
+
+/// What the superblock of a file says.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Superblock {
+    /// The length of the file in bytes, as HDF5 knows it; none in a version of the format that this
+    /// program neither writes nor changes.
+    pub end: Option<u64>,
+    /// Whether the file is marked as open for writing.
+    pub is_open: bool,
+}
+
+/// Read the superblock at the beginning of a file; none if this is not an HDF5 file.
+pub fn superblock(file: &mut File) -> io::Result<Option<Superblock>> {
+    file.rewind()?;
+    let mut bytes = Vec::new();
+    file.take(64).read_to_end(&mut bytes)?;
+    if !bytes.starts_with(&SIGNATURE) {
+        return Ok(None);
+    }
+    let at = |place: usize| bytes.get(place..place + 8).and_then(|bytes| bytes.try_into().ok()).map(u64::from_le_bytes);
+    let byte = |place: usize| bytes.get(place).copied().unwrap_or_default();
+    Ok(Some(match byte(8) {
+        // Versions 2 and 3, with addresses of eight bytes.
+        2 | 3 if byte(9) == 8 => Superblock { end: at(28), is_open: byte(11) & 1 == 1 },
+        _ => Superblock { end: None, is_open: false },
+    }))
 }
