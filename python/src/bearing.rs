@@ -98,6 +98,7 @@ impl LaidOut {
             missing: self.missing.clone(),
             outliers: self.outliers,
             decimal: self.decimal.as_ref().map(mark).transpose()?,
+            averaged: None,
             wording: Wording::Argument,
         };
         Ok(layout.over(other))
@@ -277,8 +278,9 @@ pub fn forecast<'py>(
     let (ended, is_interrupted) = watched(py, None, |watch| {
         let workers = workers.0;
         let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
-        let [times, temperatures] = calibration.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, processes).map_err(Missing::Weather)?;
+        let [times, temperatures] = calibration.record.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged[0]);
+        let weather = weather.map_err(Missing::Weather)?;
         let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
         Ok((calibration, weather, found.map_err(Missing::Years)?))
     })?;
@@ -289,10 +291,7 @@ pub fn forecast<'py>(
             errors::of_run(py, &error.to_string(), remedy)
         }
         Missing::Weather(error) => no_weather(py, &error),
-        Missing::Years(ForecastError::Misfit(misfit)) => {
-            errors::of_run(py, &misfit.to_string(), "see that the columns are right")
-        }
-        Missing::Years(error) => errors::of_run(py, &error.to_string(), ForecastError::REMEDY),
+        Missing::Years(error) => errors::of_run(py, &error.to_string(), error.remedy()),
     })?;
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
     let found = found.ok_or_else(stopped)?;
@@ -406,10 +405,10 @@ pub fn fit_temperature<'py>(
     processes: usize,
     periods: Option<Vec<f64>>,
 ) -> PyResult<Weather> {
-    let (times, temperatures, start, mut remarks) = match measured.arrays() {
+    let (times, temperatures, averaged, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
             let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
-            (times, values, None, Vec::new())
+            (times, values, 0.0, None, Vec::new())
         }
         None => {
             let origin = measured.origin();
@@ -419,7 +418,7 @@ pub fn fit_temperature<'py>(
             let mut table = table.map_err(|error| measured.wrong(py, &error))?;
             let column = table.columns.swap_remove(0);
             let repairs = table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())).collect();
-            (column.times, column.values, table.start.map(|start| start.to_string()), repairs)
+            (column.times, column.values, column.averaged, table.start.map(|start| start.to_string()), repairs)
         }
     };
     let periods = periods.unwrap_or_else(|| {
@@ -428,7 +427,7 @@ pub fn fit_temperature<'py>(
         told
     });
     // The fit cannot be interrupted, but it takes only seconds.
-    let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
+    let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes, averaged))?;
     let fit = found.map_err(|error| no_weather(py, &error))?;
     let remarks = remarks.into_iter().chain(fit.warnings()).collect();
     Ok(Weather { fit, start, remarks })

@@ -65,6 +65,7 @@ pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> Column
         skip: table.place_of(keys::SKIP.name).map(|_| table.whole_or(keys::SKIP, 0, (0, 1_000_000))),
         decimal: table.word(keys::DECIMAL, &[".", ","]).and_then(|mark| mark.chars().next()),
         missing: table.marks(keys::MISSING),
+        averaged: table.span_if_present(keys::AVERAGED).map(|seconds| seconds as u64),
         outliers: table.place_of(keys::OUTLIERS.name).map(|_| table.whole_or(keys::OUTLIERS, 8, (1, 1_000_000))),
         ..Layout::default()
     };

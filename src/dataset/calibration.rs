@@ -107,6 +107,12 @@ fn attributes<W: Walk>(walk: &mut W, stored: &mut StoredCalibration) -> Result<(
         walk.attribute("lag_gain", &mut profile.gain)?;
         walk.attribute("clock_shift", &mut profile.clock)?;
     }
+    for (name, window) in ["temperature_averaged", "displacement_averaged"].iter().zip(&mut calibration.record.averaged)
+    {
+        let mut seconds = Some(*window).filter(|seconds| *seconds > 0.0);
+        walk.attribute(name, &mut seconds)?;
+        *window = seconds.unwrap_or(0.0);
+    }
     let mut mirrored: u64 = calibration.is_mirrored.into();
     walk.attribute("mirrored", &mut mirrored)?;
     calibration.is_mirrored = mirrored != 0;

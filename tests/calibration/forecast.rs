@@ -51,8 +51,8 @@ fn true_slips(processes: [[f64; 2]; 2], years: usize) -> (f64, f64) {
 fn forecast_from(record: &MeasuredRecord, processes: usize, seed: u64) -> Forecast {
     let stop = AtomicBool::new(false);
     let found = calibrate(record, &question(CalibrationMethod::Slips), 1, &stop).expect("slips");
-    let [times, temperatures] = found.thermometer();
-    let weather = fit(&times, &temperatures, &PERIODS, processes).expect("weather");
+    let [times, temperatures] = found.record.thermometer();
+    let weather = fit(&times, &temperatures, &PERIODS, processes, record.averaged[0]).expect("weather");
     forecast(&found, &weather, &ForecastQuestion { seed, ..ASKED }, 2, &stop).expect("sound").expect("not stopped")
 }
 

@@ -13,9 +13,12 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Names that do not belong to this package: of other programs, their types and units, of other
-/// packages, and a column that benches/peers/report.py prints; and variables whose names the source
-/// puts together from that of a law.
+/// packages, and a column that benches/peers/report.py prints; variables whose names the source puts
+/// together from that of a law; and columns of loggers.
 const FOREIGN: &[&str] = &[
+    "Air_Avg",
+    "Mittelwert",
+    "T_Mean",
     "duration_bin_lower",
     "agrees",
     "aarch64-unknown-linux-gnu",
