@@ -2,8 +2,9 @@
 //!
 //! A point holds log theta of each process, and for two processes the logarithm of the variance of
 //! the second over that of the first. Then comes log tau, if something smooths their sum, and last
-//! the logarithm of the variance of the white noise over that of the first, if there is any. Some of
-//! these numbers are searched, and the others are held.
+//! the variance of the white noise over that of the first, if there is any. It is no logarithm,
+//! because it may be next to nothing, where a logarithm has no error. Some of these numbers are
+//! searched, and the others are held.
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::result::{Estimates, WeatherFit};
@@ -21,8 +22,8 @@ const AFAR: f64 = 0.7;
 const FROM_ROUGH: f64 = 0.1;
 const FROM_ANOTHER: f64 = 0.3;
 
-/// White noise of less than this share of the variance, as its logarithm, is rounding.
-const LEAST_WHITE: f64 = -23.0;
+/// White noise of less than this share of the variance is rounding.
+const LEAST_WHITE: f64 = 1e-10;
 
 /// The longest memory of a process as a share of the record. From fewer than ten memories neither
 /// it nor the standard deviation can be told.
@@ -33,6 +34,11 @@ const KNOWN: f64 = LN_2;
 
 /// The standard error of the logarithm of a rate that is held: a factor of 2.
 const HELD_ERROR: f64 = LN_2;
+
+/// A memory is not held where that costs more than this of twice the logarithm of the likelihood:
+/// the record then says that the memory is shorter. By chance it says so in one of 20 records (chi^2
+/// with one degree of freedom).
+const REFUSED: f64 = 3.84;
 
 /// The samples, with the columns of the regression.
 pub struct ProcessSearch<'a> {
@@ -144,12 +150,21 @@ impl<'a> ProcessSearch<'a> {
 
     /// The most likely point; `None` if nothing explains the samples. If the memory of the slowest
     /// process is longer than the record can show, or its standard deviation not known to a factor
-    /// of 2, the memory is held at the longest that the record can show.
+    /// of 2, the memory is held at the longest that the record can show, unless the record refuses
+    /// that.
     pub fn best(&self) -> Option<Peak> {
         let free = self.polished(&self.rough(None)?, FROM_ROUGH)?;
         let held = -libm::log(LONGEST * self.duration);
-        let is_known = free.point[self.slowest()] >= held && self.is_known(&free);
-        if is_known { Some(free) } else { self.polished(&self.rough(Some(held))?, FROM_ROUGH) }
+        let is_short = free.point[self.slowest()] >= held;
+        if is_short && self.is_known(&free) {
+            return Some(free);
+        }
+        let longest = self.rough(Some(held)).and_then(|rough| self.polished(&rough, FROM_ROUGH));
+        let is_refused = |longest: &Peak| is_short && longest.deviance > free.deviance + REFUSED;
+        match longest {
+            Some(longest) if !is_refused(&longest) => Some(longest),
+            _ => Some(free).filter(|_| is_short),
+        }
     }
 
     /// The most likely point near that of other samples of the same weather.
@@ -200,7 +215,7 @@ impl<'a> ProcessSearch<'a> {
         // The search for white noise starts from a hundredth of the variance that the fastest
         // process gains per step. It is kept wherever it raises the likelihood, however little,
         // because its error then is part of the errors of all other numbers.
-        let white = libm::log(0.02 * libm::exp(exact.point[0]) * interval);
+        let white = 0.02 * libm::exp(exact.point[0]) * interval;
         let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some(), &self.left, AFAR);
         let is_told =
             |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
@@ -210,12 +225,14 @@ impl<'a> ProcessSearch<'a> {
     /// The lowest deviance for these columns, searched from this point.
     fn lowest(&self, start: &[f64], is_held: bool, columns: &[Vec<f64>], step: f64) -> Option<Peak> {
         let free = self.free(start.len(), is_held);
+        let is_white = |i: &usize| *i == self.without_white();
         let at = |x: &[f64]| {
             let mut point = start.to_vec();
-            free.iter().zip(x).for_each(|(i, x)| point[*i] = *x);
+            free.iter().zip(x).for_each(|(i, x)| point[*i] = if is_white(i) { libm::exp(*x) } else { *x });
             point
         };
-        let from: Vec<f64> = free.iter().map(|i| start[*i]).collect();
+        let from: Vec<f64> =
+            free.iter().map(|i| if is_white(i) { libm::log(start[*i].max(LEAST_WHITE)) } else { start[*i] }).collect();
         let deviance = |point: &[f64]| {
             likelihood(self.times, columns, &self.shape(point)).map_or(f64::INFINITY, |found| found.deviance)
         };
@@ -224,6 +241,11 @@ impl<'a> ProcessSearch<'a> {
             false => simplex::lowest(&from, step, ENOUGH, |x| deviance(&at(x))),
         };
         deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held, errors: None })
+    }
+
+    /// The length of a point without white noise.
+    fn without_white(&self) -> usize {
+        2 * self.processes - 1 + usize::from(self.smooths)
     }
 
     /// The numbers of a point that are searched.
@@ -239,7 +261,7 @@ impl<'a> ProcessSearch<'a> {
         }
         let mut point = vec![p[1], p[0], -p[2]];
         let (followers, white) = p[3..].split_at(usize::from(self.smooths));
-        point.extend(followers.iter().copied().chain(white.iter().map(|white| white - p[2])));
+        point.extend(followers.iter().copied().chain(white.iter().map(|white| white * libm::exp(-p[2]))));
         Peak { point, ..found }
     }
 
@@ -250,8 +272,8 @@ impl<'a> ProcessSearch<'a> {
         if let [_, rate, ratio] = x {
             processes.push((libm::exp(*rate), libm::exp(*ratio)));
         }
-        let [smoothing, white] = [smoothing, white].map(|x| x.first().map_or(0.0, |x| libm::exp(*x)));
-        Shape { processes, smoothing, window: self.window, white }
+        let smoothing = smoothing.first().map_or(0.0, |tau| libm::exp(*tau));
+        Shape { processes, smoothing, window: self.window, white: white.first().copied().unwrap_or(0.0) }
     }
 
     fn likelihood(&self, point: &[f64]) -> Option<Likelihood> {
@@ -292,7 +314,8 @@ impl<'a> ProcessSearch<'a> {
     }
 
     /// A step of number `i` that changes the deviance by about one, so that differences of it keep
-    /// many digits.
+    /// many digits. White noise may become less than none, as far as the variances of the samples
+    /// stay positive.
     fn step(&self, point: &[f64], i: usize, lowest: f64) -> f64 {
         let mut step = 0.02;
         for _ in 0..40 {
@@ -300,7 +323,7 @@ impl<'a> ProcessSearch<'a> {
             let rise = 0.5 * (moved(1.0) + moved(-1.0)) - lowest;
             match rise {
                 rise if rise.is_nan() || rise > 4.0 => step *= 0.5,
-                rise if rise < 0.25 && step < 4.0 => step *= 1.6,
+                rise if rise < 0.25 && step < point[i].max(4.0) => step *= 1.6,
                 _ => break,
             }
         }
