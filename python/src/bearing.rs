@@ -76,6 +76,7 @@ pub struct LaidOut {
     missing: Vec<String>,
     outliers: Option<u64>,
     decimal: Option<String>,
+    averaged: Option<f64>,
 }
 
 impl LaidOut {
@@ -98,7 +99,7 @@ impl LaidOut {
             missing: self.missing.clone(),
             outliers: self.outliers,
             decimal: self.decimal.as_ref().map(mark).transpose()?,
-            averaged: None,
+            averaged: self.averaged.map(|seconds| seconds as u64),
             wording: Wording::Argument,
         };
         Ok(layout.over(other))
@@ -133,7 +134,10 @@ impl Measured<'_> {
     /// The measurement in the columns that a scenario names, and what was repaired in it.
     fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(MeasuredRecord, Vec<String>)> {
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
-            return Ok((MeasuredRecord::of([times, temperatures], [when, readings]), Vec::new()));
+            let all = self.layout.averaged;
+            let averaged = [self.temperature_layout.averaged.or(all), all].map(Option::unwrap_or_default);
+            let record = MeasuredRecord::of_means([times, temperatures], [when, readings], averaged);
+            return Ok((record, Vec::new()));
         }
         let (air, sensor) = (&scene.temperature_source, &scene.displacement_source);
         let displacement = ColumnSource {
@@ -408,7 +412,7 @@ pub fn fit_temperature<'py>(
     let (times, temperatures, averaged, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
             let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
-            (times, values, 0.0, None, Vec::new())
+            (times, values, measured.layout.averaged.unwrap_or_default(), None, Vec::new())
         }
         None => {
             let origin = measured.origin();
@@ -418,7 +422,8 @@ pub fn fit_temperature<'py>(
             let mut table = table.map_err(|error| measured.wrong(py, &error))?;
             let column = table.columns.swap_remove(0);
             let repairs = table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())).collect();
-            (column.times, column.values, column.averaged, table.start.map(|start| start.to_string()), repairs)
+            let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
+            (column.times, column.values, column.averaged, start.map(|start| start.to_string()), repairs)
         }
     };
     let periods = periods.unwrap_or_else(|| {

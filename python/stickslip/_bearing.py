@@ -44,6 +44,7 @@ def calibrate(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -93,7 +94,9 @@ def calibrate(
         outliers: leave out values that differ from those around them by more than so many standard
             deviations of such differences, e.g. 8; none is left out by default.
         decimal: the decimal mark of numbers, "." or ","; by default what all of them together tell.
-        temperature_layout: `time`, `zone`, `dates`, `skip` and `missing` of the file of
+        averaged: the time before its stamp over which each value is a mean, 0 for values of an
+            instant; by default what the name of its column says.
+        temperature_layout: `time`, `zone`, `dates`, `skip`, `missing` and `averaged` of the
             temperatures, where they differ.
         set: further keys of the scenario with their values, as for `run`.
         threads: number of threads; one for each core if not given.
@@ -127,7 +130,7 @@ def calibrate(
             temperature_file,
             temperature_unit,
             displacement_unit,
-            _layout(time, zone, dates, skip, missing, outliers, decimal),
+            _layout(time, zone, dates, skip, missing, outliers, decimal, averaged),
             _layout(**(temperature_layout or {})),
         ),
         method=method,
@@ -164,6 +167,7 @@ def forecast(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -178,8 +182,7 @@ def forecast(
     Args:
         scenario, data, displacement, set, threads: as for `calibrate`, and so are `temperature`,
             `temperature_file`, `temperature_unit`, `displacement_unit`, `time`, `zone`, `dates`,
-            `skip`, `missing`, `outliers`, `decimal` and
-            `temperature_layout`.
+            `skip`, `missing`, `outliers`, `decimal`, `averaged` and `temperature_layout`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -229,7 +232,7 @@ def forecast(
             temperature_file,
             temperature_unit,
             displacement_unit,
-            _layout(time, zone, dates, skip, missing, outliers, decimal),
+            _layout(time, zone, dates, skip, missing, outliers, decimal, averaged),
             _layout(**(temperature_layout or {})),
         ),
         draws=draws,
@@ -292,6 +295,7 @@ def fit_temperature(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -307,7 +311,7 @@ def fit_temperature(
             timedelta; by default a year of 365.25 days and a day, as far as the samples tell them.
             An empty sequence fits no harmonics.
         temperature, temperature_unit, time, zone, dates, skip, missing, outliers,
-            decimal: as for `calibrate`.
+            decimal, averaged: as for `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -329,10 +333,10 @@ def fit_temperature(
         measured = _table(data)
         measured["temperature"] = temperature
         measured["temperature_unit"] = temperature_unit
-        measured["layout"] = _layout(time, zone, dates, skip, missing, outliers, decimal)
     else:
         times, values, _ = _repaired(data, "data", "temperature", outliers)
         measured = _arrays([times, values])
+    measured["layout"] = _layout(time, zone, dates, skip, missing, outliers, decimal, averaged)
     fit = _native.fit_temperature(measured, processes=processes, periods=lengths)
     warn(fit.remarks)
     return Weather(
@@ -569,7 +573,7 @@ def _record(
         "displacement_unit": displacement_unit,
     }
     outliers = layout["outliers"]
-    about_files.update(layout, outliers=None)
+    about_files.update(layout, outliers=None, averaged=None)
     for name, given in about_files.items():
         if given:
             raise wrong_argument(
@@ -593,7 +597,9 @@ def _record(
         import numpy as np
 
         when = when + (later - first) / np.timedelta64(1, "s")
-    return _arrays([times, temperatures, when, readings])
+    measured = _arrays([times, temperatures, when, readings])
+    measured["layout"], measured["temperature_layout"] = layout, temperature_layout
+    return measured
 
 
 def _layout(
@@ -604,6 +610,7 @@ def _layout(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
 ) -> _native.LaidOut:
     """How a file is laid out."""
     return {
@@ -614,6 +621,7 @@ def _layout(
         "missing": [str(mark) for mark in missing],
         "outliers": outliers,
         "decimal": decimal,
+        "averaged": None if averaged is None else _seconds("averaged", averaged),
     }
 
 

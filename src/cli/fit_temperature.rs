@@ -76,7 +76,8 @@ impl Arguments {
             .map_err(|error| without_weather(&self.data, &error, too_short))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
-            let start = table.start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
+            let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
+            let start = start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
             let text = part(&found, &self.data, &start);
             store::write_whole(output, text.as_bytes(), self.force)?;
         }

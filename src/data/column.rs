@@ -22,13 +22,6 @@ pub struct DataColumn {
     pub averaged: f64,
 }
 
-impl DataColumn {
-    /// Times in the middle of what each value is a mean of.
-    pub fn middles(&self) -> Vec<f64> {
-        self.times.iter().map(|time| time - 0.5 * self.averaged).collect()
-    }
-}
-
 /// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
 /// displacement or date in seconds, and small enough for sums of squares.
 pub(super) const LARGEST_MEASURED: f64 = 1e15;

@@ -75,7 +75,7 @@ fn means_and_clocks_are_known_for_what_they_are() {
 
 /// What f_s and f_d are off by on average, and how many intervals of 90 % hold the truth.
 #[test]
-#[ignore = "ten minutes; prints a table"]
+#[ignore = "minutes; prints a table"]
 fn table() {
     let both = [true; 2];
     for (name, logger) in [
@@ -88,16 +88,13 @@ fn table() {
         ("means of 10 minutes of the temperature alone", Logger { means: [true, false], ..PLAIN }),
         ("means of 10 minutes of the displacement alone", Logger { means: [false, true], ..PLAIN }),
         ("means of an hour", Logger { every: 60, means: both, ..PLAIN }),
-        ("means of an hour of the temperature alone", Logger { every: 60, means: [true, false], ..PLAIN }),
-        ("means of an hour of the displacement alone", Logger { every: 60, means: [false, true], ..PLAIN }),
         ("clocks 5 minutes apart", Logger { behind: 5, ..PLAIN }),
-        ("clocks 15 minutes apart", Logger { behind: 15, ..PLAIN }),
         ("clocks 30 minutes apart", Logger { behind: 30, ..PLAIN }),
     ] {
-        let all: Vec<(Calibration, Values)> = (950..970).map(|seed| calibrated(&logger, seed)).collect();
+        let all: Vec<(Calibration, Values)> = (950..960).map(|seed| calibrated(&logger, seed)).collect();
         let of = |quantity| {
             let off = crate::bridge::bias(&all, quantity);
-            let error = (crate::bridge::rmse(&all, quantity).powi(2) - off * off).sqrt() / 20f64.sqrt();
+            let error = (crate::bridge::rmse(&all, quantity).powi(2) - off * off).sqrt() / 10f64.sqrt();
             format!("{:+.1} +- {:.1} % | {}", 100.0 * off, 100.0 * error, crate::bridge::covered(&all, quantity))
         };
         let said = all.iter().filter(|(fit, _)| warns(fit, "clocks")).count();

@@ -3,7 +3,7 @@
 pub use crate::data::{median, spread};
 
 use super::zero::Zero;
-use crate::data::{BearingData, DataColumn, Start, resolution};
+use crate::data::{BearingData, Start, resolution};
 use std::ops::Range;
 
 /// A record of a thermometer and a displacement sensor, in order of time.
@@ -33,17 +33,26 @@ const GAP: f64 = 3.5;
 
 impl From<&BearingData> for MeasuredRecord {
     fn from(BearingData { temperature, displacement, start, .. }: &BearingData) -> Self {
-        // A mean stands for the middle of its time. All times stay at or above 0.
         let averaged = [temperature.averaged, displacement.averaged];
+        let [air, sensor] = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
         let most = 0.5 * averaged[0].max(averaged[1]);
-        let middles = |column: &DataColumn| column.middles().iter().map(|time| time + most).collect::<Vec<f64>>();
-        let times = [middles(temperature), middles(displacement)];
-        let both = MeasuredRecord::of([&times[0], &temperature.values], [&times[1], &displacement.values]);
-        MeasuredRecord { start: start.and_then(|start| start.after(-most)), averaged, ..both }
+        let start = start.and_then(|start| start.after(-most));
+        MeasuredRecord { start, ..MeasuredRecord::of_means(air, sensor, averaged) }
     }
 }
 
 impl MeasuredRecord {
+    /// The same as [`MeasuredRecord::of`] from temperatures and displacements that are means over so
+    /// many seconds before their times; 0 for those of an instant. A mean stands for the middle of its
+    /// time, and all times are later by half of the longer one, so that they stay at or above 0.
+    pub fn of_means(temperatures: [&[f64]; 2], readings: [&[f64]; 2], averaged: [f64; 2]) -> MeasuredRecord {
+        let most = 0.5 * averaged[0].max(averaged[1]);
+        let middles = |times: &[f64], over: f64| times.iter().map(|t| t + (most - 0.5 * over)).collect::<Vec<f64>>();
+        let times = [middles(temperatures[0], averaged[0]), middles(readings[0], averaged[1])];
+        let both = MeasuredRecord::of([&times[0], temperatures[1]], [&times[1], readings[1]]);
+        MeasuredRecord { averaged, ..both }
+    }
+
     /// A record from temperatures and displacements, each as times and values in order of time. It
     /// has a sample at each time of the temperatures. A displacement at another time gets the
     /// temperature interpolated between its neighbours, unless they are separated by a gap.
