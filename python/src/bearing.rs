@@ -77,6 +77,7 @@ pub struct LaidOut {
     missing: Vec<String>,
     outliers: Option<u64>,
     decimal: Option<String>,
+    averaged: Option<f64>,
 }
 
 impl LaidOut {
@@ -99,6 +100,7 @@ impl LaidOut {
             missing: self.missing.clone(),
             outliers: self.outliers,
             decimal: self.decimal.as_ref().map(mark).transpose()?,
+            averaged: self.averaged.map(|seconds| seconds as u64),
             wording: Wording::Argument,
         };
         Ok(layout.over(other))
@@ -133,7 +135,10 @@ impl Measured<'_> {
     /// The measurement in the columns that a scenario names, and what was repaired in it.
     fn record(&self, py: Python<'_>, scene: &BridgeScene) -> PyResult<(MeasuredRecord, Vec<String>)> {
         if let Some([times, temperatures, when, readings]) = self.arrays().as_deref() {
-            return Ok((MeasuredRecord::of([times, temperatures], [when, readings]), Vec::new()));
+            let all = self.layout.averaged;
+            let averaged = [self.temperature_layout.averaged.or(all), all].map(Option::unwrap_or_default);
+            let record = MeasuredRecord::of_means([times, temperatures], [when, readings], averaged);
+            return Ok((record, Vec::new()));
         }
         let (air, sensor) = (&scene.temperature_source, &scene.displacement_source);
         let displacement = ColumnSource {
@@ -278,8 +283,9 @@ pub fn forecast<'py>(
     let (ended, is_interrupted) = watched(py, None, |watch| {
         let workers = workers.0;
         let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
-        let [times, temperatures] = calibration.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, processes).map_err(Missing::Weather)?;
+        let [times, temperatures] = calibration.record.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged[0]);
+        let weather = weather.map_err(Missing::Weather)?;
         let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
         Ok((calibration, weather, found.map_err(Missing::Years)?))
     })?;
@@ -290,10 +296,7 @@ pub fn forecast<'py>(
             errors::of_run(py, &error.to_string(), remedy)
         }
         Missing::Weather(error) => no_weather(py, &error),
-        Missing::Years(ForecastError::Misfit(misfit)) => {
-            errors::of_run(py, &misfit.to_string(), "see that the columns are right")
-        }
-        Missing::Years(error) => errors::of_run(py, &error.to_string(), ForecastError::REMEDY),
+        Missing::Years(error) => errors::of_run(py, &error.to_string(), error.remedy()),
     })?;
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
     let found = found.ok_or_else(stopped)?;
@@ -372,10 +375,10 @@ pub fn fit_temperature<'py>(
     processes: usize,
     periods: Option<Vec<f64>>,
 ) -> PyResult<(Bound<'py, PyDict>, Vec<String>)> {
-    let (times, temperatures, start, mut remarks) = match measured.arrays() {
+    let (times, temperatures, averaged, start, mut remarks) = match measured.arrays() {
         Some(mut arrays) => {
             let (values, times) = (arrays.pop().unwrap_or_default(), arrays.pop().unwrap_or_default());
-            (times, values, None, Vec::new())
+            (times, values, measured.layout.averaged.unwrap_or_default(), None, Vec::new())
         }
         None => {
             let origin = measured.origin();
@@ -385,7 +388,8 @@ pub fn fit_temperature<'py>(
             let mut table = table.map_err(|error| measured.wrong(py, &error))?;
             let column = table.columns.swap_remove(0);
             let repairs = table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())).collect();
-            (column.times, column.values, table.start.map(|start| start.to_string()), repairs)
+            let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
+            (column.times, column.values, column.averaged, start.map(|start| start.to_string()), repairs)
         }
     };
     let periods = periods.unwrap_or_else(|| {
@@ -394,7 +398,7 @@ pub fn fit_temperature<'py>(
         told
     });
     // The fit cannot be interrupted, but it takes only seconds.
-    let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes))?;
+    let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes, averaged))?;
     let fit = found.map_err(|error| no_weather(py, &error))?;
     let remarks = remarks.into_iter().chain(fit.warnings()).collect();
     Ok((weather(py, &fit, start)?, remarks))

@@ -44,6 +44,7 @@ def calibrate(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -93,7 +94,9 @@ def calibrate(
         outliers: leave out values that differ from those around them by more than so many standard
             deviations of such differences, e.g. 8; none is left out by default.
         decimal: the decimal mark of numbers, "." or ","; by default what all of them together tell.
-        temperature_layout: `time`, `zone`, `dates`, `skip` and `missing` of the file of
+        averaged: the time before its stamp over which each value is a mean, 0 for values of an
+            instant; by default what the name of its column says.
+        temperature_layout: `time`, `zone`, `dates`, `skip`, `missing` and `averaged` of the
             temperatures, where they differ.
         set: further keys of the scenario with their values, as for `run`.
         threads: number of threads; one for each core if not given.
@@ -154,6 +157,7 @@ def forecast(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
     temperature_layout: Mapping[str, Any] | None = None,
     set: Settings | None = None,
     threads: int | None = None,
@@ -168,8 +172,7 @@ def forecast(
     Args:
         scenario, data, displacement, set, threads: as for `calibrate`, and so are `temperature`,
             `temperature_file`, `temperature_unit`, `displacement_unit`, `time`, `zone`, `dates`,
-            `skip`, `missing`, `outliers`, `decimal` and
-            `temperature_layout`.
+            `skip`, `missing`, `outliers`, `decimal`, `averaged` and `temperature_layout`.
         draws: number of draws of the parameters of bearing and weather, from 2 to 10000.
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
@@ -267,6 +270,7 @@ def fit_temperature(
     missing: Sequence[str | float] = (),
     outliers: int | None = None,
     decimal: str | None = None,
+    averaged: Time | None = None,
 ) -> Weather:
     """Fit harmonics and noise of a scenario to a measured temperature, like `mc fit-temperature`.
 
@@ -282,7 +286,7 @@ def fit_temperature(
             timedelta; by default a year of 365.25 days and a day, as far as the samples tell them.
             An empty sequence fits no harmonics.
         temperature, temperature_unit, time, zone, dates, skip, missing, outliers,
-            decimal: as for `calibrate`.
+            decimal, averaged: as for `calibrate`.
 
     Returns:
         The fitted temperature with its standard errors.
@@ -304,7 +308,7 @@ def fit_temperature(
         measured = _table(given)
     else:
         times, values, _ = _repaired(data, "data", "temperature", outliers)
-        measured = _arrays([times, values])
+        measured = _arrays([times, values], given)
     fit, remarks = _native.fit_temperature(measured, processes=processes, periods=lengths)
     warn(remarks)
     return Weather(**fit)
@@ -434,7 +438,7 @@ def twin(
 
 
 #: How a file is laid out.
-_LAYOUT = ("time", "zone", "dates", "skip", "missing", "outliers", "decimal")
+_LAYOUT = ("time", "zone", "dates", "skip", "missing", "outliers", "decimal", "averaged")
 
 #: The columns of a file, and their units.
 _COLUMNS = ("temperature", "displacement", "temperature_unit", "displacement_unit")
@@ -464,7 +468,7 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
     of_files = ("temperature_file", "temperature_layout", *_LAYOUT, *_COLUMNS)
     for name in of_files:
         require(
-            not given[name] or name in ("displacement", "outliers", "temperature_layout"),
+            not given[name] or name in ("displacement", "outliers", "averaged", "temperature_layout"),
             name,
             given[name],
             "it is about files, and these data are arrays",
@@ -484,12 +488,14 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
         import numpy as np
 
         when = when + (later - first) / np.timedelta64(1, "s")
-    return _arrays([times, temperatures, when, readings])
+    return _arrays([times, temperatures, when, readings], given)
 
 
 def _layout(given: Mapping[str, Any]) -> _native.LaidOut:
     layout: Any = {name: given.get(name) for name in _LAYOUT}
     layout["missing"] = [str(mark) for mark in given.get("missing", ())]
+    if layout["averaged"] is not None:
+        layout["averaged"] = _seconds("averaged", layout["averaged"])
     laid: _native.LaidOut = layout
     return laid
 
@@ -504,8 +510,7 @@ def _table(given: Mapping[str, Any]) -> _native.Measured:
         require(name in _LAYOUT, "temperature_layout", name, "a layout has no such part", remedy)
     about: Any = {name: given.get(name) for name in _COLUMNS}
     about["temperature_file"] = None if beside is None else os.fspath(beside)
-    about["layout"], about["temperature_layout"] = _layout(given), _layout(other)
-    measured = _arrays(None)
+    measured = _arrays(None, given)
     measured.update(about)
     if isinstance(data, (str, os.PathLike)):
         measured["name"] = os.fspath(data)
@@ -526,9 +531,10 @@ def _repaired(
     return times, values, first
 
 
-def _arrays(arrays: list[Any] | None) -> _native.Measured:
+def _arrays(arrays: list[Any] | None, given: Mapping[str, Any]) -> _native.Measured:
     nothing: Any = dict.fromkeys((*_COLUMNS, "text", "temperature_file"))
-    nothing["layout"] = nothing["temperature_layout"] = _layout({})
+    nothing["layout"] = _layout(given)
+    nothing["temperature_layout"] = _layout(given.get("temperature_layout") or {})
     nothing["name"], nothing["arrays"] = "the arrays", arrays
     measured: _native.Measured = nothing
     return measured

@@ -115,6 +115,7 @@ class LaidOut(TypedDict):
     missing: list[str]
     outliers: int | None
     decimal: str | None
+    averaged: float | None
 
 def repaired(
     argument: str,

@@ -72,11 +72,12 @@ impl Arguments {
             periods
         };
         let too_short = "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then";
-        let found = fit(&column.times, &column.values, &periods, usize::from(self.processes))
+        let found = fit(&column.times, &column.values, &periods, usize::from(self.processes), column.averaged)
             .map_err(|error| without_weather(&self.data, &error, too_short))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
-            let start = table.start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
+            let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
+            let start = start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
             let text = part(&found, &self.data, &start);
             store::write_whole(output, text.as_bytes(), self.force)?;
         }
@@ -131,6 +132,9 @@ fn report(found: &WeatherFit) -> String {
         let hours = 1.0 / process.relaxation_rate / 3600.0;
         row("  which it remembers for", hours, hours * process.rate_error, "h".into());
     }
+    if let Some((tau, error)) = found.smoothing() {
+        row("time constant that smooths it", tau / 3600.0, tau / 3600.0 * error, "h".into());
+    }
     let mut text = aligned(&rows, "  ");
     let _ = writeln!(text, "\ndata      {} samples in {}", grouped(found.samples as u64), time(found.duration));
     let white = match found.white {
@@ -165,6 +169,7 @@ fn json(found: &WeatherFit) -> String {
         "mean": found.mean(),
         "harmonics": cycles.collect::<Vec<_>>(),
         "processes": processes.collect::<Vec<_>>(),
+        "smoothing": found.smoothing().map(|(tau, _)| tau),
         "sensor_sd": found.white,
         "warnings": found.warnings(),
         "log_likelihood": found.log_likelihood,

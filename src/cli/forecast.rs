@@ -14,7 +14,7 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::bearing::calibration::{self, Calibration, CalibrationMethod};
-use stick_slip::bearing::forecast::{Forecast, ForecastError, ForecastQuantity, ForecastQuestion, forecast};
+use stick_slip::bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, forecast};
 use stick_slip::bearing::weather::{PERIODS, WeatherFit, fit};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
@@ -78,8 +78,8 @@ impl Arguments {
         let calibration = self.calibration(&scene, threads, &stop)?;
         calibration.warnings.iter().for_each(warn);
         let too_short = "measure for at least half a year: a forecast needs to know the seasons";
-        let [times, temperatures] = calibration.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, usize::from(self.processes))
+        let [times, temperatures] = calibration.record.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, usize::from(self.processes), calibration.record.averaged[0])
             .map_err(|error| without_weather(self.source.shown(), &error, too_short))?;
         weather.warnings().iter().for_each(warn);
         let question = ForecastQuestion {
@@ -90,7 +90,7 @@ impl Arguments {
             share: self.share,
         };
         let found = forecast(&calibration, &weather, &question, threads, &stop)
-            .map_err(|error| self.without_years(&error))?
+            .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
             .ok_or(Failure::Interrupted)?;
         found.warnings().into_iter().for_each(warn);
         let text = |output: &Path| match is_page(output) {
@@ -118,15 +118,6 @@ impl Arguments {
         };
         calibration::calibrate(&record, &question, threads, stop)
             .map_err(|error| calibrate::refused(self.source.shown(), &error, error.remedy()))
-    }
-
-    fn without_years(&self, error: &ForecastError) -> Failure {
-        match error {
-            ForecastError::Misfit(misfit) => misfit.clone().into(),
-            ForecastError::Unknown | ForecastError::GivenUp(..) => {
-                Failure::run_of(self.source.shown(), error, ForecastError::REMEDY)
-            }
-        }
     }
 }
 
@@ -237,8 +228,13 @@ fn json(found: &Forecast) -> String {
         .map(|level| json!({ "years": level.years, "expected": level.expected, "interval": level.interval }));
     let all = json!({
         "draws": found.years.len(),
-        "draws_left_out": found.draws_left_out,
         "draws_redrawn": found.redrawn,
+        "record": {
+            "slips": found.showed.slips,
+            "sliding_path": found.showed.path,
+            "duration": found.showed.duration,
+            "usual_slips": found.usual,
+        },
         "years": found.years.iter().map(Vec::len).sum::<usize>(),
         "interval": found.question.level,
         "share": found.question.share,

@@ -42,6 +42,10 @@ pub struct LayoutFlags {
     /// The decimal mark of numbers [default: what all of them together tell]
     #[arg(long, value_name = "MARK", value_parser = [".", ","])]
     decimal: Option<String>,
+    /// The time before its stamp over which each value is a mean, e.g. 10min, or 0 for instantaneous
+    /// values [default: what the name of its column says, e.g. Air_Avg]
+    #[arg(long, value_name = "TIME", value_parser = averaged)]
+    averaged: Option<u64>,
 }
 
 /// The same for a file of temperatures that is laid out otherwise than that of the displacements.
@@ -68,16 +72,30 @@ struct TemperatureLayoutFlags {
         requires = "temperature_file"
     )]
     temperature_missing: Vec<String>,
+    /// The same for temperatures alone [default: as --averaged]
+    #[arg(long, value_name = "TIME", value_parser = averaged)]
+    temperature_averaged: Option<u64>,
 }
 
 impl LayoutFlags {
     /// The layout with these flags, and elsewhere as a scenario says.
     pub fn over(&self, scenario: &Layout) -> Layout {
-        let LayoutFlags { time, zone, dates, skip, missing, outliers, decimal } = self;
+        let LayoutFlags { time, zone, dates, skip, missing, outliers, decimal, averaged } = self;
         let (time, zone, missing) = (time.clone(), zone.clone(), missing.clone());
         let decimal = decimal.as_ref().and_then(|mark| mark.chars().next());
         let wording = Wording::Flag;
-        Layout { time, zone, dates: *dates, skip: *skip, missing, outliers: *outliers, decimal, wording }.over(scenario)
+        Layout {
+            time,
+            zone,
+            dates: *dates,
+            skip: *skip,
+            missing,
+            outliers: *outliers,
+            decimal,
+            averaged: *averaged,
+            wording,
+        }
+        .over(scenario)
     }
 }
 
@@ -89,6 +107,7 @@ impl TemperatureLayoutFlags {
             temperature_dates,
             temperature_skip,
             temperature_missing,
+            temperature_averaged,
         } = self;
         Layout {
             time: temperature_time.clone(),
@@ -96,11 +115,17 @@ impl TemperatureLayoutFlags {
             dates: *temperature_dates,
             skip: *temperature_skip,
             missing: temperature_missing.clone(),
+            averaged: *temperature_averaged,
             wording: Wording::TemperatureFlag,
             ..Layout::default()
         }
         .over(other)
     }
+}
+
+fn averaged(text: &str) -> Result<u64, String> {
+    let seconds = if text.trim() == "0" { Some(0.0) } else { stick_slip::data::seconds(text) };
+    seconds.map(|seconds| seconds as u64).ok_or_else(|| "write a time such as 10min or 1h, or 0".to_string())
 }
 
 fn dates(word: &str) -> Result<DateOrder, String> {

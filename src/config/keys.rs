@@ -139,6 +139,7 @@ keys! {
         SKIP = other("skip", "lines before the names of the columns");
         MISSING = other("missing", "marks of missing values");
         DECIMAL = other("decimal", "the decimal mark");
+        AVERAGED = number("averaged", "", "time before its stamp over which a value is a mean", Allowed::NonNegative);
         OUTLIERS = other("outliers", "standard deviations beyond which a value is left out");
         MAX_GAP = number("max_gap", "", "longest time between two samples", Positive);
         START = other("start", "stamp of t = 0, as the samples say");

@@ -66,6 +66,7 @@ pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> Column
         decimal: table.word(keys::DECIMAL, &[".", ","]).and_then(|mark| mark.chars().next()),
         missing: table.marks(keys::MISSING),
         outliers: table.whole_if_present(keys::OUTLIERS, 1..=1_000_000),
+        averaged: table.span_if_present(keys::AVERAGED).map(|seconds| seconds as u64),
         ..Layout::default()
     };
     ColumnSource {

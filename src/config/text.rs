@@ -248,6 +248,7 @@ fn series(text: &mut Written, measured: &Measured, samples: &Series) {
         (keys::MISSING, Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty())),
         (keys::OUTLIERS, outliers),
         (keys::DECIMAL, decimal),
+        (keys::AVERAGED, layout.averaged.map(|seconds| seconds.to_string())),
     ] {
         if let Some(given) = given {
             text.other(key, &given);

@@ -3,7 +3,7 @@
 use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
 use super::error::DataError;
 use super::marks::Marks;
-use super::query::{Layout, Name, Wanted};
+use super::query::{Layout, Wanted};
 use super::repairs::Repairs;
 use super::unit::ColumnQuantity;
 
@@ -20,7 +20,7 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
     for (quantity, times, values) in arrays {
         let name = quantity.word();
         let unit = if *quantity == ColumnQuantity::Temperature { "degC" } else { "m" };
-        let wanted = Wanted { column: Name::Exactly(name), quantity: *quantity, unit: Some(unit), max_gap: None };
+        let wanted = Wanted { averaged: layout.averaged, ..Wanted::of(*quantity, Some(name), Some(unit)) };
         let whole = |(problem, remedy): (String, String)| DataError::file(name, problem, remedy);
         let mut column = Column::of(name, &wanted).map_err(whole)?;
         for (place, (time, value)) in times.iter().zip(*values).enumerate() {

@@ -2,7 +2,7 @@
 
 use super::error::{DataError, ProblemAndRemedy};
 use super::marks::Marks;
-use super::outliers::{odd, spikes};
+use super::outliers::{median, odd, spikes};
 use super::query::{Layout, Wanted, Wording};
 use super::repairs::{ColumnRepairs, Repairs};
 use super::unit::{self, ColumnQuantity, InputUnit};
@@ -18,6 +18,8 @@ pub struct DataColumn {
     pub times: Vec<f64>,
     /// Values: temperatures in degrees, displacements in metres.
     pub values: Vec<f64>,
+    /// The time before its time over which each value is a mean; 0 if it is that of an instant.
+    pub averaged: f64,
 }
 
 /// Largest number that a measurement may hold, as a value or as a time: far beyond any temperature,
@@ -49,6 +51,7 @@ pub(super) struct Column<'a> {
     is_known: bool,
     /// Time, value in the unit of the cells, and the place of the row.
     pub samples: Vec<(f64, f64, u32)>,
+    averaged: f64,
     said: ColumnRepairs,
 }
 
@@ -69,6 +72,7 @@ impl<'a> Column<'a> {
             unit: unit.unwrap_or(InputUnit::AS_GIVEN),
             is_known,
             samples: Vec::new(),
+            averaged: 0.0,
             said,
         })
     }
@@ -139,6 +143,17 @@ impl<'a> Column<'a> {
         Ok(())
     }
 
+    /// Find out over which time each value is a mean.
+    fn look_for_means(&mut self, in_seconds: bool) {
+        if let Some(seconds) = self.wanted.averaged {
+            self.averaged = seconds as f64;
+        } else if in_seconds && is_of_means(&self.name) {
+            let steps = self.samples.windows(2).map(|pair| pair[1].0 - pair[0].0);
+            self.averaged = median(&mut steps.collect::<Vec<f64>>());
+            self.said.averaged = Some(lasting(self.averaged, true));
+        }
+    }
+
     /// Leave out the samples that stand out by more than the layout says; without such a limit, say
     /// where one stands out.
     fn look_for_outliers(&mut self, layout: &Layout, line: &dyn Fn(u32) -> u64) {
@@ -164,6 +179,7 @@ impl<'a> Column<'a> {
             name: self.name,
             times: self.samples.iter().map(|sample| sample.0 - begin).collect(),
             values: self.samples.iter().map(|sample| self.unit.of(sample.1)).collect(),
+            averaged: self.averaged,
         }
     }
 }
@@ -209,6 +225,8 @@ pub(super) fn sorted(
             format!("column `{name}` has {} value{}", samples.len(), if samples.len() == 1 { "" } else { "s" });
         return Err(error(problem, "give a column with two values or more, at different times"));
     }
+    column.look_for_means(in_seconds);
+    let samples = &column.samples;
     let longest = column.wanted.max_gap.unwrap_or(f64::INFINITY);
     if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
         let gap = pair[1].0 - pair[0].0;
@@ -223,6 +241,19 @@ pub(super) fn sorted(
     }
     repairs.columns.push(std::mem::take(&mut column.said));
     Ok(())
+}
+
+/// Whether the name of a column says that its values are means.
+fn is_of_means(name: &str) -> bool {
+    let words = name.split(|c: char| !c.is_alphabetic());
+    let is_mean = |word: &str| {
+        let word = word.to_lowercase();
+        ["avg", "mean", "average", "averaged", "mittel", "mw", "moyenne", "moy", "media", "promedio"]
+            .contains(&&word[..])
+            || word.ends_with("mittelwert")
+            || word.ends_with("mittel")
+    };
+    words.into_iter().any(is_mean)
 }
 
 fn lasting(time: f64, in_seconds: bool) -> String {

@@ -68,7 +68,7 @@ pub struct ColumnSource {
 impl ColumnSource {
     /// The column that is wanted.
     pub fn wanted(&self, quantity: ColumnQuantity) -> Wanted<'_> {
-        Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref())
+        Wanted { averaged: self.layout.averaged, ..Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref()) }
     }
 }
 

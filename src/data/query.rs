@@ -110,6 +110,9 @@ pub struct Layout {
     /// The decimal mark, a point or a comma; the other one then stands between thousands. Without
     /// it, all numbers of the file together tell it.
     pub decimal: Option<char>,
+    /// The seconds before its time over which each value is a mean; 0 if it is that of an instant.
+    /// Without it, the name of a column tells.
+    pub averaged: Option<u64>,
     /// In which words remedies name these options.
     pub wording: Wording,
 }
@@ -131,6 +134,7 @@ impl Layout {
             missing: if self.missing.is_empty() { other.missing.clone() } else { self.missing },
             outliers: self.outliers.or(other.outliers),
             decimal: self.decimal.or(other.decimal),
+            averaged: self.averaged.or(other.averaged),
             wording: self.wording,
         }
     }
@@ -147,6 +151,8 @@ pub struct Wanted<'a> {
     pub unit: Option<&'a str>,
     /// The longest time allowed between two values, in the unit of the times; `None` for no limit.
     pub max_gap: Option<f64>,
+    /// As in [`Layout::averaged`], for this column.
+    pub averaged: Option<u64>,
 }
 
 impl<'a> Wanted<'a> {
@@ -154,7 +160,7 @@ impl<'a> Wanted<'a> {
     /// name begins with that of the quantity.
     pub fn of(quantity: ColumnQuantity, column: Option<&'a str>, unit: Option<&'a str>) -> Self {
         let column = column.map_or(Name::Beginning(quantity.word()), Name::Exactly);
-        Wanted { column, quantity, unit, max_gap: None }
+        Wanted { column, quantity, unit, max_gap: None, averaged: None }
     }
 }
 

@@ -40,6 +40,8 @@ pub struct ColumnRepairs {
     pub odd: Option<String>,
     /// The unit that was assumed, because nothing says one.
     pub assumed_unit: Option<&'static str>,
+    /// The time over which values were taken to be means, because the name of the column says so.
+    pub averaged: Option<String>,
 }
 
 fn many(count: u64, one: &str, more: &str) -> Option<String> {
@@ -85,6 +87,11 @@ impl ColumnRepairs {
         let outliers = many(self.outliers, outliers, "left out # values that differ strongly from those around them");
         let counted = [missing, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
         let unit = self.assumed_unit.map(|unit| format!("took `{name}` as {unit}, because nothing says its unit"));
-        counted.chain(self.odd.clone()).chain(unit).collect()
+        let means = self.averaged.as_ref().map(|time| {
+            format!(
+                "took `{name}` as means over {time} before each time, as its name says; `averaged = 0` if they are not"
+            )
+        });
+        counted.chain(self.odd.clone()).chain(unit).chain(means).collect()
     }
 }

@@ -7,7 +7,13 @@ fn time() -> Layout {
 }
 
 fn temperature(column: &str) -> Wanted<'_> {
-    Wanted { column: Name::Exactly(column), quantity: ColumnQuantity::Temperature, unit: None, max_gap: None }
+    Wanted {
+        column: Name::Exactly(column),
+        quantity: ColumnQuantity::Temperature,
+        unit: None,
+        max_gap: None,
+        averaged: None,
+    }
 }
 
 fn displacement(column: &str) -> Wanted<'_> {

@@ -114,6 +114,12 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
         walk.attribute("lag_gain", &mut profile.gain)?;
         walk.attribute("clock_shift", &mut profile.clock)?;
     }
+    for (name, window) in ["temperature_averaged", "displacement_averaged"].iter().zip(&mut calibration.record.averaged)
+    {
+        let mut seconds = Some(*window).filter(|seconds| *seconds > 0.0);
+        walk.attribute(name, &mut seconds)?;
+        *window = seconds.unwrap_or(0.0);
+    }
     let mut mirrored: u64 = calibration.is_mirrored.into();
     walk.attribute("mirrored", &mut mirrored)?;
     calibration.is_mirrored = mirrored != 0;

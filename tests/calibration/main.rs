@@ -8,3 +8,4 @@ mod bridge;
 mod flaws;
 mod forecast;
 mod limits;
+mod loggers;

@@ -13,8 +13,11 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Names that do not belong to this package: of other programs, their types and units, of other
-/// packages, and a column that benches/peers/report.py prints.
+/// packages, a column that benches/peers/report.py prints, and columns of loggers.
 const FOREIGN: &[&str] = &[
+    "Air_Avg",
+    "Mittelwert",
+    "T_Mean",
     "agrees",
     "aarch64-unknown-linux-gnu",
     "apt-get",

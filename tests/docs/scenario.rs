@@ -52,6 +52,7 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         "temperature.series.missing=[-9999]",
         "temperature.series.outliers=8",
         "temperature.series.decimal=\",\"",
+        "temperature.series.averaged=0",
         "temperature.noise={intensity=1, pinned=true}",
     ];
     let given = given.map(|set| Override::set(set).expect("well formed"));
@@ -64,7 +65,8 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
     // A run has no use for displacements, so its resolved scenario has none of their keys.
-    let of_displacements = ["file", "value", "unit", "time", "zone", "dates", "skip", "missing", "outliers", "decimal"];
+    let of_displacements =
+        ["file", "value", "unit", "time", "zone", "dates", "skip", "missing", "outliers", "decimal", "averaged"];
     of_code.extend(of_displacements.map(|key| format!("displacement.series.{key}")));
     same(&first_column(&page(), "key"), &of_code);
 }

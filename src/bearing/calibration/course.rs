@@ -114,7 +114,7 @@ pub fn course(response: &Response, air: &Air, lag: f64, scatter: f64, [friction,
 
 /// The highest value of a Brownian bridge between two values, or the lowest one if the bridge is
 /// below `centre`; `gain` is the variance gained from one end to the other.
-fn farthest([a, b]: [f64; 2], gain: f64, centre: f64, random: &mut Stream) -> f64 {
+pub fn farthest([a, b]: [f64; 2], gain: f64, centre: f64, random: &mut Stream) -> f64 {
     let beyond = ((b - a) * (b - a) - 2.0 * gain * libm::log(random.uniform())).sqrt();
     0.5 * (a + b + beyond.copysign(0.5 * (a + b) - centre))
 }

@@ -10,7 +10,8 @@
 //! ```
 //!
 //! So the probability of what was seen is (1 - p) for each step before the slip, times 1 minus such
-//! a product for the steps in which it came. No c is likelier than another beforehand, since it
+//! a product for the steps in which it came. Since there was one slip and not two, c + G was not
+//! reached there: the product for c + G takes the place of 1 once G is known. No c is likelier than another beforehand, since it
 //! does not depend on when samples are taken; so the temperature of the slip is the mean of c,
 //! weighted with this probability. With straight lines between samples, p is 0 or 1, and the mean
 //! is the middle between the farthest sample before the slip and the one after it.
@@ -50,13 +51,30 @@ const NEGLIGIBLE: f64 = 18.0;
 
 impl Thermometer {
     /// The crossing of a slip in this window, with its sign; `None` if the thermometer shows
-    /// nothing around it.
+    /// nothing around it. Where temperatures are drawn, each counts as it explains that the slip
+    /// came here.
     pub(super) fn crossing(&self, window: &Window, sign: f64) -> Option<Crossing> {
+        let one = |temperatures: &[f64]| self.crossing_of(temperatures, window, sign);
+        if self.drawn.is_empty() {
+            return one(&self.temperatures);
+        }
+        let (mut all, mut moment) = (0.0, 0.0);
+        for Crossing { temperature, evidence } in self.drawn.iter().filter_map(|drawn| one(drawn)) {
+            all += evidence;
+            moment += evidence * temperature;
+        }
+        if all == 0.0 {
+            return one(&self.temperatures);
+        }
+        Some(Crossing { temperature: moment / all, evidence: all / self.drawn.len() as f64 })
+    }
+
+    fn crossing_of(&self, temperatures: &[f64], window: &Window, sign: f64) -> Option<Crossing> {
         let last = self.times.partition_point(|t| *t <= window.before).checked_sub(1)?;
         let first = self.times.partition_point(|t| *t < window.since).min(last);
         let end = self.times.partition_point(|t| *t < window.after).min(self.times.len() - 1);
         let end = end.max(last + 1).min(self.times.len() - 1);
-        let u = |i: usize| sign * self.temperatures[i];
+        let u = |i: usize| sign * temperatures[i];
         let farthest = (first..=last).map(u).fold(f64::NEG_INFINITY, f64::max);
         let reached = (last + 1..=end).map(u).fold(f64::NEG_INFINITY, f64::max);
         let gain = |i: usize| self.roughness * (self.times[i + 1] - self.times[i]);
@@ -78,9 +96,10 @@ impl Thermometer {
             let off = (point as f64 + 0.5) * step;
             let c = farthest + off;
             let so_far: f64 = before.iter().map(|i| missed(c, *i)).product();
-            let then: f64 = (last..end).map(|i| missed(c, i)).product();
-            all += so_far * (1.0 - then);
-            moment += so_far * (1.0 - then) * off;
+            let not = |c: f64| (last..end).map(|i| missed(c, i)).product::<f64>();
+            let once = if self.jump.is_finite() { not(c + self.jump) } else { 1.0 } - not(c);
+            all += so_far * once;
+            moment += so_far * once * off;
         }
         let off = if all > 0.0 { moment / all } else { 0.0 };
         Some(Crossing { temperature: sign * (farthest + off), evidence: all * step })
@@ -91,12 +110,15 @@ impl Thermometer {
 /// seen a sample too early or too late.
 const MISPLACED: f64 = 0.05;
 
+/// By how much the logarithm of the likelihood of straight lines has to be larger, because
+/// temperatures outdoors are rough.
+const RARE: f64 = 5.0;
+
 /// The thermometer as the times of the slips say it moves: as rough between samples as from one
 /// sample to the next, or in straight lines. Samples alone do not tell these apart, but of the
 /// slips under a rough temperature, one of three comes although no sample goes beyond the farthest
 /// one before it.
-pub fn as_slips_say(rough: Thermometer, slips: &[(Window, f64)]) -> Thermometer {
-    let straight = rough.clone().moving(0.0);
+pub fn as_slips_say(rough: Thermometer, straight: Thermometer, slips: &[(Window, f64)]) -> Thermometer {
     let likelihood = |course: &Thermometer| -> f64 {
         let of = |(window, sign): &(Window, f64)| {
             let wide = (rough.roughness * (window.after - window.before)).sqrt();
@@ -105,7 +127,7 @@ pub fn as_slips_say(rough: Thermometer, slips: &[(Window, f64)]) -> Thermometer 
         };
         slips.iter().map(of).sum()
     };
-    if rough.roughness > 0.0 && likelihood(&rough) < likelihood(&straight) { straight } else { rough }
+    if rough.roughness > 0.0 && likelihood(&rough) + RARE < likelihood(&straight) { straight } else { rough }
 }
 
 #[cfg(test)]
@@ -165,7 +187,7 @@ mod tests {
             assert!(mean.abs() < 4.0 * error && error < 0.0045, "{mean} {error}");
             assert!(!is_rough || (middle + 0.16).abs() < 0.02, "{middle}");
             let some: Vec<(Window, f64)> = slips.iter().take(100).map(|(window, sign, _)| (*window, *sign)).collect();
-            assert_eq!(as_slips_say(rough, &some).roughness > 0.0, is_rough);
+            assert_eq!(as_slips_say(rough, straight, &some).roughness > 0.0, is_rough);
         }
     }
 }

@@ -18,8 +18,15 @@ pub const CONVINCING: f64 = 15.0;
 /// The lags of the reported profile, in minutes.
 const MINUTES: [f64; 12] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0];
 
-/// By how many hours two clocks may differ: summer time, and a time zone that was forgotten.
-const CLOCKS: [f64; 4] = [-2.0, -1.0, 1.0, 2.0];
+/// By how many minutes two clocks may differ: what they gain in a year, and what summer time or a
+/// time zone that was forgotten make.
+const CLOCKS: [f64; 28] = [
+    -120.0, -60.0, -55.0, -50.0, -45.0, -40.0, -35.0, -30.0, -25.0, -20.0, -15.0, -10.0, -5.0, -2.0, 2.0, 5.0, 10.0,
+    15.0, 20.0, 25.0, 30.0, 35.0, 40.0, 45.0, 50.0, 55.0, 60.0, 120.0,
+];
+
+/// The first of them that are tried.
+const FIRST: [f64; 6] = [-120.0, -60.0, -5.0, 5.0, 60.0, 120.0];
 
 /// The likelihood of the lag of steel behind the thermometer, from z during sticks.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -28,8 +35,8 @@ pub struct LagProfile {
     pub likeliest: f64,
     /// Twice the logarithm of the likelihood at that lag, minus the same without a lag.
     pub gain: f64,
-    /// By how many seconds the clock of the sensor is behind that of the thermometer, in whole
-    /// hours, if that explains the displacement far better than any lag does.
+    /// By how many seconds the clock of the sensor is behind that of the thermometer, if that explains
+    /// the displacement far better than any lag does.
     pub clock: Option<f64>,
     /// Lags in seconds, and for each the deviance (minus twice the log-likelihood) above its
     /// minimum.
@@ -51,14 +58,35 @@ pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
     let likeliest = if at_best < without { likeliest } else { 0.0 };
     let lowest = at_best.min(without);
     let profile = MINUTES.iter().map(|minutes| (60.0 * minutes, deviance(60.0 * minutes) - lowest)).collect();
-    let shifted = |seconds: f64| {
-        let steel = binned(&record.shifted(seconds).samples());
-        LevelSums::weighted(&level::sums(&steel, walk, 1, |_| 0), &[1.0]).deviance()
+    LagProfile { likeliest, gain: without - lowest, clock: clock(record, evidence, likeliest), profile }
+}
+
+/// The difference of the clocks, if it is likelier than this lag and than none. A lag smooths the
+/// temperature from sample to sample, and a clock does not, so each sample counts alone here.
+fn clock(record: &MeasuredRecord, evidence: &Evidence, lag: f64) -> Option<f64> {
+    let samples = record.samples();
+    let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
+    let single = |samples: &Samples| bins(samples, &sticks, 1.0, 2);
+    let walk = level::fitted_walk(&single(&samples));
+    let deviance = |record: &MeasuredRecord| {
+        LevelSums::weighted(&level::sums(&single(&record.samples()), walk, 1, |_| 0), &[1.0]).deviance()
     };
-    let shifts = CLOCKS.map(|hours| (HOUR * hours, shifted(HOUR * hours)));
-    let best = shifts.into_iter().min_by(|a, b| a.1.total_cmp(&b.1));
-    let clock = best.filter(|(_, deviance)| lowest - deviance > CONVINCING).map(|(seconds, _)| seconds);
-    LagProfile { likeliest, gain: without - lowest, clock, profile }
+    let best_of = |clocks: &[f64]| {
+        let shifts = clocks.iter().map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
+        shifts.min_by(|a, b| a.1.total_cmp(&b.1))
+    };
+    let none = deviance(record);
+    // Where no small step to either side is likelier, and no whole hour, nothing else is.
+    best_of(&FIRST).filter(|(_, deviance)| *deviance < none)?;
+    let (best, lowest) = best_of(&CLOCKS)?;
+    let other = none.min(deviance(&record.lagged(lag)));
+    (other - lowest > CONVINCING).then_some(best)
+}
+
+/// Whether two clocks that differ by so many seconds may have gone apart; otherwise somebody set one
+/// of them to another hour.
+pub fn is_small(seconds: f64) -> bool {
+    seconds.abs() < HOUR
 }
 
 impl LagProfile {

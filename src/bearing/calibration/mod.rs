@@ -48,6 +48,7 @@ mod zero;
 pub use air::Air;
 pub use bearing::{Bearing, Response, Sensor};
 pub use calibrate::{calibrate, calibrate_again};
+pub(super) use course::farthest;
 pub use lag::LagProfile;
 pub use misfit::FitObjective;
 pub use motion::Motion;

@@ -187,10 +187,10 @@ impl Calibration {
         }
     }
 
-    /// Times and temperatures of the steel at the thermometer's own samples. Temperatures that are
-    /// interpolated between them would make the weather smoother than it is.
-    pub fn thermometer(&self) -> [Vec<f64>; 2] {
-        MeasuredRecord { temperatures: self.steel.clone(), ..self.record.clone() }.thermometer()
+    /// The standard error of the lag, in seconds; 0 if it was given or none was found.
+    pub fn lag_error(&self) -> f64 {
+        let error = 0.5 * (self.lag.high - self.lag.low) / normal_quantile(self.question.level);
+        if error.is_finite() { error } else { 0.0 }
     }
 
     /// The estimate of a quantity.

@@ -18,6 +18,9 @@ pub struct MeasuredRecord {
     /// The indices of temperatures that are not the thermometer's own but interpolated between
     /// them, in ascending order.
     pub interpolated: Vec<usize>,
+    /// The times over which each temperature and each reading is a mean, around its time, in seconds;
+    /// 0 if it is that of an instant.
+    pub averaged: [f64; 2],
     /// The instant from which the times count, if it is known.
     pub start: Option<Start>,
 }
@@ -30,12 +33,26 @@ const GAP: f64 = 3.5;
 
 impl From<&BearingData> for MeasuredRecord {
     fn from(BearingData { temperature, displacement, start, .. }: &BearingData) -> Self {
-        let columns = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
-        MeasuredRecord { start: *start, ..MeasuredRecord::of(columns[0], columns[1]) }
+        let averaged = [temperature.averaged, displacement.averaged];
+        let [air, sensor] = [temperature, displacement].map(|column| [&column.times[..], &column.values[..]]);
+        let most = 0.5 * averaged[0].max(averaged[1]);
+        let start = start.and_then(|start| start.after(-most));
+        MeasuredRecord { start, ..MeasuredRecord::of_means(air, sensor, averaged) }
     }
 }
 
 impl MeasuredRecord {
+    /// The same as [`MeasuredRecord::of`] from temperatures and displacements that are means over so
+    /// many seconds before their times; 0 for those of an instant. A mean stands for the middle of its
+    /// time, and all times are later by half of the longer one, so that they stay at or above 0.
+    pub fn of_means(temperatures: [&[f64]; 2], readings: [&[f64]; 2], averaged: [f64; 2]) -> MeasuredRecord {
+        let most = 0.5 * averaged[0].max(averaged[1]);
+        let middles = |times: &[f64], over: f64| times.iter().map(|t| t + (most - 0.5 * over)).collect::<Vec<f64>>();
+        let times = [middles(temperatures[0], averaged[0]), middles(readings[0], averaged[1])];
+        let both = MeasuredRecord::of([&times[0], temperatures[1]], [&times[1], readings[1]]);
+        MeasuredRecord { averaged, ..both }
+    }
+
     /// A record from temperatures and displacements, each as times and values in order of time. It
     /// has a sample at each time of the temperatures. A displacement at another time gets the
     /// temperature interpolated between its neighbours, unless they are separated by a gap.
@@ -81,6 +98,23 @@ impl MeasuredRecord {
         MeasuredRecord { readings, ..self.clone() }
     }
 
+    /// The same record without the readings at these places.
+    pub fn without_readings(&self, at: &[usize]) -> MeasuredRecord {
+        let mut record = self.clone();
+        at.iter().for_each(|i| record.readings[*i] = f64::NAN);
+        record
+    }
+
+    /// The same record with temperatures that are interpolated between these.
+    pub fn with_temperatures(&self, times: &[f64], temperatures: &[f64]) -> MeasuredRecord {
+        let at = |time: &f64| {
+            let after = times.partition_point(|t| t < time).clamp(1, times.len() - 1);
+            let share = (time - times[after - 1]) / (times[after] - times[after - 1]);
+            temperatures[after - 1] + share.clamp(0.0, 1.0) * (temperatures[after] - temperatures[after - 1])
+        };
+        MeasuredRecord { temperatures: self.times.iter().map(at).collect(), ..self.clone() }
+    }
+
     /// The samples that have a reading.
     pub fn samples(&self) -> Samples {
         let seen: Vec<usize> = (0..self.times.len()).filter(|i| self.readings[*i].is_finite()).collect();
@@ -114,13 +148,8 @@ impl MeasuredRecord {
     /// The same record with the temperature of so many seconds earlier, interpolated between its
     /// neighbours, as if the clock of the sensor were behind that of the thermometer.
     pub fn shifted(&self, seconds: f64) -> MeasuredRecord {
-        let (t, x) = (&self.times, &self.temperatures);
-        let earlier = |time: &f64| {
-            let after = t.partition_point(|t| *t <= time - seconds).clamp(1, t.len() - 1);
-            let share = ((time - seconds - t[after - 1]) / (t[after] - t[after - 1])).clamp(0.0, 1.0);
-            x[after - 1] + share * (x[after] - x[after - 1])
-        };
-        MeasuredRecord { temperatures: t.iter().map(earlier).collect(), ..self.clone() }
+        let later: Vec<f64> = self.times.iter().map(|time| time + seconds).collect();
+        self.with_temperatures(&later, &self.temperatures)
     }
 
     /// The time that each sample stands for, in seconds: half of the distance to each of its

@@ -73,12 +73,13 @@ const ROUNDS: usize = 6;
 const UNUSUAL: f64 = 2.5;
 
 impl Evidence {
-    /// Find the slips of a record; `None` if there are none.
+    /// Find the slips of a record whose thermometer, where it is rough, moves like this one; `None`
+    /// if there are none.
     ///
     /// The first search compares windows and needs no knowledge of the bearing. The later ones use
     /// the sticks in between: how the level drifts, and where a level that is known from all
     /// samples of a stick jumps.
-    pub fn find(record: &MeasuredRecord, resolution: f64) -> Option<Evidence> {
+    pub fn find(record: &MeasuredRecord, rough: &Thermometer, resolution: f64) -> Option<Evidence> {
         let samples = &record.samples();
         let seconds = bin_length(samples, resolution);
         let mut found = detect::jumps(samples, trimmed_slope(samples));
@@ -90,9 +91,18 @@ impl Evidence {
                 break;
             }
         }
-        let thermometer = Thermometer::of(record);
-        let moves = |windows: &[(Window, f64)]| as_slips_say(thermometer.clone(), windows);
+        let straight = Thermometer::of(record).moving(0.0);
+        // Means do not tell how a temperature moves between them.
+        let is_told = record.averaged == [0.0; 2];
+        let moves = |windows: &[(Window, f64)]| match is_told {
+            true => as_slips_say(rough.clone(), straight.clone(), windows),
+            false => rough.clone(),
+        };
         let sticks = StickAnalysis::new(samples, &found, seconds)?;
+        let evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
+        let jump = evidence.fit(&evidence.unweighted()).map_or(0.0, |(fit, _)| fit.motion.jump);
+        let thermometer = evidence.thermometer.slipping(jump);
+        let moves = |_: &[(Window, f64)]| thermometer.clone();
         let mut evidence = Evidence::of(samples, moves, &found, &sticks, Vec::new())?;
         let candidates: Vec<f64> = (found.indices().chain(samples.starts.iter().copied().filter(|start| *start > 0)))
             .map(|i| 0.5 * (samples.times[i - 1] + samples.times[i]))
@@ -208,6 +218,21 @@ impl Evidence {
         self.slips.iter().zip(sizes).filter(is_set).map(|(slip, _)| slip.index).collect()
     }
 
+    /// The readings that are means over a slip: of the two beside each jump, the one that is farther
+    /// from the level on its side.
+    pub fn mixed(&self, record: &MeasuredRecord) -> Vec<usize> {
+        let seen: Vec<usize> = (0..record.times.len()).filter(|i| record.readings[*i].is_finite()).collect();
+        let still = LevelSums::weighted(&self.sums, &self.unweighted()).slope();
+        let rest = |k: usize| seen.get(k).map_or(f64::NAN, |i| record.readings[*i] - still * record.temperatures[*i]);
+        let mixed = |slip: &Slip| {
+            let k = slip.index;
+            let off = |a: usize, b: usize| (rest(a) - rest(b)).abs();
+            let is_before = k > 1 && off(k - 1, k - 2) > off(k, k + 1);
+            seen[if is_before { k - 1 } else { k }]
+        };
+        self.slips.iter().map(mixed).collect()
+    }
+
     /// The index of the block of a time.
     pub fn block(&self, time: f64) -> usize {
         block(self.start, time)
@@ -229,7 +254,7 @@ impl Evidence {
         let is_rough = self.thermometer.roughness > 0.0;
         let moves = |_: &[(Window, f64)]| {
             let rough = Thermometer::of(record);
-            if is_rough { rough } else { rough.moving(0.0) }
+            if is_rough { rough } else { rough.moving(0.0) }.slipping(self.thermometer.jump)
         };
         let sticks = StickAnalysis::new(samples, &found, self.bin)?;
         let zero = self.zero.clone();

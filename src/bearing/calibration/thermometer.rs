@@ -1,6 +1,7 @@
 //! A temperature at its own samples, and how it moves between them.
 
 use super::samples::{MeasuredRecord, interval, starts, stretches};
+use crate::bearing::weather::Imagined;
 use std::ops::Range;
 
 /// The samples of a thermometer, and what is known of the temperature between them.
@@ -16,6 +17,11 @@ pub struct Thermometer {
     pub temperatures: Vec<f64>,
     /// The variance that the temperature gains between samples, in K^2/s.
     pub roughness: f64,
+    /// Temperatures at the same times that the samples make as likely, if they do not tell it.
+    pub drawn: Vec<Vec<f64>>,
+    /// G, if it is known: where a slip came, the temperature did not go on by that much, which would
+    /// have made two.
+    pub jump: f64,
     /// The index at which each stretch without a gap begins.
     starts: Vec<usize>,
 }
@@ -24,15 +30,38 @@ impl Thermometer {
     /// The thermometer's own samples of a record, and the roughness that they show.
     pub fn of(record: &MeasuredRecord) -> Self {
         let [times, temperatures] = record.thermometer();
+        Thermometer::sampled(times, temperatures)
+    }
+
+    /// A thermometer with these samples, and the roughness that they show.
+    pub fn sampled(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
         let starts = starts(&times);
-        let mut course = Thermometer { times, temperatures, roughness: 0.0, starts };
+        let mut course =
+            Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), jump: f64::INFINITY, starts };
         course.roughness = course.shown_roughness();
         course
+    }
+
+    /// The same by a clock that goes so many seconds ahead.
+    pub fn shifted(mut self, seconds: f64) -> Self {
+        self.times.iter_mut().for_each(|time| *time += seconds);
+        self
+    }
+
+    /// A temperature that was imagined.
+    pub fn imagined(of: Imagined) -> Self {
+        let Imagined { times, mean, drawn, roughness, .. } = of;
+        Thermometer { starts: starts(&times), times, temperatures: mean, drawn, roughness, jump: f64::INFINITY }
     }
 
     /// The same samples with another roughness between them; 0 for straight lines.
     pub fn moving(self, roughness: f64) -> Self {
         Thermometer { roughness, ..self }
+    }
+
+    /// The same where slips have this G, in kelvin.
+    pub fn slipping(self, jump: f64) -> Self {
+        Thermometer { jump: if jump > 0.0 { jump } else { f64::INFINITY }, ..self }
     }
 
     /// The stretches without a gap.

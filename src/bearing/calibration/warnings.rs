@@ -2,7 +2,7 @@
 //!
 //! A warning is one row of the list below: its name, and the function that says it where it is due.
 
-use super::lag::CONVINCING;
+use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
 use super::report::{Calibration, ParameterEstimate};
@@ -113,13 +113,23 @@ fn other_lag(case: &Case) -> Option<String> {
     Some(format!("the data say a lag of {likeliest:.1} minutes rather than {given:.1}; try --lag auto"))
 }
 
-/// The clocks of thermometer and sensor seem to differ by whole hours.
+/// The clocks of thermometer and sensor seem to differ.
 fn clocks(case: &Case) -> Option<String> {
     let seconds = case.calibration.lag_profile.as_ref()?.clock?;
-    let (hours, side) = (seconds.abs() / HOUR, if seconds > 0.0 { "earlier" } else { "later" });
+    let side = if seconds > 0.0 { "earlier" } else { "later" };
+    let minutes = seconds.abs() / 60.0;
+    let by = if minutes < 60.0 { format!("{minutes:.0} min") } else { format!("{:.0} h", minutes / 60.0) };
+    let taken = match is_small(seconds) {
+        true => {
+            "the two clocks seem to differ; this is fitted and taken out, to five minutes, and is no lag of steel; correct \
+                 the clock that is wrong"
+        }
+        false => {
+            "see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before"
+        }
+    };
     Some(format!(
-        "the temperature of {hours:.0} h {side} explains the displacement far better than that of the same time, with or without \
-         a lag: see whether one of the clocks has summer time or another zone, and correct it; the intervals do not hold before"
+        "the temperature of {by} {side} explains the displacement far better than that of the same time, with or without a lag: {taken}"
     ))
 }
 

@@ -2,7 +2,7 @@
 
 use crate::bearing::calibration::{Calibration, Motion, Quantity, Response, Sensor};
 use crate::bearing::linear::{Matrix, cholesky, times};
-use crate::model::{Drive, Friction, Model, Oscillator, Temperature};
+use crate::bearing::weather::{Weather, WeatherFit};
 use crate::noise::Stream;
 
 /// The quantities that determine motion and reading. K, f_s and f_d follow from them, and x(0) is
@@ -15,9 +15,6 @@ const LEAST: f64 = 0.1;
 
 /// A draw is repeated as often as this until it is that of a possible bearing.
 const REPEATS: u64 = 100;
-
-/// Duration of a slip in seconds, which is negligible against the time scales of the weather.
-const SLIP: f64 = 0.1;
 
 /// The parameters of a bearing in kelvin, and how a sensor sees it.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,25 +34,26 @@ impl DrawnBearing {
     pub fn dilatation(&self) -> f64 {
         self.sensor.moving + self.sensor.still
     }
+}
 
-    /// The model of this bearing, for the quasi-static scheme.
-    pub fn model(&self, temperature: Temperature) -> Model {
-        let slope = self.stiffness * self.dilatation();
-        let static_force = self.reach * slope;
-        let rate = std::f64::consts::PI / SLIP;
-        Model {
-            oscillator: Oscillator {
-                mass: self.stiffness / (rate * rate),
-                stiffness: self.stiffness,
-                damping: 0.0,
-                drive: Drive::Dilatation(self.dilatation()),
-            },
-            friction: Friction { static_force, dynamic_force: static_force - 0.5 * self.jump * slope },
-            force: None,
-            initial_displacement: self.dilatation() * temperature.deterministic(0.0),
-            initial_velocity: 0.0,
-            temperature,
-        }
+/// The weather, and how far the steel is behind the thermometer.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DrawnSteel {
+    pub weather: Weather,
+    /// The lag, in seconds.
+    pub lag: f64,
+}
+
+impl DrawnSteel {
+    /// The most likely one.
+    pub fn likeliest(calibration: &Calibration, weather: &WeatherFit) -> Self {
+        DrawnSteel { weather: weather.likeliest(), lag: calibration.lag.estimate }
+    }
+
+    /// A random one, as the errors allow.
+    pub fn drawn(calibration: &Calibration, weather: &WeatherFit, random: &mut Stream) -> Self {
+        let lag = calibration.lag.estimate + calibration.lag_error() * random.normal();
+        DrawnSteel { weather: weather.drawn(random), lag: lag.max(0.0) }
     }
 }
 

@@ -1,7 +1,5 @@
 //! What is asked of a forecast, and why there may be none.
 
-use crate::scheme::Misfit;
-
 /// What is asked of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForecastQuestion {
@@ -23,23 +21,39 @@ pub(super) const LIKELIEST: u64 = 10;
 /// Why there is no forecast.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ForecastError {
-    /// The scheme cannot simulate some of the drawn parameters.
-    #[error(transparent)]
-    Misfit(#[from] Misfit),
     /// Most of the parameters that the calibration leaves open are those of no bearing.
     #[error(
         "the record tells too little of the bearing: most of the parameters that it leaves open are those of no bearing"
     )]
     Unknown,
-    /// So many years were given up that no intervals can be computed.
-    #[error("years were given up with {0} of {1} draws of the parameters, {GIVEN_UP}, so there are no intervals")]
-    GivenUp(u64, u64),
+    /// The record and the forecast of the same time are too far apart.
+    #[error(
+        "the record shows {slips:.0} slips in {days:.0} days, a sliding path of {:.1} mm, and 99.8 % of the simulated \
+         records of the same days between {:.0} and {:.0}: the model does not describe this weather or this bearing, so \
+         there is no forecast",
+        1e3 * path, range[0], range[1]
+    )]
+    NotTheRecord {
+        /// Number of slips in the record.
+        slips: f64,
+        /// Their sum, in metres.
+        path: f64,
+        /// The days of the record.
+        days: f64,
+        /// The numbers of slips between which simulated records are.
+        range: [f64; 2],
+    },
 }
 
 impl ForecastError {
-    /// What to do if too little is known.
-    pub const REMEDY: &str = "measure for longer, so that the parameters are known better";
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            ForecastError::Unknown => "measure for longer, so that the parameters are known better",
+            ForecastError::NotTheRecord { .. } => {
+                "take a thermometer of the air in the shade, give `averaged` if the logger stores means, and see the residuals of \
+                 mc calibrate"
+            }
+        }
+    }
 }
-
-/// Why a year is given up.
-pub(super) const GIVEN_UP: &str = "because they had more slips than can be simulated";

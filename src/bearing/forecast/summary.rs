@@ -1,7 +1,8 @@
 //! Expected values and their intervals from simulated years.
 
-use super::question::{ForecastError, ForecastQuestion, GIVEN_UP, LIKELIEST};
-use super::year::{ForecastQuantity, Year};
+use super::question::{ForecastError, ForecastQuestion};
+use super::year::{ForecastQuantity, YEAR, Year, YearAndRecord};
+use crate::bearing::calibration::Calibration;
 use crate::bearing::moments::{mean, variance};
 use statrs::distribution::{ContinuousCDF as _, StudentsT};
 
@@ -43,22 +44,45 @@ pub struct Forecast {
     pub levels: Vec<ForecastLevel>,
     /// Return levels of the largest |z| of a year.
     pub return_levels: Vec<ReturnLevel>,
-    /// Number of draws that are left out, because years with them were given up.
-    pub draws_left_out: u64,
-    /// Number of years with the most likely parameters that were given up.
-    pub likeliest_given_up: u64,
+    /// What the record showed.
+    pub showed: Showed,
+    /// The numbers of slips between which nearly all simulated records of the same time are.
+    pub usual: [f64; 2],
     /// Number of draws that were those of no bearing, and were drawn again.
     pub redrawn: u64,
 }
 
-/// The years of one draw of the parameters.
-#[derive(Clone, Debug, Default)]
-pub(super) struct SimulatedDraw {
-    /// The years that were simulated to their end.
-    pub years: Vec<Year>,
-    /// Number of years that were given up.
-    pub given_up: u64,
+/// What a record showed of slips.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Showed {
+    /// Number of slips, from their jumps.
+    pub slips: f64,
+    /// Their sum, in metres.
+    pub path: f64,
+    /// The time in which they were seen, at most a year, in seconds.
+    pub duration: f64,
 }
+
+impl Showed {
+    /// What the record of a calibration showed. Of a record of more than a year, it is a year's
+    /// share.
+    pub fn of(calibration: &Calibration) -> Self {
+        let Calibration { record, response, slips, .. } = calibration;
+        let observed: f64 = record.shares().iter().sum();
+        let duration = observed.min(YEAR);
+        let share = duration / observed;
+        let moved: f64 = slips.iter().map(|slip| slip.jump.abs() / response.sensor.moving).sum();
+        let path = share * moved * (response.sensor.moving + response.sensor.still);
+        Showed { slips: share * libm::round(moved / response.motion.jump), path, duration }
+    }
+}
+
+/// The share of simulated records that have fewer slips, or more, than the usual ones.
+const UNUSUAL: f64 = 1e-3;
+
+/// A record with this many times as many slips as simulated ones, or as many times fewer, is not
+/// that of the model.
+const ANOTHER: f64 = 1.25;
 
 /// The return periods, in years.
 const RETURN_PERIODS: [f64; 2] = [10.0, 50.0];
@@ -68,30 +92,29 @@ const EULER: f64 = 0.577_215_664_901_532_9;
 
 impl Forecast {
     /// Summarise years: first those with the most likely parameters, then those of each draw. A
-    /// draw whose years are not all there, because the forecast was stopped, is left out, and so is
-    /// a draw of which years were given up: those that remain would not be typical of it. `None` if
+    /// draw whose years are not all there, because the forecast was stopped, is left out. `None` if
     /// the forecast was stopped before two draws were simulated.
     pub(super) fn of(
-        draws: Vec<SimulatedDraw>,
+        draws: &[Vec<YearAndRecord>],
         question: &ForecastQuestion,
+        showed: &Showed,
         knows_forces: bool,
     ) -> Result<Option<Forecast>, ForecastError> {
-        let mut draws = draws.into_iter();
-        let Some(SimulatedDraw { years: likeliest, given_up: likeliest_given_up }) = draws.next() else {
-            return Ok(None);
-        };
-        let simulated: Vec<SimulatedDraw> =
-            draws.filter(|draw| draw.years.len() as u64 + draw.given_up == question.years).collect();
-        let count = simulated.len() as u64;
-        let (whole, given_up): (Vec<_>, Vec<_>) = simulated.into_iter().partition(|draw| draw.given_up == 0);
-        let draws_left_out = given_up.len() as u64;
-        if count < 2 {
+        let Some((likeliest, draws)) = draws.split_first() else { return Ok(None) };
+        let whole: Vec<&Vec<YearAndRecord>> =
+            draws.iter().filter(|years| years.len() as u64 == question.years).collect();
+        if whole.len() < 2 {
             return Ok(None);
         }
-        if likeliest.is_empty() || whole.len() < 2 {
-            return Err(ForecastError::GivenUp(draws_left_out + u64::from(likeliest_given_up > 0), count + 1));
+        let of = |years: &Vec<YearAndRecord>| years.iter().map(|one| one.year).collect::<Vec<Year>>();
+        let (likeliest, years): (_, Vec<Vec<Year>>) = (of(likeliest), whole.iter().copied().map(of).collect());
+        let mut within: Vec<f64> = whole.iter().copied().flatten().map(|one| one.within).collect();
+        within.sort_by(f64::total_cmp);
+        let usual = [UNUSUAL, 1.0 - UNUSUAL].map(|level| quantile(&within, level));
+        let Showed { slips, path, duration } = *showed;
+        if slips > ANOTHER * usual[1] || ANOTHER * slips < usual[0] {
+            return Err(ForecastError::NotTheRecord { slips, path, days: duration / 86_400.0, range: usual });
         }
-        let years: Vec<Vec<Year>> = whole.into_iter().map(|draw| draw.years).collect();
         let known = |quantity: &ForecastQuantity| knows_forces || *quantity != ForecastQuantity::Force;
         let levels = ForecastQuantity::ALL
             .into_iter()
@@ -100,33 +123,17 @@ impl Forecast {
             .collect();
         let return_levels = RETURN_PERIODS.map(|period| return_level(&years, period, question)).to_vec();
         let question = *question;
-        Ok(Some(Forecast {
-            question,
-            likeliest,
-            years,
-            levels,
-            return_levels,
-            draws_left_out,
-            likeliest_given_up,
-            redrawn: 0,
-        }))
+        Ok(Some(Forecast { question, likeliest, years, levels, return_levels, showed: *showed, usual, redrawn: 0 }))
     }
 
     /// Reasons to be careful with the result.
     pub fn warnings(&self) -> Vec<String> {
-        let draws = (self.draws_left_out > 0).then(|| {
-            let all = self.draws_left_out + self.years.len() as u64;
+        let Forecast { showed: Showed { slips, duration, .. }, usual: [low, high], .. } = self;
+        let another = (slips < low || slips > high).then(|| {
             format!(
-                "{} of {all} draws of the parameters are left out, because years with them were given up, {GIVEN_UP}; the intervals \
-                 hold nothing of such parameters",
-                self.draws_left_out
-            )
-        });
-        let likeliest = (self.likeliest_given_up > 0).then(|| {
-            format!(
-                "{} of {} years with the likeliest parameters were given up, {GIVEN_UP}; the expected values are those of the others",
-                self.likeliest_given_up,
-                LIKELIEST * self.question.years
+                "the record shows {slips:.0} slips in {:.0} days, and nearly all simulated records of the same days between {low:.0} and \
+                 {high:.0}: the model does not describe all of this weather or of this bearing, and the intervals do not hold",
+                duration / 86_400.0
             )
         });
         let redrawn = (self.redrawn > 0).then(|| {
@@ -136,7 +143,7 @@ impl Forecast {
                 self.redrawn
             )
         });
-        draws.into_iter().chain(likeliest).chain(redrawn).collect()
+        another.into_iter().chain(redrawn).collect()
     }
 
     /// The forecast of a quantity, if it can be known.
@@ -228,6 +235,14 @@ mod tests {
 
     const QUESTION: ForecastQuestion = ForecastQuestion { draws: 50, years: 40, seed: 1, level: 0.9, share: 0.9 };
 
+    /// The forecast of these years, whose slips are also those of the time of a record with `slips`.
+    fn of(draws: Vec<Vec<Year>>, question: &ForecastQuestion, slips: f64) -> Result<Option<Forecast>, ForecastError> {
+        let one = |year: Year| YearAndRecord { year, within: year[ForecastQuantity::Slips as usize] };
+        let draws: Vec<Vec<YearAndRecord>> =
+            draws.into_iter().map(|years| years.into_iter().map(one).collect()).collect();
+        Forecast::of(&draws, question, &Showed { slips, path: 0.01, duration: YEAR }, false)
+    }
+
     /// The means of draws scatter with sd 1 around 50, and years with sd 3 around each mean. The
     /// interval of the expected value is +-1.68 (Student, 49 degrees of freedom) and not sqrt(1 +
     /// 9/40) times that; a single year is within +-1.645 sqrt(10). The largest value of a year is
@@ -249,8 +264,7 @@ mod tests {
                 (0..QUESTION.years).map(|_| year(&mut random)).collect()
             });
             let years = std::iter::once(vec![[50.0, 0.0, 0.0, 0.0, 0.0, 0.0]; 40]).chain(years);
-            let draws = years.map(|years| SimulatedDraw { years, given_up: 0 }).collect();
-            let forecast = Forecast::of(draws, &QUESTION, false).expect("no year is given up").expect("enough");
+            let forecast = of(years.collect(), &QUESTION, 0.0).expect("as the record").expect("enough");
             assert_eq!(forecast.level(ForecastQuantity::Force), None);
             let level = forecast.level(ForecastQuantity::SlidingPath).expect("known");
             let half = |interval: [f64; 2]| 0.5 * (interval[1] - interval[0]) / f64::from(times);
@@ -315,48 +329,31 @@ mod tests {
         }
     }
 
-    /// Of four draws of three years, with 10, 20, 30 and 40 slips in every year, the second loses a
-    /// year, so that it is in no result, and this is said. The expected value is that of the years
-    /// with the likeliest parameters, 25 slips, also if some of those are given up.
+    /// A stop leaves the last draw without some of its years, and a forecast that was stopped before
+    /// two draws has no result.
     #[test]
-    fn a_draw_that_loses_a_year_is_left_out_and_said() {
-        let question = ForecastQuestion { draws: 4, years: 3, ..QUESTION };
-        let draw = |slips: f64, years: usize, given_up: u64| SimulatedDraw {
-            years: vec![[0.0, slips, 0.0, 0.0, 0.0, 0.0]; years],
-            given_up,
-        };
-        let of = |likeliest: SimulatedDraw, second: SimulatedDraw| {
-            let draws = vec![likeliest, draw(10.0, 3, 0), second, draw(30.0, 3, 0), draw(40.0, 3, 0)];
-            Forecast::of(draws, &question, false).map(|found| found.expect("not stopped"))
-        };
-        let slips = |forecast: &Forecast| forecast.level(ForecastQuantity::Slips).expect("known").expected;
-
-        let whole = of(draw(25.0, 30, 0), draw(20.0, 3, 0)).expect("sound");
-        assert_eq!((whole.years.len(), whole.draws_left_out, whole.warnings()), (4, 0, vec![]));
-
-        let lossy = of(draw(25.0, 30, 0), draw(20.0, 2, 1)).expect("sound");
-        assert_eq!((lossy.years.len(), lossy.draws_left_out, slips(&lossy)), (3, 1, 25.0));
-        assert!(lossy.years.iter().flatten().all(|year| year[ForecastQuantity::Slips as usize] != 20.0));
-        let said = lossy.warnings().join("\n");
-        assert!(said.starts_with("1 of 4 draws") && said.contains("more slips than can be simulated"), "{said}");
-
-        let likeliest = of(draw(25.0, 2, 28), draw(20.0, 3, 0)).expect("sound");
-        assert_eq!((likeliest.years.len(), slips(&likeliest)), (4, 25.0));
-        assert!(likeliest.warnings()[0].starts_with("28 of 30 years"), "{:?}", likeliest.warnings());
-        assert_eq!(of(draw(25.0, 0, 30), draw(20.0, 3, 0)), Err(ForecastError::GivenUp(1, 5)));
+    fn a_draw_without_some_of_its_years_is_left_out() {
+        let question = ForecastQuestion { draws: 3, years: 2, ..QUESTION };
+        let of =
+            |years: &[usize]| of(years.iter().map(|n| vec![[1.0; 6]; *n]).collect(), &question, 1.0).expect("sound");
+        assert_eq!(of(&[20, 2, 2, 1]).expect("two draws").years.len(), 2);
+        assert_eq!((of(&[]), of(&[20, 2, 1])), (None, None));
     }
 
-    /// A stop leaves the last draw without some of its years, which is no loss, and a forecast that
-    /// was stopped early has no result. Losses that leave one draw are an error.
+    /// Forty years of fifty draws have 20 to 29 slips. A record with as many is usual, with 32 it is
+    /// said, and with 40 or 12 there is no forecast, only what the record showed.
     #[test]
-    fn a_stop_is_no_loss() {
-        let question = ForecastQuestion { draws: 3, years: 2, ..QUESTION };
-        let draw = |years: usize, given_up: u64| SimulatedDraw { years: vec![[1.0; 6]; years], given_up };
-        let of = |draws: &[SimulatedDraw]| Forecast::of(draws.to_vec(), &question, false);
-        let stopped = of(&[draw(20, 0), draw(2, 0), draw(2, 0), draw(1, 0)]).expect("sound").expect("two draws");
-        assert_eq!((stopped.years.len(), stopped.warnings()), (2, vec![]));
-        assert_eq!(of(&[]), Ok(None));
-        assert_eq!(of(&[draw(20, 0), draw(2, 0), draw(1, 0)]), Ok(None));
-        assert_eq!(of(&[draw(20, 0), draw(2, 0), draw(1, 1), draw(0, 2)]), Err(ForecastError::GivenUp(2, 4)));
+    fn a_record_unlike_its_forecast_is_said_or_refused() {
+        let draw = || (0..40).map(|i| [0.0, 20.0 + f64::from(i % 10), 0.0, 0.0, 0.0, 0.0]).collect::<Vec<Year>>();
+        let draws: Vec<Vec<Year>> = (0..51).map(|_| draw()).collect();
+        let said = |slips: f64| of(draws.clone(), &QUESTION, slips).map(|found| found.expect("whole").warnings().len());
+        assert_eq!([20.0, 29.0, 32.0, 17.0].map(said), [Ok(0), Ok(0), Ok(1), Ok(1)]);
+        for slips in [40.0, 12.0] {
+            let error = said(slips).expect_err("another record").to_string();
+            assert!(
+                error.starts_with(&format!("the record shows {slips} slips in 365 days, a sliding path of 10.0 mm")),
+                "{error}"
+            );
+        }
     }
 }

@@ -1,9 +1,21 @@
-//! The numbers that are kept of a simulated year.
+//! A year of a bearing under random weather.
+//!
+//! The weather is drawn exactly at the times of a grid. Where it is rough between them, its farthest
+//! value in a step is drawn from the law of a Brownian bridge; where steel smooths it, it is a
+//! straight line. The body then slips as [`Motion`] says.
 
-use super::draw::DrawnBearing;
-use crate::model::{Event, EventKind};
-use crate::scheme::{Instant, Observer, Snapshot};
-use std::sync::atomic::{AtomicBool, Ordering};
+use super::draw::{DrawnBearing, DrawnSteel};
+use crate::bearing::calibration::{Motion, farthest};
+use crate::bearing::weather::{Passage, STATES, Square, System, root};
+use crate::model::Harmonic;
+use crate::noise::Stream;
+
+/// The time before a year is counted, in seconds. The body forgets its initial position once the
+/// temperature has changed by more than 2 A in both directions, which takes days to weeks.
+pub const BURN_IN: f64 = 90.0 * 86_400.0;
+
+/// A year, in seconds.
+pub const YEAR: f64 = 365.25 * 86_400.0;
 
 /// A quantity that is kept of a simulated year.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -62,152 +74,123 @@ const NAMES_AND_UNITS: [(&str, &str); ForecastQuantity::ALL.len()] = [
 /// One value for each of [`ForecastQuantity::ALL`].
 pub type Year = [f64; ForecastQuantity::ALL.len()];
 
-/// What was seen of a year so far.
-#[derive(Clone, Copy, Debug)]
-struct Seen {
-    /// The displacement x of the body after its last event.
-    position: f64,
-    sliding: f64,
-    slips: u64,
-    low: f64,
-    high: f64,
-    force: f64,
-    observations: u64,
-    loaded: u64,
+/// The longest step of the grid, in seconds.
+const LONGEST: f64 = 600.0;
+
+/// The shortest one.
+const SHORTEST: f64 = 30.0;
+
+/// A step as a share of the shortest memory of rough weather, within which it is a Brownian motion
+/// to a few percent, or of the time constant of steel, within which its temperature is straight.
+const SHARE: f64 = 0.2;
+
+/// The temperature of the steel on a grid, which begins a burn-in before t = 0 and ends a year after.
+pub struct SteelOfAYear {
+    step: f64,
+    /// What is periodic.
+    mean: Vec<f64>,
+    passage: Passage,
+    /// Cholesky factors of the covariances that the states have at first, and gain in a step.
+    factors: [Square; 2],
+    states: usize,
+    seen: [f64; STATES],
+    /// The variance that the temperature gains within a step; 0 if it is smooth.
+    gain: f64,
 }
 
-/// Observes paths from the end of the burn-in on.
-pub struct YearObserver<'a> {
-    bearing: DrawnBearing,
-    threshold: f64,
-    paths: Vec<Seen>,
-    is_counting: bool,
-    stop: &'a AtomicBool,
-}
-
-impl<'a> YearObserver<'a> {
-    /// An observer of this number of paths of a bearing. The time with |F| above this `share` of
-    /// f_s is counted.
-    pub fn new(bearing: DrawnBearing, share: f64, paths: usize, stop: &'a AtomicBool) -> Self {
-        let threshold = share * bearing.reach * bearing.stiffness * bearing.dilatation();
-        let path = Seen {
-            position: 0.0,
-            sliding: 0.0,
-            slips: 0,
-            low: f64::INFINITY,
-            high: f64::NEG_INFINITY,
-            force: 0.0,
-            observations: 0,
-            loaded: 0,
+impl SteelOfAYear {
+    /// The steel of this weather.
+    pub fn of(drawn: &DrawnSteel) -> Self {
+        let DrawnSteel { weather, lag } = drawn;
+        let followers = [weather.smoothing, *lag];
+        let slow = followers.iter().filter(|tau| **tau > 0.0).copied().reduce(f64::min);
+        let fast = || weather.processes.iter().map(|(rate, _)| 1.0 / rate).fold(f64::INFINITY, f64::min);
+        let step = (SHARE * slow.unwrap_or_else(fast)).clamp(SHORTEST, LONGEST);
+        let rough: f64 = weather.processes.iter().map(|(rate, variance)| 2.0 * rate * variance).sum();
+        let system = System::new(&weather.processes, &followers, 0.0);
+        let passage = system.passage(step);
+        let times = (0..((BURN_IN + YEAR) / step) as usize).map(|i| i as f64 * step - BURN_IN);
+        let waves = |t: f64| -> f64 {
+            let wave = |wave: &Harmonic| {
+                let behind = wave.angular_frequency * lag;
+                let phase = wave.angular_frequency * t + wave.phase - libm::atan(behind);
+                wave.amplitude * libm::cos(phase) / behind.hypot(1.0)
+            };
+            weather.harmonics.iter().map(wave).sum()
         };
-        YearObserver { bearing, threshold, paths: vec![path; paths], is_counting: false, stop }
-    }
-
-    /// The years of all paths that were not lost; empty if the simulation was stopped.
-    pub fn years(&self, lost: &[usize]) -> Vec<Year> {
-        if self.is_stopped() {
-            return Vec::new();
+        SteelOfAYear {
+            step,
+            mean: times.map(waves).collect(),
+            factors: [system.stationary(), passage.gained].map(|covariance| root(&covariance)),
+            passage,
+            states: system.states,
+            seen: system.seen,
+            gain: if slow.is_some() { 0.0 } else { rough * step },
         }
-        let kept = self.paths.iter().enumerate().filter(|(lane, _)| !lost.contains(lane));
-        kept.map(|(_, path)| {
-            let greatest = path.high.abs().max(path.low.abs());
-            let loaded = path.loaded as f64 / path.observations as f64;
-            [path.sliding, path.slips as f64, path.high - path.low, greatest, loaded, path.force]
-        })
-        .collect()
-    }
-
-    /// Observe a body at x under the force F: z = z0 + x + kappa F/K.
-    fn observe(&mut self, lane: usize, x: f64, force: f64) {
-        let sensor = self.bearing.sensor;
-        let kappa = sensor.still / self.bearing.dilatation();
-        let z = sensor.offset + x + kappa * force / self.bearing.stiffness;
-        let path = &mut self.paths[lane];
-        path.low = path.low.min(z);
-        path.high = path.high.max(z);
-        path.force = path.force.max(force.abs());
     }
 }
 
-impl Observer for YearObserver<'_> {
-    fn event(&mut self, lane: usize, event: Event) {
-        let before = std::mem::replace(&mut self.paths[lane].position, event.displacement);
-        if !self.is_counting {
-            return;
-        }
-        self.observe(lane, event.displacement, event.force);
-        if event.kind == EventKind::StickEntered {
-            let path = &mut self.paths[lane];
-            path.slips += 1;
-            path.sliding += (event.displacement - before).abs();
-        }
-    }
+/// A simulated year, and the slips in the first part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct YearAndRecord {
+    pub year: Year,
+    /// Number of slips from t = 0 to the end of the record.
+    pub within: f64,
+}
 
-    fn snapshot(&mut self, instant: Instant, seen: Snapshot<'_>) {
-        self.is_counting |= instant == Instant::Counting;
-        if !self.is_counting || !matches!(instant, Instant::Output(_)) {
-            return;
-        }
-        for lane in 0..self.paths.len() {
-            // Paths in a slip are skipped: slips take no time compared with the hour between two
-            // observations.
-            if seen.is_static[lane] {
-                let x = seen.displacement[lane];
-                let force = self.bearing.stiffness * (self.bearing.dilatation() * seen.temperature[lane] - x);
-                self.observe(lane, x, force);
-                self.paths[lane].observations += 1;
-                self.paths[lane].loaded += u64::from(force.abs() > self.threshold);
+/// Simulate a year of a bearing. The time with |F| above this `share` of f_s is counted, and so are
+/// the slips until `end`.
+pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, random: &mut Stream) -> YearAndRecord {
+    let DrawnBearing { reach, jump, sensor, .. } = *bearing;
+    let times = |matrix: &Square, x: &[f64; STATES]| -> [f64; STATES] {
+        std::array::from_fn(|i| (0..STATES).map(|j| matrix[i][j] * x[j]).sum())
+    };
+    let normals = |random: &mut Stream| -> [f64; STATES] {
+        std::array::from_fn(|i| if i < steel.states { random.normal() } else { 0.0 })
+    };
+    let seen = |x: &[f64; STATES]| -> f64 { x.iter().zip(&steel.seen).map(|(x, seen)| x * seen).sum() };
+    let burnt_in = (BURN_IN / steel.step) as usize;
+    let ends = ((BURN_IN + end) / steel.step) as usize;
+    let mut state = times(&steel.factors[0], &normals(random));
+    let mut before = steel.mean[0] + seen(&state);
+    let mut motion = Motion { reach, jump, start: before };
+    let [mut slips, mut within, mut sliding, mut farthest_off, mut loaded] = [0.0; 5];
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (i, mean) in steel.mean.iter().enumerate() {
+        let (carried, gained) = (times(&steel.passage.carry, &state), times(&steel.factors[1], &normals(random)));
+        state = std::array::from_fn(|k| carried[k] + gained[k]);
+        let temperature = mean + seen(&state);
+        let reached = match steel.gain {
+            0.0 => temperature,
+            gain => farthest([before, temperature], gain, motion.start, random),
+        };
+        before = temperature;
+        let is_counting = i >= burnt_in;
+        for temperature in [reached, temperature] {
+            let xi = motion.next(motion.start, temperature);
+            let moved = (xi - motion.start).abs();
+            motion.start = xi;
+            if !is_counting {
+                continue;
             }
+            if moved > 0.0 {
+                let count = libm::round(moved / jump);
+                slips += count;
+                within += if i < ends { count } else { 0.0 };
+                sliding += moved;
+                farthest_off = reach;
+            }
+            let z = sensor.reading(xi, temperature);
+            (low, high) = (low.min(z), high.max(z));
+            farthest_off = farthest_off.max((temperature - xi).abs());
         }
+        loaded += f64::from(u8::from(is_counting && (temperature - motion.start).abs() > share * reach));
     }
-
-    fn is_stopped(&self) -> bool {
-        self.stop.load(Ordering::Relaxed)
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::bearing::calibration::Sensor;
-    use crate::model::Sign;
-
-    /// A bearing with K = 4 and beta = 1.5 + 0.5, so that kappa = 1/4, f_s = A K beta = 16, and z =
-    /// 0.1 + x + F/16. Its forces are F = 4 (2 T - x). It is seen at x = 0 under T = 0, 1.5, -1.5
-    /// and 0.5, so under F = 0, 12, -12 and 4, of which two exceed 8, half of f_s, in size. Then it
-    /// slips from x = 0 under F = 16, where z = 1.1, to x = -2 under F = -8, where z = -2.4, and is
-    /// seen in a slip, where it does not count. What happens in the burn-in is farther away and
-    /// does not count either.
-    #[test]
-    fn a_year_holds_what_was_seen_of_it() {
-        let sensor = Sensor { offset: 0.1, moving: 1.5, still: 0.5 };
-        let bearing = DrawnBearing { reach: 2.0, jump: 0.5, sensor, stiffness: 4.0 };
-        let stop = AtomicBool::new(false);
-        let mut observer = YearObserver::new(bearing, 0.5, 2, &stop);
-        let event = |kind, displacement, force| Event { kind, time: 0.0, displacement, force };
-        let look = |observer: &mut YearObserver<'_>, instant, x: f64, temperature: f64, is_static: bool| {
-            let (displacement, velocity) = (&[x; 2], &[0.0; 2]);
-            let (temperature, is_static) = (&[temperature; 2], &[is_static, false]);
-            observer.snapshot(instant, Snapshot { time: 0.0, displacement, velocity, temperature, is_static });
-        };
-        observer.event(0, event(EventKind::SlipStarted(Sign::Positive), 30.0, 99.0));
-        look(&mut observer, Instant::Output(0), 30.0, 30.0, true);
-        observer.event(0, event(EventKind::StickEntered, 0.0, 99.0));
-        look(&mut observer, Instant::Counting, 0.0, 0.0, true);
-        for (row, temperature) in [0.0, 1.5, -1.5, 0.5].into_iter().enumerate() {
-            look(&mut observer, Instant::Output(1 + row), 0.0, temperature, true);
-        }
-        observer.event(0, event(EventKind::SlipStarted(Sign::Negative), 0.0, 16.0));
-        observer.event(0, event(EventKind::StickEntered, -2.0, -8.0));
-        look(&mut observer, Instant::Output(5), -50.0, 0.0, false);
-        let years = observer.years(&[1]);
-        // The way, the slips, the range of z, the largest |z|, the share above 8, the largest |F|.
-        let expected = [2.0, 1.0, 3.5, 2.4, 0.5, 16.0];
-        assert_eq!(years.len(), 1);
-        for (quantity, (found, expected)) in ForecastQuantity::ALL.iter().zip(years[0].iter().zip(expected)) {
-            assert!((found - expected).abs() < 1e-12, "{quantity:?}: {found}, expected {expected}");
-        }
-        stop.store(true, Ordering::Relaxed);
-        assert!(observer.years(&[]).is_empty());
+    let slope = bearing.stiffness * bearing.dilatation();
+    let loaded = loaded / (steel.mean.len() - burnt_in) as f64;
+    let greatest = high.abs().max(low.abs());
+    YearAndRecord {
+        year: [sliding * bearing.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
+        within,
     }
 }

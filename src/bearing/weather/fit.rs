@@ -2,7 +2,7 @@
 
 use super::periods::{NotTold, told};
 use super::result::WeatherFit;
-use super::search::ProcessSearch;
+use super::search::{Peak, ProcessSearch};
 use crate::data::{absurd, is_constant};
 
 /// Why a temperature has no model.
@@ -52,16 +52,29 @@ const LEAST: usize = 100;
 /// freedom).
 const TOLD: f64 = 6.0;
 
+/// The thinned records that a fit is compared with: every so-many-th sample.
+const THINNED: [usize; 3] = [2, 4, 8];
+
 /// Fit harmonics of these periods and at most this many processes, one or two, to samples at
-/// ascending times, by the largest restricted likelihood. A second process that the samples do not
-/// tell from the first is left out. A process whose memory is not short against the record is held
-/// at the longest memory that the record can show.
+/// ascending times, by the largest restricted likelihood. Each sample is a mean over `window`
+/// seconds around its time, or instantaneous if that is 0. A second process that the samples do not
+/// tell from the first is left out, and so is a time constant that smooths them. A process whose
+/// memory is not short against the record is held at the longest memory that the record can show.
+///
+/// The same model is fitted to every 2nd, 4th and 8th sample as well: where it is right, all of them
+/// give the same numbers.
 ///
 /// # Errors
 ///
 /// If the record is too short, a number in it is too large, all temperatures are equal, a period is
 /// named twice, or the samples do not determine the processes.
-pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usize) -> Result<WeatherFit, WeatherError> {
+pub fn fit(
+    times: &[f64],
+    temperatures: &[f64],
+    periods: &[f64],
+    processes: usize,
+    window: f64,
+) -> Result<WeatherFit, WeatherError> {
     let n = times.len();
     if n < LEAST {
         return Err(WeatherError::TooShort(n));
@@ -73,23 +86,59 @@ pub fn fit(times: &[f64], temperatures: &[f64], periods: &[f64], processes: usiz
         return Err(WeatherError::Constant);
     }
     told(times, periods)?;
-    let one = ProcessSearch::new(times, temperatures, periods, 1);
+    let samples = [times, temperatures];
+    let search = |processes: usize, smooths: bool| ProcessSearch::new(samples, periods, processes, smooths, window);
+    // The time constant is one number more, for which twice the logarithm of the likelihood has to
+    // gain log n (Schwarz, Annals of Statistics 6, 1978).
+    let price = libm::log(n as f64);
+    let deviance = |smooths: bool| {
+        let lowest = |n: usize| search(n, smooths).rough(None).map_or(f64::INFINITY, |found| found.deviance);
+        (1..=processes).map(lowest).fold(f64::INFINITY, f64::min)
+    };
+    let may_be_smoothed = deviance(true) < deviance(false) - price;
+    let plain = most_likely(search, processes, false);
+    let least = plain.as_ref().map_or(f64::INFINITY, |(_, peak, _)| peak.deviance);
+    let smoothed = may_be_smoothed.then(|| most_likely(search, processes, true)).flatten();
+    let smoothed = smoothed.filter(|(_, peak, _)| peak.deviance < least - price);
+    let (search, peak, fit) = smoothed.or(plain).ok_or(WeatherError::NoProcess)?;
+    let of = |every: usize| {
+        let [times, temperatures] = samples.map(|all| all.iter().copied().step_by(every).collect::<Vec<f64>>());
+        // Samples that are farther apart than the memory do not tell it.
+        let is_dense = every as f64 * fit.duration * fit.processes()[0].relaxation_rate < n as f64;
+        if times.len() < LEAST || told(&times, periods).is_err() || !is_dense {
+            return None;
+        }
+        let thinned = search.of([&times, &temperatures]);
+        Some((every, thinned.weather(&thinned.near(&peak)?)?))
+    };
+    Ok(WeatherFit { thinned: THINNED.into_iter().filter_map(of).collect(), ..fit })
+}
+
+/// One process or two, as far as the samples tell them.
+fn most_likely<'a>(
+    search: impl Fn(usize, bool) -> ProcessSearch<'a>,
+    processes: usize,
+    smooths: bool,
+) -> Option<(ProcessSearch<'a>, Peak, WeatherFit)> {
+    let one = search(1, smooths);
     let best_of_one = one.best();
     if processes > 1 {
-        let two = ProcessSearch::new(times, temperatures, periods, 2);
+        let two = search(2, smooths);
         if let Some(found) = two.best() {
             let is_told = best_of_one.as_ref().is_none_or(|one| one.deviance - found.deviance > TOLD);
             if is_told && let Some(fit) = two.weather(&found) {
-                return Ok(fit);
+                return Some((two, found, fit));
             }
         }
     }
-    let fit = best_of_one.and_then(|found| one.weather(&found)).ok_or(WeatherError::NoProcess)?;
-    Ok(WeatherFit { is_one_of_two: processes > 1, ..fit })
+    let found = best_of_one?;
+    let fit = one.weather(&found)?;
+    Some((one, found, WeatherFit { is_one_of_two: processes > 1, ..fit }))
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::result::Weather;
     use super::*;
     use crate::bearing::calibration::Air;
     use crate::model::{Harmonic, InitialNoise, Noise, Temperature};
@@ -137,7 +186,7 @@ mod tests {
         let records = 40;
         for seed in 0..records {
             let [times, temperatures] = Air::drawn(&truth, 7200, 3600.0, seed).samples();
-            let fit = fit(&times, &temperatures, &PERIODS, 2).expect("a fit");
+            let fit = fit(&times, &temperatures, &PERIODS, 2, 0.0).expect("a fit");
             let (mean, cycles, processes) = (fit.mean(), fit.cycles(), fit.processes());
             let [fast, slow] = [processes[0], processes[1]];
             let relative = |value: f64, expected: f64, error: f64| libm::log(value / expected) / error;
@@ -152,7 +201,7 @@ mod tests {
             ];
             squares.iter_mut().zip(z).for_each(|(sum, z)| *sum += z * z / records as f64);
             assert!(fit.white < 0.25, "{} K of white noise where there is none", fit.white);
-            assert_eq!(fit.warnings(), [""; 0]);
+            assert_eq!(fit.warnings(), [""; 0], "{seed}: {processes:?}");
         }
         println!("mean squares of mean, year, day, sd, sd, theta, theta: {squares:.2?}");
         assert!(squares.iter().all(|mean| (0.35..1.9).contains(mean)), "{squares:?}");
@@ -169,7 +218,7 @@ mod tests {
         for seed in 100..104 {
             let [times, temperatures] = Air::drawn(&truth, 20_000, 600.0, seed).samples();
             let shown: Vec<f64> = temperatures.iter().map(|t| 2.0 * t).map(|t| t.round() / 2.0).collect();
-            let fit = fit(&times, &shown, &[DAY], 2).expect("a fit");
+            let fit = fit(&times, &shown, &[DAY], 2, 0.0).expect("a fit");
             let fast = fit.processes()[0];
             println!("white {:.3}, fast {fast:?}", fit.white);
             assert!((fit.white / (0.5 / 12f64.sqrt()) - 1.0).abs() < 0.1, "{}", fit.white);
@@ -191,7 +240,7 @@ mod tests {
             let [times, mut temperatures] = Air::drawn(&truth(), 7200, 3600.0, seed).samples();
             let mut random = Stream::new(seed, 5);
             temperatures.iter_mut().for_each(|t| *t += 0.1 * random.normal());
-            let fast = fit(&times, &temperatures, &PERIODS, 2).expect("a fit").processes()[0];
+            let fast = fit(&times, &temperatures, &PERIODS, 2, 0.0).expect("a fit").processes()[0];
             let off = libm::log(fast.relaxation_rate * 7200.0);
             held += u32::from(off.abs() < 1.645 * fast.rate_error);
             sum += off;
@@ -212,7 +261,7 @@ mod tests {
         let mut said = 0;
         for seed in 300..330 {
             let [times, temperatures] = Air::drawn(&truth(), 720, 3600.0, seed).samples();
-            let fit = fit(&times, &temperatures, &[DAY], 2).expect("a fit");
+            let fit = fit(&times, &temperatures, &[DAY], 2, 0.0).expect("a fit");
             for process in fit.processes() {
                 assert!(process.sd < 12.0 && process.relaxation_rate * fit.duration > 9.99, "{seed}: {process:?}");
                 assert!(process.sd_error < 0.7, "{seed}: {process:?}");
@@ -229,10 +278,10 @@ mod tests {
     #[test]
     fn draws_have_the_errors_of_the_fit() {
         let [times, temperatures] = Air::drawn(&truth(), 7200, 3600.0, 7).samples();
-        let fit = fit(&times, &temperatures, &PERIODS, 2).expect("a fit");
+        let fit = fit(&times, &temperatures, &PERIODS, 2, 0.0).expect("a fit");
         let mut random = Stream::new(1, 1);
-        let draws: Vec<Temperature> = (0..4000).map(|_| fit.drawn(&mut random)).collect();
-        let spread = |of: &dyn Fn(&Temperature) -> f64| {
+        let draws: Vec<Weather> = (0..4000).map(|_| fit.drawn(&mut random)).collect();
+        let spread = |of: &dyn Fn(&Weather) -> f64| {
             let values: Vec<f64> = draws.iter().map(of).collect();
             let mean = values.iter().sum::<f64>() / 4000.0;
             (mean, (values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / 4000.0).sqrt())
@@ -240,7 +289,7 @@ mod tests {
         let mean = spread(&|t| t.harmonics[0].amplitude);
         let fitted = fit.mean();
         assert!((mean.1 / fitted.1 - 1.0).abs() < 0.045 && (mean.0 - fitted.0).abs() < 0.07 * fitted.1);
-        let rate = spread(&|t| libm::log(t.second_noise.expect("two").relaxation_rate));
+        let rate = spread(&|t| libm::log(t.processes[1].0));
         let slow = fit.processes()[1];
         assert!((rate.1 / slow.rate_error - 1.0).abs() < 0.045, "{rate:?} {slow:?}");
     }

@@ -1,7 +1,6 @@
-//! The exact likelihood of samples of Ornstein-Uhlenbeck processes plus a regression, by a Kalman
-//! filter.
+//! The exact likelihood of samples of the weather plus a regression, by a Kalman filter.
 //!
-//! The state is (u_1, u_2), stationary at the first sample. The filter is linear, so the
+//! The state is that of `system.rs`, stationary at the first sample. The filter is linear, so the
 //! innovations of y - X b are those of y minus those of the columns of X times b. One pass over y
 //! and all columns together therefore gives the weighted regression, the best b, and the best scale
 //! s^2 of all variances:
@@ -16,14 +15,20 @@
 //! Thompson, Biometrika 58, 1971). The fitted mean and harmonics absorb a part of the slow weather,
 //! and the plain likelihood would underestimate its variance by that part.
 
+use super::system::{Passage, STATES, Square, System, carried};
 use crate::bearing::linear::{Matrix, cholesky, inverse, solve};
+use std::collections::HashMap;
 use std::f64::consts::TAU;
 
-/// The processes, with all variances relative to that of the first.
+/// The processes and how they are seen, with all variances relative to that of the first.
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// theta_j, and the variance of u_j divided by that of u_1.
     pub processes: Vec<(f64, f64)>,
+    /// tau, the time constant of what smooths their sum; 0 if nothing does.
+    pub smoothing: f64,
+    /// w, the time over which a sample is a mean; 0 if it is instantaneous.
+    pub window: f64,
     /// r, divided by the variance of u_1.
     pub white: f64,
 }
@@ -41,34 +46,42 @@ pub struct Likelihood {
     pub scale: f64,
 }
 
-/// Largest number of processes.
-const STATES: usize = 2;
-
 /// For evenly spaced samples, the filter has converged when the variance of an innovation changes
 /// by less than this, relative to it.
 const CONVERGED: f64 = 1e-13;
 
 /// The variances and gains of the filter, which do not depend on the measured values.
-struct Filter<'a> {
-    shape: &'a Shape,
+struct Filter {
+    system: System,
+    white: f64,
     /// The covariance of the states, given the samples so far.
-    covariance: [[f64; STATES]; STATES],
+    covariance: Square,
     interval: f64,
-    decay: [f64; STATES],
+    passage: Passage,
+    /// The passages over intervals that have come before, each with its interval in microseconds.
+    known: HashMap<i64, Passage>,
     variance: f64,
+    log_variance: f64,
     gain: [f64; STATES],
     has_converged: bool,
 }
 
-impl<'a> Filter<'a> {
-    /// The filter at the first sample, where the processes are stationary.
-    fn new(shape: &'a Shape) -> Self {
-        let mut covariance = [[0.0; STATES]; STATES];
-        for (j, (_, variance)) in shape.processes.iter().enumerate() {
-            covariance[j][j] = *variance;
-        }
-        let [decay, gain] = [[1.0; STATES], [0.0; STATES]];
-        let mut filter = Filter { shape, covariance, interval: 0.0, decay, variance: 0.0, gain, has_converged: false };
+impl Filter {
+    /// The filter at the first sample, where the weather is stationary.
+    fn new(shape: &Shape) -> Self {
+        let system = System::new(&shape.processes, &[shape.smoothing], shape.window);
+        let mut filter = Filter {
+            covariance: system.stationary(),
+            white: shape.white,
+            interval: 0.0,
+            passage: Passage { carry: [[0.0; STATES]; STATES], gained: [[0.0; STATES]; STATES] },
+            known: HashMap::new(),
+            variance: 0.0,
+            log_variance: 0.0,
+            gain: [0.0; STATES],
+            has_converged: false,
+            system,
+        };
         filter.update();
         filter
     }
@@ -79,21 +92,13 @@ impl<'a> Filter<'a> {
         // differ slightly.
         if (h - self.interval).abs() > 1e-9 * h {
             (self.interval, self.has_converged) = (h, false);
-            for (decay, (theta, _)) in self.decay.iter_mut().zip(&self.shape.processes) {
-                *decay = libm::exp(-theta * h);
-            }
+            self.passage = *self.known.entry((1e6 * h) as i64).or_insert_with(|| self.system.passage(h));
         }
         if self.has_converged {
             return;
         }
-        for i in 0..STATES {
-            for j in 0..STATES {
-                self.covariance[i][j] *= self.decay[i] * self.decay[j];
-            }
-        }
-        for (i, (theta, variance)) in self.shape.processes.iter().enumerate() {
-            self.covariance[i][i] += variance * -libm::expm1(-2.0 * theta * h);
-        }
+        let carried = carried(&self.passage.carry, &self.covariance);
+        self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| carried[i][j] + self.passage.gained[i][j]));
         let before = self.variance;
         self.update();
         self.has_converged = (self.variance - before).abs() <= CONVERGED * before;
@@ -103,8 +108,9 @@ impl<'a> Filter<'a> {
     /// sample.
     fn update(&mut self) {
         let p = self.covariance;
-        let seen = p.map(|row| row.iter().sum::<f64>());
-        self.variance = seen.iter().sum::<f64>() + self.shape.white;
+        let seen = p.map(|row| row.iter().zip(&self.system.seen).map(|(p, seen)| p * seen).sum::<f64>());
+        self.variance = seen.iter().zip(&self.system.seen).map(|(p, seen)| p * seen).sum::<f64>() + self.white;
+        self.log_variance = libm::log(self.variance);
         self.gain = seen.map(|seen| seen / self.variance);
         self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - self.gain[i] * seen[j]));
     }
@@ -114,9 +120,19 @@ impl<'a> Filter<'a> {
 /// as long as `times`. `None` if the shape explains nothing, or if the columns of X are linearly
 /// dependent.
 pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<Likelihood> {
-    let mut filter = Filter::new(shape);
-    // The estimates of both states and the innovation, for each column.
-    let mut tracks = vec![([0.0; STATES], 0.0); columns.len()];
+    let filter = Filter::new(shape);
+    // The number of states is known at compile time, which makes the sums over them fast.
+    match filter.system.states {
+        1 => filtered::<1>(filter, times, columns),
+        2 => filtered::<2>(filter, times, columns),
+        3 => filtered::<3>(filter, times, columns),
+        _ => filtered::<STATES>(filter, times, columns),
+    }
+}
+
+fn filtered<const N: usize>(mut filter: Filter, times: &[f64], columns: &[Vec<f64>]) -> Option<Likelihood> {
+    // The estimates of the states and the innovation, for each column.
+    let mut tracks = vec![([0.0; N], 0.0); columns.len()];
     let mut gram = vec![vec![0.0; columns.len()]; columns.len()];
     let mut log_variances = 0.0;
     for k in 0..times.len() {
@@ -126,17 +142,18 @@ pub fn likelihood(times: &[f64], columns: &[Vec<f64>], shape: &Shape) -> Option<
         if !(filter.variance > 0.0 && filter.variance.is_finite()) {
             return None;
         }
+        let Filter { passage: Passage { carry, .. }, system: System { seen, .. }, gain, .. } = &filter;
         for ((state, innovation), column) in tracks.iter_mut().zip(columns) {
-            let expected: [f64; STATES] = std::array::from_fn(|j| filter.decay[j] * state[j]);
-            *innovation = column[k] - expected[0] - expected[1];
-            *state = std::array::from_fn(|j| expected[j] + filter.gain[j] * *innovation);
+            let expected: [f64; N] = std::array::from_fn(|i| (0..N).map(|j| carry[i][j] * state[j]).sum());
+            *innovation = column[k] - (0..N).map(|i| seen[i] * expected[i]).sum::<f64>();
+            *state = std::array::from_fn(|i| expected[i] + gain[i] * *innovation);
         }
         let weight = 1.0 / filter.variance;
         for (i, row) in gram.iter_mut().enumerate() {
             let weighted = weight * tracks[i].1;
             row.iter_mut().zip(&tracks[..=i]).for_each(|(sum, (_, innovation))| *sum += weighted * innovation);
         }
-        log_variances += libm::log(filter.variance);
+        log_variances += filter.log_variance;
     }
     regression(&gram, times.len() as f64, log_variances)
 }
@@ -164,9 +181,28 @@ mod tests {
     use super::*;
     use crate::noise::Stream;
 
+    /// The correlation of an Ornstein-Uhlenbeck process that was smoothed, from its spectrum, and
+    /// of means of both over windows, by quadrature.
+    fn correlated(theta: f64, smoothing: f64, window: f64, apart: f64) -> f64 {
+        let point = |x: f64| {
+            let decay = |rate: f64| libm::exp(-rate * x.abs());
+            match smoothing {
+                0.0 => decay(theta),
+                tau => (decay(theta) - theta * tau * decay(1.0 / tau)) / (1.0 - (theta * tau).powi(2)),
+            }
+        };
+        // The mean of a function of the difference of two times that are uniform in two windows.
+        let parts = if window > 0.0 { 4000 } else { 0 };
+        let triangle = |i: i32| {
+            let x = (f64::from(i) + 0.5) / f64::from(parts) - 1.0;
+            (1.0 - x.abs()) * point(apart + window * x) / f64::from(parts)
+        };
+        if parts == 0 { point(apart) } else { (0..2 * parts).map(triangle).sum() }
+    }
+
     /// The same likelihood from the full covariance matrix. The samples are at uneven times first
     /// and then at even ones, for which the filter settles. There are two processes, white noise, a
-    /// mean and a slope.
+    /// mean and a slope; samples are instantaneous, smoothed, means, or means of what is smoothed.
     #[test]
     fn the_likelihood_is_that_of_the_whole_covariance_matrix() {
         let mut random = Stream::new(4, 0);
@@ -177,15 +213,17 @@ mod tests {
         let column = |f: &mut dyn FnMut(f64) -> f64| times.iter().map(|t| f(*t)).collect::<Vec<_>>();
         let columns =
             [column(&mut |_| 1.0), column(&mut |t| 0.1 * t), column(&mut |t| 2.0 + 0.3 * t + random.normal())];
-        for (second, white) in [(0.0, 0.2), (3.0, 0.0), (0.4, 0.05)] {
-            let shape = Shape { processes: vec![(5.0, 1.0), (0.02, second)], white };
+        let plain = [(0.0, 0.2), (3.0, 0.0), (0.4, 0.05)].map(|(second, white)| (second, white, 0.0, 0.0));
+        let other = [(0.4, 0.05, 0.7, 0.0), (0.4, 0.05, 0.0, 0.05), (0.4, 0.05, 0.7, 0.05)];
+        for (second, white, smoothing, window) in plain.into_iter().chain(other) {
+            let shape = Shape { processes: vec![(5.0, 1.0), (0.02, second)], white, smoothing, window };
             let found = likelihood(&times, &columns, &shape).expect("a likelihood");
             let covariance: Matrix = times
                 .iter()
                 .map(|t| {
                     let between = |s: &f64| {
-                        let correlated = shape.processes.iter().map(|(theta, v)| v * libm::exp(-theta * (t - s).abs()));
-                        correlated.sum::<f64>() + if s == t { white } else { 0.0 }
+                        let of = |(theta, v): &(f64, f64)| v * correlated(*theta, smoothing, window, (t - s).abs());
+                        shape.processes.iter().map(of).sum::<f64>() + if s == t { white } else { 0.0 }
                     };
                     times.iter().map(between).collect()
                 })
@@ -201,7 +239,7 @@ mod tests {
             let determinant = 2.0 * (0..90).map(|i| libm::log(factor[i][i])).sum::<f64>();
             let fitted = 2.0 * (0..2).map(|i| libm::log(root[i][i])).sum::<f64>();
             let deviance = determinant + fitted + 88.0 * (libm::log(TAU * scale) + 1.0);
-            let near = |a: f64, b: f64| (a - b).abs() <= 1e-9 * b.abs();
+            let near = |a: f64, b: f64| (a - b).abs() <= if window > 0.0 { 1e-5 } else { 1e-9 } * b.abs();
             assert!(near(found.deviance, deviance) && near(found.scale, scale), "{found:?} {deviance} {scale}");
             assert!(found.coefficients.iter().zip(&b).all(|(a, b)| near(*a, *b)), "{found:?} {b:?}");
             let errors = inverse(&root);

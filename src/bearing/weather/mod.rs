@@ -6,10 +6,15 @@
 //! du_j = -theta_j u_j dt + sd_j sqrt(2 theta_j) dW_j,    e_k ~ N(0, r)
 //! ```
 //!
+//! Where the likelihood asks for it, the sum of the processes is smoothed before it is seen, as
+//! steel smooths the temperature of the air: ds/dt = (u_1 + u_2 - s)/tau takes the place of u_1 +
+//! u_2. A sample may also be a mean over the time between samples. All of these are linear, so the
+//! likelihood stays exact (`system.rs`).
+//!
 //! The periods of the harmonics are given, such as a year and a day. Amplitudes, rates and
 //! variances are those of the largest restricted likelihood, which is exact for samples at any
 //! times. A Kalman filter gives the innovations (`kalman.rs`), a regression gives the amplitudes
-//! and the best scale of all variances, and one to four numbers are left to be searched
+//! and the best scale of all variances, and one to five numbers are left to be searched
 //! (`search.rs`, `simplex.rs`). The white noise e comes from the thermometer, for example because
 //! it shows whole tenths. It is not part of the weather that is simulated.
 //!
@@ -18,15 +23,20 @@
 //! are the default.
 
 mod fit;
+mod imagined;
 mod kalman;
 mod periods;
 mod result;
 mod search;
 mod simplex;
+mod smoother;
+mod system;
 
 /// A year and a day, in seconds: the periods of an outdoor temperature.
 pub const PERIODS: [f64; 2] = [365.25 * 86_400.0, 86_400.0];
 
 pub use fit::{WeatherError, fit};
+pub(super) use imagined::{Imagined, imagined};
 pub use periods::{NotTold, usual};
-pub use result::{Cycle, Process, WeatherFit};
+pub use result::{Cycle, Process, Weather, WeatherFit};
+pub(super) use system::{Passage, STATES, Square, System, root};

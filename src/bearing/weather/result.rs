@@ -48,12 +48,28 @@ pub struct WeatherFit {
     pub held_memory: Option<f64>,
     /// log L, the logarithm of the restricted likelihood.
     pub log_likelihood: f64,
+    /// Whether something smooths the sum of the processes.
+    pub is_smoothed: bool,
+    /// The same model fitted to every 2nd, 4th and 8th sample, each with that number.
+    pub thinned: Vec<(usize, WeatherFit)>,
     /// The periods of the harmonics.
     pub(super) periods: Vec<f64>,
     /// a_0, b_1, c_1, b_2, ...
     pub(super) coefficients: Estimates,
-    /// log theta_1, log sd_1, log theta_2, ..., the fastest process first.
+    /// log theta_1, log sd_1, log theta_2, ..., the fastest process first, and log tau if something
+    /// smooths their sum.
     pub(super) logarithms: Estimates,
+}
+
+/// Numbers that describe a temperature.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Weather {
+    /// What is periodic, with the mean as the first.
+    pub harmonics: Vec<Harmonic>,
+    /// theta and the variance of each process.
+    pub processes: Vec<(f64, f64)>,
+    /// tau, the time constant of what smooths their sum; 0 if nothing does.
+    pub smoothing: f64,
 }
 
 /// Estimates with normal errors.
@@ -79,6 +95,9 @@ impl Estimates {
     }
 }
 
+/// A memory that moves by more than this many standard errors is said.
+const MOVED: f64 = 3.0;
+
 impl WeatherFit {
     /// What is to be known of the fit, in sentences.
     pub fn warnings(&self) -> Vec<String> {
@@ -92,7 +111,33 @@ impl WeatherFit {
                 memory / 3600.0
             )
         });
-        one.into_iter().chain(held).collect()
+        let smoothed = self.smoothing().map(|(tau, _)| {
+            format!(
+                "the temperature is smoother than air, as that of steel or of a shaded box is; it is described as air that \
+                 something with a time constant of {:.2} h follows",
+                tau / 3600.0
+            )
+        });
+        let moved = self.thinned.iter().filter_map(|(every, other)| {
+            let [here, there] = [self, other].map(|fit| fit.processes()[0]);
+            let off = libm::log(there.relaxation_rate / here.relaxation_rate).abs();
+            (off > MOVED * there.rate_error.hypot(here.rate_error)).then(|| {
+                let hours = |process: Process| 1.0 / process.relaxation_rate / 3600.0;
+                format!(
+                    "the fast weather has a memory of {:.3} h, and of {:.3} h in every {every}th sample, which is farther apart than \
+                     their errors: the model does not describe this temperature at all times",
+                    hours(here),
+                    hours(there)
+                )
+            })
+        });
+        one.into_iter().chain(held).chain(smoothed).chain(moved.take(1)).collect()
+    }
+
+    /// The time constant of what smooths the weather, and the standard error of its logarithm.
+    pub fn smoothing(&self) -> Option<(f64, f64)> {
+        let last = self.logarithms.values.len() - 1;
+        self.is_smoothed.then(|| (libm::exp(self.logarithms.values[last]), self.logarithms.error(last)))
     }
 
     /// The mean of the temperature, and its standard error.
@@ -126,20 +171,31 @@ impl WeatherFit {
         self.logarithms.values.chunks_exact(2).enumerate().map(of).collect()
     }
 
-    /// The most likely temperature in the form of a scenario. Its noise is stationary from t = 0
-    /// on, which is the first sample.
+    /// The most likely temperature in the form of a scenario, without what smooths it. Its noise is
+    /// stationary from t = 0 on, which is the first sample.
     pub fn temperature(&self) -> Temperature {
+        let Weather { harmonics, processes, .. } = self.likeliest();
+        let mut noises = processes.into_iter().map(|(rate, variance)| {
+            // v has the standard deviation 1, so rho is the standard deviation of the temperature.
+            let (intensity, diffusion) = (variance.sqrt(), (2.0 * rate).sqrt());
+            Noise { intensity, relaxation_rate: rate, diffusion, initial: InitialNoise::Stationary }
+        });
+        Temperature { harmonics, noise: noises.next(), second_noise: noises.next(), ..Temperature::default() }
+    }
+
+    /// The most likely weather.
+    pub fn likeliest(&self) -> Weather {
         self.of(&self.coefficients.values, &self.logarithms.values)
     }
 
-    /// A temperature with parameters drawn from the distribution of their errors.
-    pub fn drawn(&self, random: &mut Stream) -> Temperature {
+    /// Weather drawn from the distribution of the errors of its parameters.
+    pub fn drawn(&self, random: &mut Stream) -> Weather {
         let coefficients = self.coefficients.drawn(random);
         let logarithms = self.logarithms.drawn(random);
         self.of(&coefficients, &logarithms)
     }
 
-    fn of(&self, coefficients: &[f64], logarithms: &[f64]) -> Temperature {
+    fn of(&self, coefficients: &[f64], logarithms: &[f64]) -> Weather {
         let mut harmonics = vec![Harmonic { amplitude: coefficients[0], angular_frequency: 0.0, phase: 0.0 }];
         for (period, pair) in self.periods.iter().zip(coefficients[1..].chunks_exact(2)) {
             harmonics.push(Harmonic {
@@ -148,12 +204,8 @@ impl WeatherFit {
                 phase: libm::atan2(-pair[1], pair[0]),
             });
         }
-        let mut noises = logarithms.chunks_exact(2).map(|pair| {
-            let (rate, sd) = (libm::exp(pair[0]), libm::exp(pair[1]));
-            // v has the standard deviation 1, so rho is the standard deviation of the temperature.
-            let diffusion = (2.0 * rate).sqrt();
-            Noise { intensity: sd, relaxation_rate: rate, diffusion, initial: InitialNoise::Stationary }
-        });
-        Temperature { harmonics, noise: noises.next(), second_noise: noises.next(), ..Temperature::default() }
+        let (pairs, followers) = logarithms.split_at(logarithms.len() - usize::from(self.is_smoothed));
+        let processes = pairs.chunks_exact(2).map(|pair| (libm::exp(pair[0]), libm::exp(2.0 * pair[1]))).collect();
+        Weather { harmonics, processes, smoothing: followers.first().map_or(0.0, |x| libm::exp(*x)) }
     }
 }

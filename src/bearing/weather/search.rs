@@ -1,8 +1,10 @@
 //! The search for the most likely processes, and their errors.
 //!
 //! A point holds log theta of each process, and for two processes the logarithm of the variance of
-//! the second over that of the first. Last is the logarithm of the variance of the white noise over
-//! that of the first, if there is any. Some of these numbers are searched, and the others are held.
+//! the second over that of the first. Then comes log tau, if something smooths their sum, and last
+//! the variance of the white noise over that of the first, if there is any. It is no logarithm,
+//! because it may be next to nothing, where a logarithm has no error. Some of these numbers are
+//! searched, and the others are held.
 
 use super::kalman::{Likelihood, Shape, likelihood};
 use super::result::{Estimates, WeatherFit};
@@ -14,6 +16,15 @@ use std::f64::consts::{LN_2, TAU};
 /// to a thousandth of their errors.
 const ENOUGH: f64 = 1e-6;
 
+/// The steps with which a search begins, in logarithms: far from the most likely point, where a
+/// rough search ended, and where other samples of the same weather have it.
+const AFAR: f64 = 0.7;
+const FROM_ROUGH: f64 = 0.1;
+const FROM_ANOTHER: f64 = 0.3;
+
+/// White noise of less than this share of the variance is rounding.
+const LEAST_WHITE: f64 = 1e-10;
+
 /// The longest memory of a process as a share of the record. From fewer than ten memories neither
 /// it nor the standard deviation can be told.
 const LONGEST: f64 = 0.1;
@@ -24,13 +35,27 @@ const KNOWN: f64 = LN_2;
 /// The standard error of the logarithm of a rate that is held: a factor of 2.
 const HELD_ERROR: f64 = LN_2;
 
+/// A memory is not held where that costs more than this of twice the logarithm of the likelihood:
+/// the record then says that the memory is shorter. By chance it says so in one of 20 records (chi^2
+/// with one degree of freedom).
+const REFUSED: f64 = 3.84;
+
 /// The samples, with the columns of the regression.
 pub struct ProcessSearch<'a> {
     times: &'a [f64],
     columns: Vec<Vec<f64>>,
+    /// What a regression leaves of the temperatures, in which a search begins: it takes a fifth of
+    /// the time, and ends near the most likely point.
+    left: Vec<Vec<f64>>,
+    /// The mean and the amplitudes of that regression.
+    waves: Vec<f64>,
     periods: &'a [f64],
     /// Number of processes.
     processes: usize,
+    /// Whether something smooths their sum.
+    smooths: bool,
+    /// The time over which each sample is a mean, around its time.
+    window: f64,
     duration: f64,
 }
 
@@ -42,34 +67,125 @@ pub struct Peak {
     pub deviance: f64,
     /// Whether the rate of the slowest process is held.
     is_held: bool,
+    /// The covariance of the errors; `None` if the samples do not determine them.
+    errors: Option<Matrix>,
 }
 
 impl<'a> ProcessSearch<'a> {
-    /// A search for harmonics of these periods and so many processes.
-    pub fn new(times: &'a [f64], temperatures: &[f64], periods: &'a [f64], processes: usize) -> Self {
+    /// A search for so many processes, smoothed or not, and harmonics of these periods, in samples
+    /// that are means over this time.
+    pub fn new(
+        [times, temperatures]: [&'a [f64]; 2],
+        periods: &'a [f64],
+        processes: usize,
+        smooths: bool,
+        window: f64,
+    ) -> Self {
         let mut columns = vec![vec![1.0; times.len()]];
         for period in periods {
+            let half = 0.5 * TAU / period * window;
+            let left = if half > 0.0 { libm::sin(half) / half } else { 1.0 };
             for function in [libm::cos, libm::sin] {
-                columns.push(times.iter().map(|t| function(TAU / period * (t - times[0]))).collect());
+                columns.push(times.iter().map(|t| left * function(TAU / period * (t - times[0]))).collect());
             }
         }
         columns.push(temperatures.to_vec());
         let duration = times[times.len() - 1] - times[0];
-        ProcessSearch { times, columns, periods, processes, duration }
+        let mut search = ProcessSearch {
+            times,
+            columns,
+            left: Vec::new(),
+            waves: Vec::new(),
+            periods,
+            processes,
+            smooths,
+            window,
+            duration,
+        };
+        let forgetful =
+            Shape { processes: vec![(1e3 / search.interval(), 1.0)], smoothing: 0.0, window: 0.0, white: 0.0 };
+        search.waves = likelihood(times, &search.columns, &forgetful).map_or_else(Vec::new, |found| found.coefficients);
+        let wave =
+            |k: usize| search.columns.iter().zip(&search.waves).map(|(column, wave)| wave * column[k]).sum::<f64>();
+        search.left = vec![temperatures.iter().enumerate().map(|(k, temperature)| temperature - wave(k)).collect()];
+        search
+    }
+
+    /// The same search in other samples.
+    pub fn of<'b>(&self, samples: [&'b [f64]; 2]) -> ProcessSearch<'b>
+    where
+        'a: 'b,
+    {
+        ProcessSearch::new(samples, self.periods, self.processes, self.smooths, self.window)
+    }
+
+    /// The regression at any time.
+    pub fn wave(&self, time: f64) -> f64 {
+        let phase = |period: &f64| TAU / period * (time - self.times[0]);
+        let pair =
+            |(period, pair): (&f64, &[f64])| pair[0] * libm::cos(phase(period)) + pair[1] * libm::sin(phase(period));
+        let (mean, pairs) = self.waves.split_at(1);
+        mean[0] + self.periods.iter().zip(pairs.chunks_exact(2)).map(pair).sum::<f64>()
+    }
+
+    /// What it leaves of each sample.
+    pub fn left(&self) -> &[f64] {
+        &self.left[0]
+    }
+
+    /// The shape at a point for what the regression leaves, whose variances are those of
+    /// temperatures.
+    pub fn scaled(&self, found: &Peak) -> Option<Shape> {
+        let mut shape = self.shape(&found.point);
+        let scale = likelihood(self.times, &self.left, &shape)?.scale;
+        shape.processes.iter_mut().for_each(|(_, variance)| *variance *= scale);
+        shape.white *= scale;
+        Some(shape)
+    }
+
+    /// The mean time between samples.
+    fn interval(&self) -> f64 {
+        self.duration / (self.times.len() as f64 - 1.0)
     }
 
     /// The most likely point; `None` if nothing explains the samples. If the memory of the slowest
     /// process is longer than the record can show, or its standard deviation not known to a factor
-    /// of 2, the memory is held at the longest that the record can show.
+    /// of 2, the memory is held at the longest that the record can show, unless the record refuses
+    /// that.
     pub fn best(&self) -> Option<Peak> {
-        let free = self.searched(None)?;
+        let free = self.polished(&self.rough(None)?, FROM_ROUGH)?;
         let held = -libm::log(LONGEST * self.duration);
-        let is_slow = free.point[self.slowest()] < held;
-        let is_known = || {
-            let sd = self.errors(&free).map(|errors| errors[2 * self.slowest() + 1][2 * self.slowest() + 1].sqrt());
-            sd.is_some_and(|sd| sd < KNOWN)
-        };
-        if is_slow || !is_known() { self.searched(Some(held)) } else { Some(free) }
+        let is_short = free.point[self.slowest()] >= held;
+        if is_short && self.is_known(&free) {
+            return Some(free);
+        }
+        let longest = self.rough(Some(held)).and_then(|rough| self.polished(&rough, FROM_ROUGH));
+        let is_refused = |longest: &Peak| is_short && longest.deviance > free.deviance + REFUSED;
+        match longest {
+            Some(longest) if !is_refused(&longest) => Some(longest),
+            _ => Some(free).filter(|_| is_short),
+        }
+    }
+
+    /// The most likely point near that of other samples of the same weather.
+    pub fn near(&self, other: &Peak) -> Option<Peak> {
+        self.polished(other, FROM_ANOTHER)
+    }
+
+    /// Whether the standard deviation of the slowest process is known.
+    fn is_known(&self, found: &Peak) -> bool {
+        let slow = 2 * self.slowest() + 1;
+        found.errors.as_ref().is_some_and(|errors| errors[slow][slow].sqrt() < KNOWN)
+    }
+
+    /// The most likely point from this one on, with its errors.
+    fn polished(&self, from: &Peak, step: f64) -> Option<Peak> {
+        let found = self.fastest_first(self.lowest(&from.point, from.is_held, &self.columns, step)?);
+        // The process that is held has to be the slowest.
+        if self.processes > 1 && found.point[0] <= found.point[1] {
+            return None;
+        }
+        Some(Peak { errors: self.errors(&found), ..found })
     }
 
     /// The index of log theta of the slowest process, which comes last.
@@ -77,9 +193,10 @@ impl<'a> ProcessSearch<'a> {
         self.processes - 1
     }
 
-    /// The most likely point, with the rate of the slowest process held if one is given.
-    fn searched(&self, held: Option<f64>) -> Option<Peak> {
-        let interval = self.duration / (self.times.len() as f64 - 1.0);
+    /// The most likely point for what a regression leaves, with the rate of the slowest process held
+    /// if one is given.
+    pub fn rough(&self, held: Option<f64>) -> Option<Peak> {
+        let interval = self.interval();
         // The search starts from a correlation time of half a day, or from three hours and four
         // days.
         let starts: &[f64] = if self.processes == 1 { &[0.5] } else { &[0.125, 4.0] };
@@ -91,34 +208,44 @@ impl<'a> ProcessSearch<'a> {
         if let Some(held) = held {
             start[self.slowest()] = held;
         }
-        let exact = self.lowest(&start, held.is_some())?;
+        if self.smooths {
+            start.push(libm::log(2.0 * interval));
+        }
+        let exact = self.lowest(&start, held.is_some(), &self.left, AFAR)?;
         // The search for white noise starts from a hundredth of the variance that the fastest
-        // process gains per step.
-        let white = libm::log(0.02 * libm::exp(exact.point[0]) * interval);
-        let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some());
-        // White noise is kept wherever it raises the likelihood, however little, because its error
-        // then is part of the errors of all other numbers.
-        let is_told = |noisy: &Peak| noisy.deviance < exact.deviance && self.errors(noisy).is_some();
-        let found = noisy.filter(is_told).unwrap_or(exact);
-        let found = self.fastest_first(found);
-        // The process that is held has to be the slowest.
-        (self.processes == 1 || found.point[0] > found.point[1]).then_some(found)
+        // process gains per step. It is kept wherever it raises the likelihood, however little,
+        // because its error then is part of the errors of all other numbers.
+        let white = 0.02 * libm::exp(exact.point[0]) * interval;
+        let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some(), &self.left, AFAR);
+        let is_told =
+            |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
+        Some(noisy.filter(is_told).unwrap_or(exact))
     }
 
-    /// The lowest deviance, searched from this point.
-    fn lowest(&self, start: &[f64], is_held: bool) -> Option<Peak> {
+    /// The lowest deviance for these columns, searched from this point.
+    fn lowest(&self, start: &[f64], is_held: bool, columns: &[Vec<f64>], step: f64) -> Option<Peak> {
         let free = self.free(start.len(), is_held);
+        let is_white = |i: &usize| *i == self.without_white();
         let at = |x: &[f64]| {
             let mut point = start.to_vec();
-            free.iter().zip(x).for_each(|(i, x)| point[*i] = *x);
+            free.iter().zip(x).for_each(|(i, x)| point[*i] = if is_white(i) { libm::exp(*x) } else { *x });
             point
         };
-        let from: Vec<f64> = free.iter().map(|i| start[*i]).collect();
-        let (x, deviance) = match from.is_empty() {
-            true => (from, self.deviance(start)),
-            false => simplex::lowest(&from, 0.7, ENOUGH, |x| self.deviance(&at(x))),
+        let from: Vec<f64> =
+            free.iter().map(|i| if is_white(i) { libm::log(start[*i].max(LEAST_WHITE)) } else { start[*i] }).collect();
+        let deviance = |point: &[f64]| {
+            likelihood(self.times, columns, &self.shape(point)).map_or(f64::INFINITY, |found| found.deviance)
         };
-        deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held })
+        let (x, deviance) = match from.is_empty() {
+            true => (from, deviance(start)),
+            false => simplex::lowest(&from, step, ENOUGH, |x| deviance(&at(x))),
+        };
+        deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held, errors: None })
+    }
+
+    /// The length of a point without white noise.
+    fn without_white(&self) -> usize {
+        2 * self.processes - 1 + usize::from(self.smooths)
     }
 
     /// The numbers of a point that are searched.
@@ -133,17 +260,20 @@ impl<'a> ProcessSearch<'a> {
             return found;
         }
         let mut point = vec![p[1], p[0], -p[2]];
-        point.extend(p[3..].iter().map(|white| white - p[2]));
+        let (followers, white) = p[3..].split_at(usize::from(self.smooths));
+        point.extend(followers.iter().copied().chain(white.iter().map(|white| white * libm::exp(-p[2]))));
         Peak { point, ..found }
     }
 
     fn shape(&self, point: &[f64]) -> Shape {
-        let (x, white) = point.split_at(2 * self.processes - 1);
+        let (x, rest) = point.split_at(2 * self.processes - 1);
+        let (smoothing, white) = rest.split_at(usize::from(self.smooths));
         let mut processes = vec![(libm::exp(x[0]), 1.0)];
         if let [_, rate, ratio] = x {
             processes.push((libm::exp(*rate), libm::exp(*ratio)));
         }
-        Shape { processes, white: white.first().map_or(0.0, |white| libm::exp(*white)) }
+        let smoothing = smoothing.first().map_or(0.0, |tau| libm::exp(*tau));
+        Shape { processes, smoothing, window: self.window, white: white.first().copied().unwrap_or(0.0) }
     }
 
     fn likelihood(&self, point: &[f64]) -> Option<Likelihood> {
@@ -158,15 +288,16 @@ impl<'a> ProcessSearch<'a> {
     pub fn weather(&self, found: &Peak) -> Option<WeatherFit> {
         let best = self.likelihood(&found.point)?;
         let shape = self.shape(&found.point);
-        let errors = self.errors(found)?;
-        let slow = 2 * self.slowest() + 1;
-        if self.processes > 1 && errors[slow][slow].sqrt() > KNOWN {
+        let errors = found.errors.clone()?;
+        // A time constant below that of the samples is not seen in them.
+        if (self.processes > 1 && !self.is_known(found)) || (self.smooths && shape.smoothing < 0.5 * self.interval()) {
             return None;
         }
         let logarithms = shape.processes.iter().flat_map(|(theta, variance)| {
             let sd = (best.scale * variance).sqrt();
             [libm::log(*theta), libm::log(sd)]
         });
+        let logarithms = logarithms.chain(self.smooths.then(|| libm::log(shape.smoothing)));
         Some(WeatherFit {
             samples: self.times.len(),
             duration: self.duration,
@@ -175,13 +306,16 @@ impl<'a> ProcessSearch<'a> {
             held_memory: found.is_held.then(|| libm::exp(-found.point[self.slowest()])),
             log_likelihood: -0.5 * best.deviance,
             periods: self.periods.to_vec(),
+            is_smoothed: self.smooths,
+            thinned: Vec::new(),
             coefficients: Estimates { factor: cholesky(&best.covariance)?, values: best.coefficients },
             logarithms: Estimates { values: logarithms.collect(), factor: cholesky(&errors)? },
         })
     }
 
     /// A step of number `i` that changes the deviance by about one, so that differences of it keep
-    /// many digits.
+    /// many digits. White noise may become less than none, as far as the variances of the samples
+    /// stay positive.
     fn step(&self, point: &[f64], i: usize, lowest: f64) -> f64 {
         let mut step = 0.02;
         for _ in 0..40 {
@@ -189,14 +323,14 @@ impl<'a> ProcessSearch<'a> {
             let rise = 0.5 * (moved(1.0) + moved(-1.0)) - lowest;
             match rise {
                 rise if rise.is_nan() || rise > 4.0 => step *= 0.5,
-                rise if rise < 0.25 && step < 4.0 => step *= 1.6,
+                rise if rise < 0.25 && step < point[i].max(4.0) => step *= 1.6,
                 _ => break,
             }
         }
         step
     }
 
-    /// The covariance of the errors of log theta_1, log sd_1, log theta_2, .... It is twice the
+    /// The covariance of the errors of log theta_1, log sd_1, log theta_2, ..., log tau. It is twice the
     /// inverse of the second derivatives of the deviance; the second derivative with respect to the
     /// logarithm of the scale is n - p.
     ///
@@ -237,6 +371,9 @@ impl<'a> ProcessSearch<'a> {
             rows.push((unit(j, 1.0), 0.0));
             let ratio = if j == 0 { vec![0.0; free.len()] } else { unit(self.processes, 0.5) };
             rows.push((ratio.iter().zip(&slope).map(|(a, b)| a + 0.5 * b).collect(), 0.5));
+        }
+        if self.smooths {
+            rows.push((unit(2 * self.processes - 1, 1.0), 0.0));
         }
         let between = |(a, s): &(Vec<f64>, f64), (b, t): &(Vec<f64>, f64)| {
             let shapes: f64 = (0..free.len())

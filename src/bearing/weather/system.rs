@@ -1,0 +1,182 @@
+//! The weather as a linear system driven by white noise: what varies, what follows it, and what a
+//! sample is.
+//!
+//! ```text
+//! du_j = -theta_j u_j dt + sqrt(2 theta_j v_j) dW_j        the processes
+//! ds_i/dt = (what is before it - s_i)/tau_i                what follows them, one after the other
+//! dm/dt = (the last of these)/w, with m = 0 at t - w       the mean over the time w before a sample
+//! ```
+//!
+//! Its transition over a time h and the covariance that it gains are those of a step short enough
+//! for a few terms of their series, doubled as often as h takes. All terms that doubling adds are
+//! positive, so nothing cancels.
+
+/// Largest number of states.
+pub const STATES: usize = 4;
+
+/// A matrix of the states.
+pub type Square = [[f64; STATES]; STATES];
+
+/// How the states go on over some time: x(t + h) = carry x(t) + a normal with this covariance.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Passage {
+    pub carry: Square,
+    pub gained: Square,
+}
+
+/// The states and their equations.
+#[derive(Clone, Debug)]
+pub struct System {
+    drift: Square,
+    noise: [f64; STATES],
+    /// Number of states.
+    pub states: usize,
+    /// The state that is seen is the sum of these.
+    pub seen: [f64; STATES],
+    /// w; 0 if samples are instantaneous.
+    window: f64,
+}
+
+impl System {
+    /// Processes with their rates and variances, followers with their time constants, and the time
+    /// over which a sample is a mean.
+    pub fn new(processes: &[(f64, f64)], followers: &[f64], window: f64) -> Self {
+        let (mut drift, [mut noise, mut seen]) = ([[0.0; STATES]; STATES], [[0.0; STATES]; 2]);
+        for (j, (theta, variance)) in processes.iter().enumerate() {
+            drift[j][j] = -theta;
+            noise[j] = 2.0 * theta * variance;
+            seen[j] = 1.0;
+        }
+        let mut states = processes.len();
+        for tau in followers.iter().filter(|tau| **tau > 0.0) {
+            drift[states] = seen.map(|seen| seen / tau);
+            drift[states][states] = -1.0 / tau;
+            seen = unit(states);
+            states += 1;
+        }
+        if window > 0.0 {
+            drift[states] = seen.map(|seen| seen / window);
+            seen = unit(states);
+            states += 1;
+        }
+        System { drift, noise, states, seen, window }
+    }
+
+    /// The covariance of the states at a sample before which nothing is known.
+    pub fn stationary(&self) -> Square {
+        let settled = self.settled();
+        if self.window == 0.0 {
+            return settled;
+        }
+        let mean = self.flow(self.window);
+        add(&carried(&mean.carry, &settled), &mean.gained)
+    }
+
+    /// The same without the mean.
+    pub fn settled(&self) -> Square {
+        let mut passing = System { window: 0.0, ..self.clone() };
+        if self.window > 0.0 {
+            passing.drift[self.states - 1] = [0.0; STATES];
+        }
+        let mut passage = passing.short(1.0 / 16.0 / passing.size());
+        for _ in 0..MOST_DOUBLINGS {
+            passage = passage.then(&passage);
+            if (0..STATES).all(|i| passing.drift[i][i] == 0.0 || passage.carry[i].iter().all(|x| x.abs() < 1e-17)) {
+                break;
+            }
+        }
+        passage.gained
+    }
+
+    /// From one sample to the next, a time h later.
+    pub fn passage(&self, h: f64) -> Passage {
+        if self.window == 0.0 {
+            return self.flow(h);
+        }
+        let w = self.window.min(h);
+        let mut before = self.flow(h - w);
+        let mean = self.states - 1;
+        (before.carry[mean], before.gained[mean]) = Default::default();
+        before.gained.iter_mut().for_each(|row| row[mean] = 0.0);
+        before.then(&self.flow(w))
+    }
+
+    /// Over a time h without a sample.
+    pub fn flow(&self, h: f64) -> Passage {
+        let doublings = libm::ceil(libm::log2(16.0 * h * self.size())).clamp(0.0, f64::from(MOST_DOUBLINGS));
+        let short = self.short(h / libm::exp2(doublings));
+        (0..doublings as u32).fold(short, |passage, _| passage.then(&passage))
+    }
+
+    /// The largest sum of a row of the drift.
+    fn size(&self) -> f64 {
+        self.drift.iter().map(|row| row.iter().map(|x| x.abs()).sum()).fold(f64::MIN_POSITIVE, f64::max)
+    }
+
+    /// The flow over a time that is short against all rates.
+    fn short(&self, h: f64) -> Passage {
+        let of = |i: usize, j: usize| f64::from(u8::from(i == j));
+        let mut carry: Square = std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)));
+        let mut gained: Square = std::array::from_fn(|i| std::array::from_fn(|j| h * of(i, j) * self.noise[i]));
+        let [mut power, mut term] = [carry, gained];
+        for k in 1..TERMS {
+            let by = |share: f64, of: &Square| of.map(|row| row.map(|x| share * x));
+            power = by(h / k as f64, &product(&self.drift, &power));
+            let grown = product(&self.drift, &term);
+            term = by(h / (k + 1) as f64, &add(&grown, &transposed(&grown)));
+            (carry, gained) = (add(&carry, &power), add(&gained, &term));
+        }
+        Passage { carry, gained }
+    }
+}
+
+/// Terms of the series of a short flow, whose size is below 1/16.
+const TERMS: usize = 11;
+
+/// More doublings than a double holds rates.
+const MOST_DOUBLINGS: u32 = 200;
+
+impl Passage {
+    /// This one, and the other after it.
+    fn then(&self, other: &Passage) -> Passage {
+        let carry = product(&other.carry, &self.carry);
+        Passage { carry, gained: add(&carried(&other.carry, &self.gained), &other.gained) }
+    }
+}
+
+fn unit(i: usize) -> [f64; STATES] {
+    std::array::from_fn(|j| f64::from(u8::from(i == j)))
+}
+
+fn add(a: &Square, b: &Square) -> Square {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
+}
+
+fn transposed(a: &Square) -> Square {
+    std::array::from_fn(|i| std::array::from_fn(|j| a[j][i]))
+}
+
+pub fn product(a: &Square, b: &Square) -> Square {
+    std::array::from_fn(|i| std::array::from_fn(|j| (0..STATES).map(|k| a[i][k] * b[k][j]).sum()))
+}
+
+/// The covariance of the carried states.
+pub fn carried(carry: &Square, covariance: &Square) -> Square {
+    product(&product(carry, covariance), &transposed(carry))
+}
+
+/// A lower triangle L with A = L L^T. A state that others determine has no part of its own.
+pub fn root(a: &Square) -> Square {
+    let mut root = [[0.0; STATES]; STATES];
+    for i in 0..STATES {
+        for j in 0..=i {
+            let rest = a[i][j] - (0..j).map(|k| root[i][k] * root[j][k]).sum::<f64>();
+            root[i][j] = match i == j {
+                true if rest > 1e-14 * a[i][i] => rest.sqrt(),
+                false if root[j][j] > 0.0 => rest / root[j][j],
+                _ => 0.0,
+            };
+        }
+    }
+    root
+}
