@@ -5,7 +5,6 @@ use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::bins::Shape;
-use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
 use crate::sums::ordered::Ordered;
@@ -35,41 +34,80 @@ pub(super) struct BandSums {
     /// Moments of the means of units, one entry per row of the output grid.
     rows: [Vec<Moments>; VARIABLES],
     /// Sum over units of the squared deviations of their paths from the mean of the unit, one entry
-    /// per row; zero where units are single paths.
-    within: [Vec<f64>; VARIABLES],
+    /// per row. It exists only where units are pairs, because a single path does not deviate from
+    /// itself.
+    within: Option<[Vec<f64>; VARIABLES]>,
 }
 
-sums_of_fields!(BandSums { rows, within });
+impl Merge for BandSums {
+    fn merge(&mut self, other: &Self) {
+        self.rows.merge(&other.rows);
+        if let Some(more) = &other.within {
+            self.within.get_or_insert_with(|| no_squares(more[0].len())).merge(more);
+        }
+    }
+}
 
 impl BandSums {
     pub fn empty(rows: usize) -> Self {
-        BandSums {
-            rows: std::array::from_fn(|_| vec![Moments::default(); rows]),
-            within: std::array::from_fn(|_| vec![0.0; rows]),
-        }
+        BandSums { rows: std::array::from_fn(|_| vec![Moments::default(); rows]), within: None }
     }
 
     /// Set row `row` of the output grid from all paths of the block. A row beyond the grid is
     /// ignored.
     pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
-        if row >= self.rows[0].len() {
+        let rows = self.rows[0].len();
+        if row >= rows {
             return;
         }
-        for ((rows, within), values) in self.rows.iter_mut().zip(&mut self.within).zip(variables(snapshot)) {
+        for (rows, values) in self.rows.iter_mut().zip(variables(snapshot)) {
             rows[row] = Moments::of(&unit.means(values));
-            if unit == Unit::Pair {
+        }
+        if unit == Unit::Pair {
+            let within = self.within.get_or_insert_with(|| no_squares(rows));
+            for (within, values) in within.iter_mut().zip(variables(snapshot)) {
                 within[row] = values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a - b) * (a - b)).sum();
             }
         }
     }
 
-    /// The variance of a variable over paths, which form units of this size, row by row.
-    fn variances(&self, variable: usize, size: u64) -> Vec<f64> {
-        let of = |(m, within): (&Moments, &f64)| match m.count * size {
-            0 | 1 => f64::NAN,
-            paths => (size as f64 * m.m2 + within) / (paths - 1) as f64,
+    /// The variance of a variable over paths, row by row.
+    fn variances(&self, variable: usize) -> Vec<f64> {
+        let rows = self.rows[variable].iter();
+        match &self.within {
+            None => rows.map(Moments::variance).collect(),
+            // The variance of 2n paths that form n pairs.
+            Some(within) => {
+                let of_pairs = |(m, &within): (&Moments, &f64)| (2.0 * m.m2 + within) / (2 * m.count - 1) as f64;
+                rows.zip(&within[variable])
+                    .map(|(m, within)| if m.count == 0 { f64::NAN } else { of_pairs((m, within)) })
+                    .collect()
+            }
+        }
+    }
+}
+
+fn no_squares(rows: usize) -> [Vec<f64>; VARIABLES] {
+    std::array::from_fn(|_| vec![0.0; rows])
+}
+
+impl Codec for BandSums {
+    fn write(&self, out: &mut Vec<u8>) {
+        self.rows.write(out);
+        u64::from(self.within.is_some()).write(out);
+        self.within.iter().for_each(|within| within.write(out));
+    }
+
+    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
+        self.rows.read(from)?;
+        let mut has_pairs = 0;
+        has_pairs.read(from)?;
+        self.within = match has_pairs {
+            0 => None,
+            1 => Some(no_squares(self.rows[0].len())),
+            _ => return Err(Damaged),
         };
-        self.rows[variable].iter().zip(&self.within[variable]).map(of).collect()
+        self.within.iter_mut().try_for_each(|within| within.read(from))
     }
 }
 
@@ -218,8 +256,7 @@ pub(super) fn summary(
     let counts = counts.normalised();
     let size = unit.size() as f64;
     let band = |variable: usize| {
-        let (moments, variances, rows) =
-            (&sums.rows[variable], sums.variances(variable, unit.size()), &counts.rows[variable]);
+        let (moments, variances, rows) = (&sums.rows[variable], sums.variances(variable), &counts.rows[variable]);
         let values: Vec<Ordered> = rows.iter().map(Sketch::ordered).collect();
         let quantile = |level: f64| values.iter().map(move |row| row.quantile(level));
         let quantiles: Vec<f64> = QUANTILE_LEVELS.into_iter().flat_map(quantile).collect();

@@ -164,7 +164,9 @@ pub fn compiled() -> Vec<(Segments, String)> {
         })
         .collect();
     let for_tests: Vec<Segments> = files.iter().flat_map(|(place, code)| test_modules(place, code)).collect();
-    let is_compiled = |place: &Segments| !for_tests.iter().any(|test| place.starts_with(test));
+    // A folder `tests` holds what the tests of several modules share.
+    let is_shared = |place: &Segments| place.iter().any(|part| part == "tests");
+    let is_compiled = |place: &Segments| !is_shared(place) && !for_tests.iter().any(|test| place.starts_with(test));
     files
         .into_iter()
         .filter(|(place, _)| is_compiled(place))
