@@ -206,6 +206,7 @@ fn walk_laws(
     let there: Vec<_> = known.filter(is_there).collect();
     let mut names = texts(there.iter().map(|law| law.0));
     walk.variable(&layout::LAW, &mut names)?;
+    walk.check(!names.is_empty(), || format!("{} is missing", layout::LAW.name))?;
     walk.derived(&layout::LAW_LONG_NAME, &texts(there.iter().map(|law| law.1)));
     walk.units(&layout::LAW_UNIT, there.iter().map(|law| law.2));
     if names.iter().any(|name| name == PhaseLaw::Slip.name()) {
