@@ -4,7 +4,7 @@
 use super::kalman::Shape;
 use super::periods::usual;
 use super::search::ProcessSearch;
-use super::smoother::{Instant, Smoother};
+use super::smoother::{Smoother, WeatherNode};
 use crate::noise::Stream;
 
 /// A temperature at times that are close to each other.
@@ -66,22 +66,22 @@ pub fn imagined(times: &[f64], temperatures: &[f64], interval: f64, window: f64)
     let whole = ProcessSearch::new([times, temperatures], &periods, 2, false, window);
     let step = (SHARE / fastest).min(if window > 0.0 { 0.5 * window } else { interval }).max(interval / PARTS);
     let half = 0.5 * window;
-    let mut nodes: Vec<Instant> = Vec::new();
+    let mut nodes: Vec<WeatherNode> = Vec::new();
     for (time, left) in times.iter().zip(whole.left()) {
         let [begin, end] = [time - half, time + half];
         match nodes.last_mut() {
             Some(last) if window > 0.0 && begin - last.time < 1.0 => last.opens = true,
             None if window == 0.0 => (),
-            _ if window > 0.0 => nodes.push(Instant { time: begin, sample: None, opens: true }),
+            _ if window > 0.0 => nodes.push(WeatherNode { time: begin, sample: None, opens: true }),
             _ => (),
         }
-        if let Some(Instant { time: from, .. }) = nodes.last().copied() {
+        if let Some(WeatherNode { time: from, .. }) = nodes.last().copied() {
             let parts = ((end - from) / step - 1e-6).ceil().clamp(1.0, 4.0 * PARTS);
             let part =
-                |k: u32| Instant { time: from + f64::from(k) * (end - from) / parts, sample: None, opens: false };
+                |k: u32| WeatherNode { time: from + f64::from(k) * (end - from) / parts, sample: None, opens: false };
             nodes.extend((1..parts as u32).map(part));
         }
-        nodes.push(Instant { time: end, sample: Some(*left), opens: false });
+        nodes.push(WeatherNode { time: end, sample: Some(*left), opens: false });
     }
     let shape = Shape { processes, smoothing: 0.0, window, white };
     let smoother = Smoother::new(&shape, &nodes);

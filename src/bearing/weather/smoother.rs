@@ -11,7 +11,7 @@ use std::collections::HashMap;
 
 /// A time at which the temperature is wanted.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Instant {
+pub struct WeatherNode {
     pub time: f64,
     /// The sample that ends here.
     pub sample: Option<f64>,
@@ -42,7 +42,7 @@ pub struct Smoother {
 
 impl Smoother {
     /// The weather of this shape, whose variances are those of temperatures.
-    pub fn new(shape: &Shape, nodes: &[Instant]) -> Self {
+    pub fn new(shape: &Shape, nodes: &[WeatherNode]) -> Self {
         let followers = [shape.smoothing];
         let system = System::new(&shape.processes, &followers, shape.window);
         let mut known: HashMap<(i64, bool), (Passage, Square)> = HashMap::new();
@@ -80,12 +80,12 @@ impl Smoother {
     }
 
     /// The mean of the temperature at each node, given the samples.
-    pub fn mean(&self, nodes: &[Instant]) -> Vec<f64> {
+    pub fn mean(&self, nodes: &[WeatherNode]) -> Vec<f64> {
         self.smoothed(nodes.iter().map(|node| node.sample.unwrap_or(0.0)))
     }
 
     /// A temperature at each node, drawn from its law given the samples.
-    pub fn drawn(&self, nodes: &[Instant], random: &mut Stream) -> Vec<f64> {
+    pub fn drawn(&self, nodes: &[WeatherNode], random: &mut Stream) -> Vec<f64> {
         let mut state = [0.0; STATES];
         let (mut made, mut left) = (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
         for (step, node) in self.steps.iter().zip(nodes) {
