@@ -1,7 +1,8 @@
 //! A scenario as TOML, with every default and with the symbol of the paper beside every number.
 
+use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
-use crate::model::{Drive, Expression, InitialNoise, Noise, Series, Temperature};
+use crate::model::{Drive, Expression, Force, Friction, InitialNoise, Model, Noise, Series, Sides, Temperature};
 use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WrittenForce};
 use crate::stats::Record;
 use std::fmt::Write as _;
@@ -135,8 +136,7 @@ fn physics(text: &mut String, scenario: &Scenario) {
         Drive::Force(c) => number(text, keys::FORCE_PER_TEMPERATURE, c),
     }
     table(text, "friction");
-    number(text, keys::STATIC, model.friction.static_force);
-    number(text, keys::DYNAMIC, model.friction.dynamic_force);
+    friction(text, model, written_force.as_ref());
     temperature(text, &model.temperature, measured.as_ref());
     if let Some(WrittenForce { expression, .. }) = written_force {
         force(text, expression);
@@ -158,13 +158,36 @@ fn physics(text: &mut String, scenario: &Scenario) {
     }
 }
 
+fn friction(text: &mut String, model: &Model, force: Option<&WrittenForce>) {
+    let sides = model.force.as_ref().and_then(Force::sides);
+    let both = sides.map_or([model.friction; 2], Sides::friction);
+    let mut threshold = |key: Key, of: fn(&Friction) -> f64| match both.each_ref().map(of) {
+        [forward, backward] if forward == backward => number(text, key, forward),
+        [forward, backward] => {
+            let [first, second] = DIRECTIONS;
+            other(text, key, &format!("{{ {first} = {forward:?}, {second} = {backward:?} }}"));
+        }
+    };
+    threshold(keys::STATIC, |friction| friction.static_force);
+    threshold(keys::DYNAMIC, |friction| friction.dynamic_force);
+    let Some(load) = sides.and_then(Sides::load).and_then(Force::expression) else { return };
+    other(text, keys::LOAD, &string(load.text()));
+    // Those of the force are written with it.
+    let known = force.map_or(0, |force| force.expression.parameters().len());
+    parameters(text, "friction.parameters", &load.parameters()[known..]);
+}
+
 fn force(text: &mut String, expression: &Expression) {
     table(text, "force");
     other(text, keys::EXPRESSION, &string(expression.text()));
-    if !expression.parameters().is_empty() {
-        table(text, "force.parameters");
+    parameters(text, "force.parameters", expression.parameters());
+}
+
+fn parameters(text: &mut String, name: &str, all: &[(String, f64)]) {
+    if !all.is_empty() {
+        table(text, name);
     }
-    for (name, value) in expression.parameters() {
+    for (name, value) in all {
         let _ = writeln!(text, "{name} = {value:?}");
     }
 }

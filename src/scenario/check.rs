@@ -4,7 +4,9 @@
 use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
-use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::model::{
+    Drive, Force, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Sides, Temperature, can_be_computed_with,
+};
 use crate::numbers::short;
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
@@ -19,7 +21,7 @@ impl Scenario {
         let Scenario { model, time, scheme, statistics, ensemble, .. } = self;
         let Temperature { noise: first, second_noise: second, .. } = &model.temperature;
         let mut found = Misfits(Vec::new());
-        found.note(|| friction(&model.friction));
+        found.note(|| friction(model));
         [first, second].into_iter().flatten().for_each(|one| found.note(|| noise(one)));
         found.note(|| pinned(&model.temperature));
         found.note_if_sound(|| forces(model, time.end));
@@ -107,9 +109,12 @@ impl Statistics {
     }
 }
 
-/// f_d <= f_s.
-fn friction(friction: &Friction) -> Result<(), Misfit> {
-    let Friction { static_force: f_s, dynamic_force: f_d } = *friction;
+/// f_d <= f_s, in each direction.
+fn friction(model: &Model) -> Result<(), Misfit> {
+    let sides = model.force.as_ref().and_then(Force::sides);
+    let [forward, backward] = sides.map_or([model.friction; 2], Sides::friction);
+    let is_forward = forward.dynamic_force > forward.static_force;
+    let Friction { static_force: f_s, dynamic_force: f_d } = if is_forward { forward } else { backward };
     if f_d <= f_s {
         return Ok(());
     }

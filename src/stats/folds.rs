@@ -30,7 +30,7 @@ impl PathFolds {
         PathFolds {
             paths: vec![path; count],
             laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); count]),
-            motion: record.has_motion().then(|| vec![MotionFold::starting_at(model); count]),
+            motion: (record.has_motion() || model.has_load()).then(|| vec![MotionFold::starting_at(model); count]),
             model: model.clone(),
             timeline: *timeline,
             record: *record,
@@ -66,7 +66,9 @@ impl PathFolds {
                 Instant::Output(_) | Instant::Period(_) => return,
             }
             if let Some(motion) = &mut self.motion {
-                motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path.travel);
+                motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path);
+            } else {
+                path.friction_work = self.model.friction.dynamic_force * path.travel;
             }
         }
     }
@@ -78,7 +80,6 @@ impl PathFolds {
         }
         let laws = self.laws.as_deref().map(|laws| of(laws, lanes));
         let motion = self.motion.as_deref().map_or(Cow::Borrowed(&[][..]), |motion| of(motion, lanes));
-        let dynamic_force = self.model.friction.dynamic_force;
-        PhaseSums::of(&of(&self.paths, lanes), dynamic_force, periods, (laws.as_deref(), &motion, &self.record), unit)
+        PhaseSums::of(&of(&self.paths, lanes), periods, (laws.as_deref(), &motion, &self.record), unit)
     }
 }

@@ -105,7 +105,7 @@ impl BlockObserver {
     /// The result of the block, which has `path_count` paths from number `first_path` on. The paths
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
-        let (paths, dynamic_force) = (&self.folds.paths, self.folds.model.friction.dynamic_force);
+        let paths = &self.folds.paths;
         self.totals.counts.density = self.density.map(|density| Box::new(density.finish()));
         self.totals.sums.phases = self.folds.sums(None, self.periods.finish(), self.unit);
         self.totals.sums.spectrum = self.spectrum.map(|spectrum| Box::new(spectrum.finish()));
@@ -116,7 +116,7 @@ impl BlockObserver {
             first_path,
             paths: path_count,
             diverged,
-            path_columns: self.record.paths.then(|| block.path_columns(paths, dynamic_force)),
+            path_columns: self.record.paths.then(|| block.path_columns(paths)),
             events: self.events.map(|events| block.event_columns(&events)),
             trajectories: (first_path < wanted).then(|| block.trajectory_rows(wanted, &trajectories)),
             totals: self.totals,
@@ -196,7 +196,7 @@ impl Observer for BlockObserver {
                     // At rest in a slip, at a turning point or at the end of a stick, the body is
                     // about to follow b.
                     let direction = if v == 0.0 { Sign::of(b) } else { self.folds.paths[lane].direction };
-                    let sliding = self.folds.model.friction.dynamic_force * direction.value();
+                    let sliding = self.folds.model.sliding_friction(direction, snapshot.time, x, v);
                     let is_static = snapshot.is_static[lane];
                     let seen = TrajectoryRow {
                         displacement: x,
@@ -232,7 +232,7 @@ impl Block<'_> {
             .map(move |number| (number, watched.next_if(|(_, path)| **path == number).map(|(lane, _)| lane)))
     }
 
-    fn path_columns(&self, paths: &[PathFold], dynamic_force: f64) -> PathColumns {
+    fn path_columns(&self, paths: &[PathFold]) -> PathColumns {
         let mut columns = PathColumns::default();
         for (_, lane) in self.lanes() {
             columns.push(match lane.map(|lane| &paths[lane]) {
@@ -242,7 +242,7 @@ impl Block<'_> {
                     max_displacement: path.max_displacement,
                     first_stick_duration: path.first_duration.unwrap_or(f64::NAN),
                     stick_time: path.stick_time,
-                    friction_work: dynamic_force * path.travel,
+                    friction_work: path.friction_work,
                     sticks: path.sticks.count,
                     slips: path.slips,
                     sub_phases: path.sub_phases,

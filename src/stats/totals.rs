@@ -405,16 +405,15 @@ impl PhaseSums {
     /// The sums of paths that have reached t_end.
     pub(super) fn of(
         paths: &[PathFold],
-        dynamic_force: f64,
         periods: PeriodSums,
         (laws, motion, record): (Option<&[LawFold]>, &[MotionFold], &Record),
         unit: Unit,
     ) -> Self {
         PhaseSums {
-            cascade: CascadeSums::of(paths, dynamic_force, unit),
+            cascade: CascadeSums::of(paths, unit),
             periods,
             laws: laws.map(|laws| Box::new(LawsSums::of(laws, unit))),
-            energy: record.energy.then(|| Box::new(EnergySums::of(motion, dynamic_force, unit))),
+            energy: record.energy.then(|| Box::new(EnergySums::of(motion, unit))),
             extremes: (!record.levels.is_empty()).then(|| Box::new(ExtremeSums::of(motion, unit))),
         }
     }
