@@ -165,7 +165,7 @@ fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {
 fn a_moving_threshold_is_left_when_the_equivalent_force_leaves_a_constant_one() {
     for side in [1.0, -1.0] {
         let noise =
-            format!("temperature.noise.intensity = 0.05\ninitial.displacement = {}\ntime.end = 20", -1.0 * side);
+            format!("temperature.noise.intensity = 0.05\ninitial.displacement = {}\ntime.end = 20", -1.05 * side);
         let load = "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.1*sin(3*t)\" }";
         let force =
             format!("friction = {{ static = 1.2, dynamic = 1.0 }}\nforce.expression = \"{}*0.12*sin(3*t)\"", -side);
@@ -272,7 +272,7 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
         ("friction = { static = { forward = 1.2 }, dynamic = 1.0 }", "missing key `friction.static.backward`"),
         ("friction = { static = { forward = 2, backward = 2, left = 2 }, dynamic = 1.0 }", "unknown key `left`"),
         ("friction = { static = 1.2, dynamic = 1.0, load = 3 }", "`friction.load`"),
-        ("friction = { static = 1.2, dynamic = 1.0 }\nforce.expression = \"-k3*(x - T)^3\"", "k3*(V*t - x)^3"),
+        ("friction = { static = 1.2, dynamic = 1.0 }\nforce.expression = \"-(x - T)^3\"", "k3*(V*t - x)^3"),
     ] {
         let error = Scenario::parse("test", &format!("{lines}\n{base}"), &[]).expect_err(lines).to_string();
         assert!(error.contains(words) && error.contains("fix:"), "{lines}: {error}");
