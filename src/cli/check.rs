@@ -129,6 +129,9 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         };
         lines.push(("g, the force of your own", told));
     }
+    if scenario.model.has_load() {
+        lines.push(("friction", "with a load or a direction: f_s and f_d below are without it".to_string()));
+    }
     lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
     lines.push(("f_d/f_s, friction ratio", optional(friction_ratio, "none: f_s = 0")));
     lines.push(("K beta rho sigma/sqrt(2 theta), noise in b", optional(noise_force, "no noise")));

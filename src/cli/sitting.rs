@@ -210,6 +210,10 @@ impl<'a> Sitting<'a> {
     fn all_lost(&self, outcome: &Outcome) -> String {
         let Model { force, oscillator, .. } = &self.scenario.model;
         let cause = match force {
+            Some(force) if force.sides().is_some() => {
+                ". The reason may be `friction.load`, which must not be below 0 where the body is: write `max(.., 0)` \
+                 where it lifts off"
+            }
             Some(_) => {
                 ". The reason may be `force.expression`: that it has no value where the body is, or drives it without \
                  bound"

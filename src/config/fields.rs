@@ -217,7 +217,7 @@ impl<'a> Fields<'a> {
 
     /// The numbers of a table whose keys are free, with their places; none if it is missing.
     pub fn numbers(&self, key: Key) -> Vec<(String, f64, Option<Place>)> {
-        let free = Key { name: "", symbol: "", meaning: "a parameter of the force", range: Allowed::Any };
+        let free = Key { name: "", symbol: "", meaning: "a parameter", range: Allowed::Any };
         let read = |at: &ValueAt<'a>| {
             let Value::Table(entries) = &at.node.value else {
                 return Err(at.wrong_kind("a table", "write names with numbers"));
@@ -234,6 +234,21 @@ impl<'a> Fields<'a> {
     /// A number that must be there; if it is missing, this is reported.
     pub fn number(&self, key: Key) -> f64 {
         self.number_if_present(key).map_or_else(|| self.missing(key), |read| read.value)
+    }
+
+    /// A number that must be there, towards larger and towards smaller x: one for both, or a table.
+    pub fn by_direction(&self, key: Key) -> [f64; 2] {
+        let Some(Node { value: Value::Table(entries), place }) = self.node(key.name) else {
+            return [self.number(key); 2];
+        };
+        let path = self.dotted(key.name);
+        let table = Fields { sources: self.sources, path, place: Some(*place), entries, is_misread: false };
+        for entry in entries.iter().filter(|entry| !DIRECTIONS.contains(&entry.key.as_str())) {
+            let problem = format!("unknown key `{}`", short(&entry.key));
+            let remedy = format!("write {} = {{ forward = 1.2, backward = 1.4 }}", key.name);
+            self.sources.report(self.sources.fault(Some(entry.key_place), problem, remedy));
+        }
+        DIRECTIONS.map(|name| table.number(Key { name, ..key }))
     }
 
     /// A number, or its default if it is missing.
@@ -356,6 +371,9 @@ impl<'a> Fields<'a> {
         key.range.stand_in()
     }
 }
+
+/// The keys of a number by direction: towards larger x, and towards smaller.
+pub(super) const DIRECTIONS: [&str; 2] = ["forward", "backward"];
 
 /// The whole number that a text such as "1e5", "1_000_000", "10k" or "2.5M" means.
 fn count(text: &str) -> Option<i128> {

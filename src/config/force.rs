@@ -2,59 +2,121 @@
 
 use super::error::Fault;
 use super::fields::Fields;
-use super::keys;
+use super::keys::{self, Key};
 use super::source::{Place, Sources};
 use crate::excerpt::underlined;
-use crate::model::{Drive, Expression, ExpressionError, Force, Linear, Oscillator};
+use crate::model::{Drive, Expression, ExpressionError, Force, Friction, Linear, Oscillator};
 use crate::scenario::WrittenForce;
 
 /// What `[force]` makes of a body.
 pub(super) struct Forced {
     /// The body, with a linear force in its stiffness and its damping.
     pub oscillator: Oscillator,
-    /// The force, unless it is linear.
+    /// The force, unless it is linear and friction constant.
     pub force: Option<Force>,
     /// The force as it is written, and the body without it.
     pub written: Option<WrittenForce>,
 }
 
-/// Read `[force]`, if it is there.
-pub(super) fn force(sources: &Sources<'_>, root: &Fields<'_>, oscillator: Oscillator) -> Forced {
-    let free = Forced { oscillator, force: None, written: None };
-    let Some(table) = root.table_if_present("force") else { return free };
-    let place = table.place_of(keys::EXPRESSION.name);
-    let Some(place) = place else {
-        let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), which is added to b";
-        sources.report(table.missing_text(keys::EXPRESSION, remedy));
-        return free;
+/// A number in a table whose keys are free: its name, value and place.
+type Parameter = (String, f64, Option<Place>);
+
+/// Read `[force]`, if it is there, and what makes friction no constant: its load, its difference
+/// between the directions, forwards and backwards.
+pub(super) fn force(
+    sources: &Sources<'_>,
+    root: &Fields<'_>,
+    oscillator: Oscillator,
+    friction: [Friction; 2],
+) -> Forced {
+    let (table, dry) = (root.table_if_present("force"), root.table("friction"));
+    let of_force = table.as_ref().map_or(Vec::new(), |table| table.numbers(keys::PARAMETERS));
+    let of_load = dry.numbers(keys::LOAD_PARAMETERS);
+    let has_load = dry.place_of(keys::LOAD.name).is_some();
+    let all: Vec<Parameter> = of_force.iter().chain(&of_load).cloned().collect();
+    let load = has_load.then(|| expression(sources, &dry, (keys::LOAD, "friction.load"), &all)).flatten();
+    let own = table.as_ref().and_then(|table| {
+        if table.place_of(keys::EXPRESSION.name).is_none() {
+            let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), which is added to b";
+            sources.report(table.missing_text(keys::EXPRESSION, remedy));
+        }
+        expression(sources, table, (keys::EXPRESSION, "force.expression"), &of_force)
+    });
+    let is_used = |name: &str| load.as_ref().is_some_and(|load| load.unused_parameters().all(|other| other != name));
+    if let Some(own) = &own {
+        let unused = own.unused_parameters().filter(|name| !is_used(name));
+        let place = table.as_ref().and_then(|table| table.place_of(keys::EXPRESSION.name));
+        unused.for_each(|name| unused_parameter(sources, ("force.expression", place), name, &of_force));
+    }
+    for (name, ..) in of_load.iter().filter(|(name, ..)| (load.is_some() || !has_load) && !is_used(name)) {
+        unused_parameter(sources, ("friction.load", dry.place_of(keys::LOAD.name)), name, &of_load);
+    }
+    let absorbed = own.as_ref().and_then(Expression::linear).and_then(|linear| with(oscillator, linear));
+    let written = own.clone().map(|expression| WrittenForce { expression, without: absorbed.map(|_| oscillator) });
+    let oscillator = absorbed.unwrap_or(oscillator);
+    let own = own.filter(|_| absorbed.is_none());
+    let is_sided = own.as_ref().is_some_and(|own| own.reversed().is_some());
+    let force = if load.is_some() || is_sided || friction[0] != friction[1] {
+        let [own, load] = [own, load].map(|given| given.map(by_direction));
+        Some(Force::with_friction(own.unwrap_or_else(|| [0; 2].map(|_| Force::none())), load, friction))
+    } else {
+        own.map(Force::new)
     };
-    let parameters = table.numbers(keys::PARAMETERS);
-    let Some(text) = table.lines_if_sound(keys::EXPRESSION) else { return free };
+    Forced { oscillator, force, written }
+}
+
+/// An expression forwards and backwards.
+fn by_direction(expression: Expression) -> [Force; 2] {
+    let backwards = expression.reversed().unwrap_or_else(|| expression.clone());
+    [expression, backwards].map(Force::new)
+}
+
+/// The expression at a key with this dotted name, if it is there and sound.
+fn expression(
+    sources: &Sources<'_>,
+    table: &Fields<'_>,
+    (key, name): (Key, &'static str),
+    parameters: &[Parameter],
+) -> Option<Expression> {
+    let place = table.place_of(key.name)?;
+    let text = table.lines_if_sound(key)?;
     // Line breaks and tabs are spaces, each in the same place.
     let line = text.replace(['\n', '\r', '\t'], " ");
     let named: Vec<(String, f64)> = parameters.iter().map(|(name, value, _)| (name.clone(), *value)).collect();
-    let place_of = |name: &str| parameters.iter().find(|(other, ..)| other == name).and_then(|(_, _, place)| *place);
-    let expression = match Expression::parse(line.trim_end(), &named) {
-        Ok(expression) => expression,
-        Err(ExpressionError { parameter: Some(name), problem, remedy, .. }) => {
-            sources.report(sources.fault(place_of(&name), problem, remedy).of("force.parameters"));
-            return free;
+    match Expression::parse(line.trim_end(), &named) {
+        Ok(expression) => Some(expression),
+        Err(ExpressionError { parameter: Some(parameter), problem, remedy, .. }) => {
+            let fault = sources.fault(place_of(&parameter, parameters), problem, remedy);
+            sources.report(fault.of(&format!("{}.parameters", home(name))));
+            None
         }
         Err(error) => {
-            sources.report(fault(sources, place, &text, error));
-            return free;
+            sources.report(fault(sources, place, &text, error).of(name));
+            None
         }
-    };
-    let all = if sources.is_override(Some(place)) { ", or all with `--set 'force.parameters={}'`" } else { "" };
-    for unused in expression.unused_parameters() {
-        let problem = format!("`force.parameters.{unused}` is not in the expression");
-        let remedy = format!("write `{unused}` in `force.expression`, or remove it{all}");
-        sources.report(sources.fault(place_of(unused), problem, remedy));
     }
-    let absorbed = expression.linear().and_then(|linear| with(oscillator, linear));
-    let written = WrittenForce { expression: expression.clone(), without: absorbed.map(|_| oscillator) };
-    let force = if absorbed.is_some() { None } else { Some(Force::new(expression)) };
-    Forced { oscillator: absorbed.unwrap_or(oscillator), force, written: Some(written) }
+}
+
+/// The table of a dotted key.
+fn home(key: &str) -> &str {
+    key.split('.').next().unwrap_or_default()
+}
+
+fn place_of(name: &str, parameters: &[Parameter]) -> Option<Place> {
+    parameters.iter().rev().find(|(other, ..)| other == name).and_then(|(_, _, place)| *place)
+}
+
+/// Report a parameter that the expression of this key at this place does not contain.
+fn unused_parameter(sources: &Sources<'_>, (key, place): (&str, Option<Place>), name: &str, parameters: &[Parameter]) {
+    let home = home(key);
+    let all = if sources.is_override(place) {
+        format!(", or all with `--set '{home}.parameters={{}}'`")
+    } else {
+        String::new()
+    };
+    let problem = format!("`{home}.parameters.{name}` is not in the expression");
+    let remedy = format!("write `{name}` in `{key}`, or remove it{all}");
+    sources.report(sources.fault(place_of(name, parameters), problem, remedy));
 }
 
 /// The body with a linear force in its stiffness and its damping; none if the stiffness would be
@@ -71,7 +133,7 @@ fn with(oscillator: Oscillator, Linear { displacement, velocity }: Linear) -> Op
 /// told, and with an excerpt of the expression elsewhere.
 fn fault(sources: &Sources<'_>, place: Place, text: &str, error: ExpressionError) -> Box<Fault> {
     let ExpressionError { start, end, problem, remedy, .. } = error;
-    let fault = match sources.within(place, text, start..end) {
+    match sources.within(place, text, start..end) {
         Some(inside) => sources.fault(Some(inside), problem, remedy),
         None if text.is_empty() => sources.fault(Some(place), problem, remedy),
         None => {
@@ -80,6 +142,5 @@ fn fault(sources: &Sources<'_>, place: Place, text: &str, error: ExpressionError
             fault.excerpt = Some(underlined(text, characters(0..start), characters(start..end)).join("\n"));
             fault
         }
-    };
-    fault.of("force.expression")
+    }
 }

@@ -115,6 +115,8 @@ keys! {
     "friction" {
         STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Threshold);
         DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
+        LOAD = other("load", "multiplies f_s and f_d: an expression like that of a force, at least 0");
+        LOAD_PARAMETERS = table("parameters");
     }
     "temperature" {
         TEMPERATURE_OFFSET = number("offset", "", "a constant", Any);

@@ -251,8 +251,9 @@ impl Scenario {
             })?;
             spot.as_float().or_else(|| spot.as_integer().map(|whole| whole as f64))
         };
-        // A parameter of the force is a key by itself, as in an override.
-        let parameter = || at(&format!("{}.{key}", tree::FORCE_PARAMETERS)).filter(|_| whole.get(key).is_none());
+        // A parameter is a key by itself, as in an override.
+        let in_table = |home: &str| at(&format!("{home}.{key}")).filter(|_| whole.get(key).is_none());
+        let parameter = || tree::PARAMETERS.into_iter().find_map(in_table);
         at(key).or_else(parameter)
     }
 

@@ -29,7 +29,8 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     };
 
     let table = root.table("friction");
-    let friction = Friction { static_force: table.number(keys::STATIC), dynamic_force: table.number(keys::DYNAMIC) };
+    let (holds, brakes) = (table.by_direction(keys::STATIC), table.by_direction(keys::DYNAMIC));
+    let friction = [0, 1].map(|i| Friction { static_force: holds[i], dynamic_force: brakes[i] });
 
     let table = root.table("temperature");
     let harmonic = |of: &Fields<'_>| Harmonic {
@@ -61,8 +62,9 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         Some(Err(_balanced)) => balanced(sources, &table, &oscillator, temperature.mean(0.0)),
         None => table.number(keys::DISPLACEMENT),
     };
-    let Forced { oscillator, force, written: written_force } = force(sources, root, oscillator);
+    let Forced { oscillator, force, written: written_force } = force(sources, root, oscillator, friction);
     let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
+    let [friction, _] = friction;
     let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
     Physics { model, measured, is_balanced, written_force }
 }

@@ -1,7 +1,8 @@
 //! A scenario as TOML, with every default and with the symbol of the paper beside every number.
 
+use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
-use crate::model::{Drive, Expression, InitialNoise, Noise, Series, Temperature};
+use crate::model::{Drive, Expression, Force, Friction, InitialNoise, Model, Noise, Series, Sides, Temperature};
 use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WrittenForce};
 use crate::stats::Record;
 use std::fmt::{Display, Write as _};
@@ -139,8 +140,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
         Drive::Force(c) => text.number(keys::FORCE_PER_TEMPERATURE, c),
     }
     text.table("friction");
-    text.number(keys::STATIC, model.friction.static_force);
-    text.number(keys::DYNAMIC, model.friction.dynamic_force);
+    friction(text, model, written_force.as_ref());
     temperature(text, &model.temperature, measured.as_ref());
     if let Some(WrittenForce { expression, .. }) = written_force {
         force(text, expression);
@@ -161,13 +161,36 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
 }
 
+fn friction(text: &mut Written, model: &Model, force: Option<&WrittenForce>) {
+    let sides = model.force.as_ref().and_then(Force::sides);
+    let both = sides.map_or([model.friction; 2], Sides::friction);
+    let mut threshold = |key: Key, of: fn(&Friction) -> f64| match both.each_ref().map(of) {
+        [forward, backward] if forward == backward => text.number(key, forward),
+        [forward, backward] => {
+            let [first, second] = DIRECTIONS;
+            text.other(key, format!("{{ {first} = {forward:?}, {second} = {backward:?} }}"));
+        }
+    };
+    threshold(keys::STATIC, |friction| friction.static_force);
+    threshold(keys::DYNAMIC, |friction| friction.dynamic_force);
+    let Some(load) = sides.and_then(Sides::load).and_then(Force::expression) else { return };
+    text.other(keys::LOAD, string(load.text()));
+    // Those of the force are written with it.
+    let known = force.map_or(0, |force| force.expression.parameters().len());
+    parameters(text, "friction.parameters", &load.parameters()[known..]);
+}
+
 fn force(text: &mut Written, expression: &Expression) {
     text.table("force");
     text.other(keys::EXPRESSION, string(expression.text()));
-    if !expression.parameters().is_empty() {
-        text.table("force.parameters");
+    parameters(text, "force.parameters", expression.parameters());
+}
+
+fn parameters(text: &mut Written, name: &str, all: &[(String, f64)]) {
+    if !all.is_empty() {
+        text.table(name);
     }
-    for (name, value) in expression.parameters() {
+    for (name, value) in all {
         text.plain(format!("{name} = {value:?}"));
     }
 }

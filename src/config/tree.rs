@@ -120,8 +120,9 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let place = Place { text: i + 1, start: 0, end: 0 };
     let wrong = |problem: String, remedy: &str| sources.fault(Some(place), problem, remedy);
 
-    let is_parameter = !keys::of_table("").contains(&this.key.as_str()) && has_parameter(root, &this.key);
-    let key = if is_parameter { format!("{FORCE_PARAMETERS}.{}", this.key) } else { this.key.clone() };
+    let is_table = keys::of_table("").contains(&this.key.as_str());
+    let home = PARAMETERS.into_iter().find(|home| !is_table && has_parameter(root, home, &this.key));
+    let key = home.map_or(this.key.clone(), |home| format!("{home}.{}", this.key));
     let mut spot = root;
     let mut walked = String::new();
     for segment in key.split('.') {
@@ -168,7 +169,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let is_quoted = text.starts_with(['"', '\'']);
     spot.value = match DeValue::parse(text) {
         // An expression needs no quotes on a command line, where a shell would take them away.
-        _ if this.key.trim() == FORCE_EXPRESSION && !is_quoted => Value::Text(text.to_string()),
+        _ if EXPRESSIONS.contains(&this.key.trim()) && !is_quoted => Value::Text(text.to_string()),
         Ok(value) => node(value, i + 1).value,
         // The value is a bare word, or a count such as 10k.
         Err(_) if text.starts_with(|c: char| c.is_alphabetic()) || is_count(text) => Value::Text(text.to_string()),
@@ -181,9 +182,9 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     Ok(())
 }
 
-/// Whether the force of a scenario has a parameter of this name, which is then a key by itself.
-fn has_parameter(root: &Node, name: &str) -> bool {
-    let mut path = FORCE_PARAMETERS.split('.').chain([name]);
+/// Whether these parameters of a scenario have one of this name, which is then a key by itself.
+fn has_parameter(root: &Node, home: &str, name: &str) -> bool {
+    let mut path = home.split('.').chain([name]);
     let innermost = path.try_fold(root, |node, key| match &node.value {
         Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
         _ => None,
@@ -191,8 +192,8 @@ fn has_parameter(root: &Node, name: &str) -> bool {
     innermost.is_some()
 }
 
-/// The table of these parameters.
-pub(super) const FORCE_PARAMETERS: &str = "force.parameters";
+/// The tables of parameters.
+pub(super) const PARAMETERS: [&str; 2] = ["force.parameters", "friction.parameters"];
 
 /// A number such as .5 with the zero that TOML wants.
 fn whole(text: &str) -> Cow<'_, str> {
@@ -201,8 +202,8 @@ fn whole(text: &str) -> Cow<'_, str> {
     if begins { Cow::Owned(text.replacen('.', "0.", 1)) } else { Cow::Borrowed(text) }
 }
 
-/// The key whose value is an expression.
-const FORCE_EXPRESSION: &str = "force.expression";
+/// The keys whose values are expressions.
+const EXPRESSIONS: [&str; 2] = ["force.expression", "friction.load"];
 
 /// Whether a text is a number followed by a unit, such as 10k.
 fn is_count(text: &str) -> bool {

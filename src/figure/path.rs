@@ -12,7 +12,7 @@ use super::{
     solid,
 };
 use crate::engine::Replay;
-use crate::model::Drive;
+use crate::model::{Drive, Model, Sign};
 use crate::stats::Dimension;
 use std::ops::Range;
 
@@ -203,7 +203,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let units = [Dimension::TIME, Dimension::LENGTH, Dimension::VELOCITY, Dimension::FORCE];
     let [time_unit, length_unit, velocity_unit, force_unit] = units.map(|d| d.label(&scenario.units));
-    let [friction, end] = [scenario.model.friction.static_force, scenario.time.end];
+    // With a load there is no level of its own.
+    let friction = if scenario.model.has_load() { 0.0 } else { scenario.model.friction.static_force };
+    let end = scenario.time.end;
     let time = || Axis::linear([-MARGIN * end, (1.0 + MARGIN) * end], Label::new("time *t*"), &time_unit);
 
     let displacement = over_time(&trace, palette, time(), &length_unit);
@@ -214,7 +216,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
     let spring = Stroke::solid(palette.faint, THIN);
     let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
-    let dry = friction_force(&trace, scenario.model.friction.dynamic_force);
+    let dry = friction_force(&trace, &scenario.model);
     let forces = |panel: &mut Panel| {
         panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
         panel.line(dry.clone(), force.clone());
@@ -335,8 +337,9 @@ fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
 
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
 /// direction of motion.
-fn friction_force(trace: &PathTrace, dynamic: f64) -> Vec<[f64; 2]> {
-    let force = |piece: &DrawnPhase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| sign * dynamic)];
+fn friction_force(trace: &PathTrace, model: &Model) -> Vec<[f64; 2]> {
+    let dry = |sign: f64, s: &StateAt| model.sliding_friction(Sign::of(sign), s.time, s.displacement, s.velocity);
+    let force = |piece: &DrawnPhase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| dry(sign, s))];
     trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
 }
 
@@ -456,7 +459,7 @@ mod tests {
     #[test]
     fn friction_holds_in_sticks_and_drags_in_slips() {
         let (scenario, trace) = trace("shaw", 0);
-        let force = friction_force(&trace, scenario.model.friction.dynamic_force);
+        let force = friction_force(&trace, &scenario.model);
         let samples: Vec<(bool, f64)> =
             trace.pieces.iter().flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring))).collect();
         for ((is_static, spring), [_, f]) in samples.into_iter().zip(force) {

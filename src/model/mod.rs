@@ -37,7 +37,8 @@ mod temperature;
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;
 pub use force::{
-    Doubt, Expression, ExpressionError, Force, ForceLaw, Linear, Scales, Steepest, beyond_hold, doubts, steepest,
+    Doubt, Expression, ExpressionError, Force, ForceLaw, Hold, Linear, Scales, Sides, Steepest, beyond_hold, doubts,
+    steepest,
 };
 pub use friction::{Friction, prox};
 #[doc(hidden)]
@@ -78,6 +79,28 @@ impl Model {
     pub fn total_force(&self, time: f64, temperature: f64, displacement: f64, velocity: f64) -> f64 {
         let linear = self.oscillator.force(temperature, displacement, velocity);
         self.own_force(time, displacement, velocity).map_or(linear, |own| linear + own)
+    }
+
+    /// What friction holds in a stick at x, where the temperature has this value: b and its limit,
+    /// so that the stick lasts while |b| is at most that. Where the limit depends on the direction, b
+    /// is less the middle of both limits.
+    pub fn held(&self, time: f64, temperature: f64, displacement: f64) -> [f64; 2] {
+        let linear = self.oscillator.force(temperature, displacement, 0.0);
+        let hold = self.force.as_ref().map(|force| force.hold(InstructionSet::detect(), displacement, time));
+        let Hold { pull, excess } = hold.unwrap_or_default();
+        [linear + pull, self.friction.static_force + excess]
+    }
+
+    /// The force of friction in a slip in this direction.
+    pub fn sliding_friction(&self, direction: Sign, time: f64, displacement: f64, velocity: f64) -> f64 {
+        let sides = self.force.as_ref().and_then(Force::sides);
+        let size = sides.map(|sides| sides.dynamic_force(direction, displacement, velocity, time));
+        direction.value() * size.unwrap_or(self.friction.dynamic_force)
+    }
+
+    /// Whether the force of friction in a slip is no constant.
+    pub fn has_load(&self) -> bool {
+        self.force.as_ref().is_some_and(|force| force.sides().is_some())
     }
 
     /// g(x, x', t), the force of the user's own, if there is one.

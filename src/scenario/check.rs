@@ -4,7 +4,9 @@
 use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
-use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::model::{
+    Drive, Force, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Sides, Temperature, can_be_computed_with,
+};
 use crate::numbers::short;
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
@@ -19,7 +21,7 @@ impl Scenario {
         let Scenario { model, time, scheme, statistics, ensemble, .. } = self;
         let Temperature { noise: first, second_noise: second, .. } = &model.temperature;
         let mut found: Vec<Misfit> = Vec::new();
-        found.extend(friction(&model.friction));
+        found.extend(friction(model));
         found.extend([first, second].into_iter().flatten().filter_map(noise));
         found.extend(pinned(&model.temperature));
         if found.is_empty() {
@@ -94,9 +96,12 @@ impl Statistics {
     }
 }
 
-/// f_d <= f_s.
-fn friction(friction: &Friction) -> Option<Misfit> {
-    let Friction { static_force: f_s, dynamic_force: f_d } = *friction;
+/// f_d <= f_s, in each direction.
+fn friction(model: &Model) -> Option<Misfit> {
+    let sides = model.force.as_ref().and_then(Force::sides);
+    let [forward, backward] = sides.map_or([model.friction; 2], Sides::friction);
+    let is_forward = forward.dynamic_force > forward.static_force;
+    let Friction { static_force: f_s, dynamic_force: f_d } = if is_forward { forward } else { backward };
     if f_d <= f_s {
         return None;
     }

@@ -90,6 +90,10 @@ impl Method for QuasiStatic {
     fn check(self, model: &Model, end: f64) -> Result<(), Misfit> {
         let Oscillator { stiffness, damping, .. } = model.oscillator;
         let remedy = "choose `--scheme event-driven`, which follows every slip";
+        if model.has_load() {
+            let problem = "friction has a load, or a direction, and in the quasi-static recursion it is constant";
+            return Err(Misfit::new(&[], problem, remedy));
+        }
         if let Some(force) = &model.force {
             let problem = format!(
                 "`force.expression` = \"{}\" is a force that the quasi-static recursion does not know: there a slip is a \

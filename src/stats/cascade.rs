@@ -79,11 +79,10 @@ sums_of_fields!(Contributing { first_sticks, slips, sticking, moving });
 
 impl CascadeSums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[PathFold], dynamic_force: f64, unit: Unit) -> Self {
+    pub fn of(paths: &[PathFold], unit: Unit) -> Self {
         let of_paths = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
         let column = |of: fn(&PathFold) -> f64| unit.means(&of_paths(of)).into_owned();
         let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
-        let work: Vec<f64> = paths.iter().map(|p| dynamic_force * p.travel).collect();
         let [first_sticks, first_durations] =
             [column(|p| f64::from(u8::from(p.first_duration.is_some()))), column(|p| p.first_duration.unwrap_or(0.0))];
         let [slips, sub_phases, jump_sizes] =
@@ -108,7 +107,7 @@ impl CascadeSums {
                 &jump_sizes,
             ]),
             stick_time: Moments::of(&stick_times),
-            work: Moments::of(&unit.means(&work)),
+            work: Moments::of(&column(|p| p.friction_work)),
             sliding_path: Moments::of(&column(|p| p.travel)),
             displacement_end: SpreadMoments::of(&of_paths(|p| p.displacement_end), unit),
             early_displacement: Moments::of(&column(|p| p.early_displacement)),

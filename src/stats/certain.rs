@@ -40,14 +40,15 @@ impl Certain {
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
         let is_thrown = *initial_velocity != 0.0;
         let start = is_thrown || oscillator.force_per_temperature() == 0.0 || temperature.noises().all(is_given);
-        let force = model.total_force(0.0, temperature.mean(0.0), *initial_displacement, 0.0);
+        let [force, limit] = model.held(0.0, temperature.mean(0.0), *initial_displacement);
+        let has_load = model.has_load();
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
         Certain {
             everything: !is_random || timeline.end == 0.0,
             start,
-            first_stick: is_thrown || start && force.abs() > friction.static_force,
-            never_sticks: friction.static_force == 0.0,
-            frictionless: friction.dynamic_force == 0.0,
+            first_stick: is_thrown || start && force.abs() > limit,
+            never_sticks: friction.static_force == 0.0 && !has_load,
+            frictionless: friction.dynamic_force == 0.0 && !has_load,
             drift: model.long_run_drift(),
         }
     }

@@ -26,10 +26,10 @@ sums_of_fields!(EnergySums { temperature, own_force, damping, change, residual, 
 
 impl EnergySums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[MotionFold], dynamic_force: f64, unit: Unit) -> Self {
+    pub fn of(paths: &[MotionFold], unit: Unit) -> Self {
         let column = |of: fn(&Works) -> f64| paths.iter().map(|path| of(&path.works)).collect::<Vec<f64>>();
         let moments = |of: fn(&Works) -> f64| Moments::of(&unit.means(&column(of)));
-        let residuals: Vec<f64> = paths.iter().map(|path| path.residual(dynamic_force)).collect();
+        let residuals: Vec<f64> = paths.iter().map(MotionFold::residual).collect();
         EnergySums {
             temperature: moments(|works| works.temperature),
             own_force: moments(|works| works.own_force),

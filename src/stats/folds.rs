@@ -34,7 +34,7 @@ impl PathFolds {
         PathFolds {
             paths: vec![path; count],
             laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); count]),
-            motion: record.has_motion().then(|| vec![MotionFold::starting_at(model); count]),
+            motion: (record.has_motion() || model.has_load()).then(|| vec![MotionFold::starting_at(model); count]),
             model: model.clone(),
             timeline: *timeline,
             record: *record,
@@ -70,7 +70,9 @@ impl PathFolds {
                 Instant::Output(_) | Instant::Period(_) => return,
             }
             if let Some(motion) = &mut self.motion {
-                motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path.travel);
+                motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path);
+            } else {
+                path.friction_work = self.model.friction.dynamic_force * path.travel;
             }
         }
     }
@@ -81,12 +83,11 @@ impl PathFolds {
             lanes.map_or(Cow::Borrowed(all), |lanes| lanes.iter().map(|&lane| all[lane]).collect())
         }
         let motion = self.motion.as_deref().map(|motion| of(motion, lanes)).unwrap_or_default();
-        let dynamic_force = self.model.friction.dynamic_force;
         PhaseSums {
-            cascade: CascadeSums::of(&of(&self.paths, lanes), dynamic_force, unit),
+            cascade: CascadeSums::of(&of(&self.paths, lanes), unit),
             periods,
             laws: self.laws.as_deref().map(|laws| Box::new(LawsSums::of(&of(laws, lanes), unit))),
-            energy: self.record.energy.then(|| Box::new(EnergySums::of(&motion, dynamic_force, unit))),
+            energy: self.record.energy.then(|| Box::new(EnergySums::of(&motion, unit))),
             extremes: self.record.asks_for(Extra::Levels).then(|| Box::new(ExtremeSums::of(&motion, unit))),
         }
     }

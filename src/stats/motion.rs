@@ -1,12 +1,13 @@
 //! The motion of paths between their events ([`Glide`]): the energy that each force gives to the
 //! body, and the farthest and the fastest it gets. Nothing here depends on the output grid.
 //!
-//! x' has one sign on a sub-phase, so the work of friction is f_d times the sliding path, and x is
-//! farthest at an event or at the end: both are exact. The other works are integrals over glides,
+//! x' has one sign on a sub-phase, so the work of friction without a load is f_d times the sliding
+//! path, and x is farthest at an event or at the end: both are exact. The other works are integrals
+//! over glides,
 //!
 //! ```text
 //! of the temperature  c integral T x' dt         of damping  2 alpha integral x'^2 dt
-//! of a force of the user's own  integral g x' dt
+//! of a force of the user's own  integral g x' dt     of friction with a load  integral f_d L |x'| dt
 //! ```
 //!
 //! by Gauss's rule with five nodes, which is exact for the damping of a quintic, or in a step of a
@@ -17,17 +18,18 @@
 //! it is the change of the kinetic energy and of that of the spring, plus the works of damping and
 //! friction, less that of g. The balance then closes up to rounding, and tells nothing more.
 
-use crate::model::Model;
+use super::path::PathFold;
+use crate::model::{Model, Sign};
 use crate::scheme::{Along, Glide, Instant, Timeline};
 
 /// The energy that each force gave to the body, or took from it, since the end of the burn-in.
-/// That of friction is known from the events.
 #[derive(Clone, Copy, Debug, Default)]
 pub(super) struct Works {
     pub temperature: f64,
     pub own_force: f64,
-    /// This one is taken.
+    /// These are taken. That of friction without a load is known at the end, from the events.
     pub damping: f64,
+    friction: f64,
     /// Kinetic energy and that of the spring, at the beginning and at the end.
     stored: [f64; 2],
 }
@@ -81,6 +83,8 @@ impl MotionFold {
         }
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
+        let has_load = model.has_load();
+        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v) * way;
         let acceleration = match glide.along {
             Along::Smooth { acceleration } => acceleration,
             Along::Step { temperature } => {
@@ -88,10 +92,13 @@ impl MotionFold {
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
+                if has_load {
+                    works.friction += dry(start, displacement, v, way);
+                }
                 return;
             }
         };
-        let (mut of_damping, mut of_own, mut of_mean) = (0.0, 0.0, 0.0);
+        let (mut of_damping, mut of_own, mut of_mean, mut of_friction) = (0.0, 0.0, 0.0, 0.0);
         let is_random = model.temperature.is_random();
         for [node, weight] in NODES {
             let part = from + (to - from) * node;
@@ -101,12 +108,16 @@ impl MotionFold {
             if model.force.is_some() {
                 of_own += own(time, glide.displacement + way, v) * weight;
             }
+            if has_load {
+                of_friction += dry(time, glide.displacement + way, v, weight);
+            }
             if !is_random {
                 of_mean += body.force_per_temperature() * model.temperature.mean(time) * weight;
             }
         }
         works.damping += of_damping;
         works.own_force += of_own;
+        works.friction += of_friction;
         works.temperature += match is_random {
             false => of_mean,
             true => {
@@ -115,28 +126,34 @@ impl MotionFold {
                 let way = way1 - way0;
                 let spring = body.stiffness * way * (glide.displacement + 0.5 * (way0 + way1));
                 let kinetic = 0.5 * body.mass * (v1 - v0) * (v1 + v0);
-                kinetic + spring + of_damping + model.friction.dynamic_force * way.abs() - of_own
+                let of_friction = if has_load { of_friction } else { model.friction.dynamic_force * way.abs() };
+                kinetic + spring + of_damping + of_friction - of_own
             }
         };
     }
 
-    /// Add the state (x, x') at an instant. The sliding path is that since the end of the burn-in.
-    pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], travel: f64) {
+    /// Add the state (x, x') of a path at an instant. At the end the path is told the work of
+    /// friction.
+    pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
         match instant {
             Instant::Counting => self.works = Works { stored: [stored(model, x, v); 2], ..Works::default() },
             Instant::End => {
                 self.event(x);
                 self.works.stored[1] = stored(model, x, v);
-                self.travel = travel;
+                self.travel = path.travel;
+                if !model.has_load() {
+                    self.works.friction = model.friction.dynamic_force * path.travel;
+                }
+                path.friction_work = self.works.friction;
             }
             Instant::Output(_) | Instant::Period(_) => {}
         }
     }
 
     /// What is left of the balance.
-    pub fn residual(&self, dynamic_force: f64) -> f64 {
-        let Works { temperature, own_force, damping, .. } = self.works;
-        temperature + own_force - damping - dynamic_force * self.travel - self.works.change()
+    pub fn residual(&self) -> f64 {
+        let Works { temperature, own_force, damping, friction, .. } = self.works;
+        temperature + own_force - damping - friction - self.works.change()
     }
 }
 

@@ -77,7 +77,7 @@ impl BlockObserver {
     /// The result of the block, which has `path_count` paths from number `first_path` on. The paths
     /// in `diverged` did not reach t_end and were not observed.
     pub fn finish(mut self, first_path: u64, path_count: u64, diverged: Vec<u64>) -> BlockResult {
-        let PathFolds { paths, model, record, .. } = &self.folds;
+        let PathFolds { paths, record, .. } = &self.folds;
         self.totals.counts.density = self.density.map(|density| Box::new(density.finish()));
         self.totals.sums.phases = self.folds.sums(None, self.periods.finish(), self.unit);
         self.totals.sums.spectrum = self.spectrum.map(|spectrum| Box::new(spectrum.finish()));
@@ -95,7 +95,7 @@ impl BlockObserver {
                 let mut columns = PathColumns::default();
                 for (_, lane) in &lanes {
                     columns.push(match lane {
-                        Some(lane) => path_row(&paths[*lane], model.friction.dynamic_force),
+                        Some(lane) => path_row(&paths[*lane]),
                         None => PathRow { diverged: 1, ..PathColumns::MISSING },
                     });
                 }
@@ -147,13 +147,14 @@ impl BlockObserver {
             // At rest in a slip, at a turning point or at the end of a stick, the body is about to
             // follow b.
             let direction = if v == 0.0 { Sign::of(b) } else { paths[lane].direction };
+            let sliding = model.sliding_friction(direction, snapshot.time, x, v);
             let is_static = snapshot.is_static[lane];
             let seen = TrajectoryRow {
                 displacement: x,
                 velocity: v,
                 temperature: t,
                 force: b,
-                friction: if is_static { b } else { model.friction.dynamic_force * direction.value() },
+                friction: if is_static { b } else { sliding },
                 is_static: is_static.into(),
             };
             rows.set(row, seen);
@@ -161,13 +162,13 @@ impl BlockObserver {
     }
 }
 
-fn path_row(path: &PathFold, dynamic_force: f64) -> PathRow {
+fn path_row(path: &PathFold) -> PathRow {
     PathRow {
         displacement_end: path.displacement_end,
         max_displacement: path.max_displacement,
         first_stick_duration: path.first_duration.unwrap_or(f64::NAN),
         stick_time: path.stick_time,
-        friction_work: dynamic_force * path.travel,
+        friction_work: path.friction_work,
         sticks: path.sticks.count,
         slips: path.slips,
         sub_phases: path.sub_phases,

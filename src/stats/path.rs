@@ -55,6 +55,8 @@ pub(super) struct PathFold {
     /// Integral of |x'| dt after the burn-in. Since x is monotone on a sub-phase, this is the sum
     /// of the distances between events.
     pub travel: f64,
+    /// The work of friction after the burn-in, known at the end.
+    pub friction_work: f64,
     /// max |x|, the burn-in included. It is attained at an event, at the start or at the end.
     pub max_displacement: f64,
     /// Displacement at the end, x(t_end).

@@ -11,6 +11,7 @@ mod event_driven;
 mod event_driven_limits;
 mod general_force;
 mod laws;
+mod load;
 mod measures;
 mod motion;
 mod noise;

@@ -12,7 +12,7 @@ pub(super) fn never_slips(case: &Case) -> Option<String> {
     let model = &case.scenario.model;
     let largest = model.force_bound(NEVER_SD, case.scenario.time.end);
     // A force of the user's own that depends on time is not known at every time.
-    let is_known = !model.force.as_ref().is_some_and(|force| force.depends_on_time());
+    let is_known = !model.has_load() && !model.force.as_ref().is_some_and(|force| force.depends_on_time());
     (is_known && largest <= model.friction.static_force && model.initial_velocity == 0.0).then(|| {
         format!(
             "nothing will slip: |b| does not exceed {}, and f_s is no less. Every stick is censored",

@@ -4,14 +4,15 @@ use super::error::ExpressionError;
 use super::law::ForceLaw;
 use super::parse::parse;
 use super::tape::Tape;
-use super::tree::{Formula, TIME};
+use super::tree::{DIRECTION, Formula, TIME};
 use crate::excerpt::short;
 use crate::lanes::Lanes;
 
 /// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
 ///
 /// The language has numbers, `pi`, the operators `+ - * / ^`, parentheses, and the functions abs,
-/// sign, min, max, sqrt, exp, log, sin, cos, tan, atan and tanh.
+/// sign, min, max, sqrt, exp, log, sin, cos, tan, atan and tanh. The variable `direction`, in which
+/// the body slips or would slip, is 1 until the expression is [reversed](Expression::reversed).
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
@@ -19,6 +20,8 @@ pub struct Expression {
     used: Vec<bool>,
     formula: Formula,
     tape: Tape,
+    /// The operations where the body slips backwards, if they differ.
+    backwards: Option<Tape>,
 }
 
 /// A force g = a x + b x'.
@@ -34,8 +37,9 @@ impl Expression {
     /// Reads a text that may name the parameters.
     pub fn parse(text: &str, parameters: &[(String, f64)]) -> Result<Expression, ExpressionError> {
         let (formula, used) = parse(text, parameters)?;
-        let tape = Tape::new(&formula)?;
-        Ok(Expression { text: text.to_string(), parameters: parameters.to_vec(), used, formula, tape })
+        let tape = Tape::new(&formula, 1.0)?;
+        let backwards = formula.uses(DIRECTION).then(|| Tape::new(&formula, -1.0)).transpose()?;
+        Ok(Expression { text: text.to_string(), parameters: parameters.to_vec(), used, formula, tape, backwards })
     }
 
     /// The text as it was written.
@@ -67,6 +71,11 @@ impl Expression {
             [0.0, displacement, velocity] => Some(Linear { displacement, velocity }),
             _ => None,
         }
+    }
+
+    /// The expression where the body slips backwards; none if the text does not name `direction`.
+    pub fn reversed(&self) -> Option<Expression> {
+        Some(Expression { tape: self.backwards.clone()?, ..self.clone() })
     }
 
     /// Whether the text names t.

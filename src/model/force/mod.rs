@@ -10,6 +10,7 @@ mod law;
 mod operation;
 mod parse;
 mod scan;
+mod sides;
 mod tape;
 #[cfg(test)]
 mod tests;
@@ -21,25 +22,30 @@ pub use error::ExpressionError;
 pub use expression::{Expression, Linear};
 pub use law::ForceLaw;
 pub use scan::{Doubt, Scales, Steepest, beyond_hold, doubts, steepest};
+pub use sides::{Hold, Sides};
 
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use std::any::Any;
 use std::fmt::Debug;
 use std::sync::Arc;
 
-/// A force of any kind. Its copies share it.
+/// A force of any kind, with the friction by direction where that is no constant. Its copies share
+/// it.
 #[derive(Clone, Debug)]
-pub struct Force(Arc<dyn AnyLaw>);
+pub struct Force {
+    law: Arc<dyn AnyLaw>,
+    sides: Option<Arc<Sides>>,
+}
 
 impl Force {
     /// The force that follows a law.
     pub fn new(law: impl ForceLaw + 'static) -> Self {
-        Force(Arc::new(law))
+        Force { law: Arc::new(law), sides: None }
     }
 
     /// g at one place and time.
     pub fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        self.0.at(instructions, x, velocity, time)
+        self.law.at(instructions, x, velocity, time)
     }
 
     /// g of many paths at one time. The slices must have one length, a multiple of 8.
@@ -48,7 +54,7 @@ impl Force {
             x.len() == velocity.len() && x.len() == g.len() && x.len().is_multiple_of(8),
             "slices of one length, a multiple of 8"
         );
-        self.0.fill(instructions, x, velocity, time, g);
+        self.law.fill(instructions, x, velocity, time, g);
     }
 
     /// g at eight places and times at once, which takes hardly longer than at one.
@@ -59,12 +65,12 @@ impl Force {
         velocity: &[f64; 8],
         time: &[f64; 8],
     ) -> [f64; 8] {
-        self.0.at_each(instructions, [x, velocity, time])
+        self.law.at_each(instructions, [x, velocity, time])
     }
 
-    /// Whether g depends on t.
+    /// Whether g, or the load of friction, depends on t.
     pub fn depends_on_time(&self) -> bool {
-        self.0.depends_on_time()
+        self.in_stick()[0].law.depends_on_time()
     }
 
     /// The beginning of the expression, for messages.
@@ -74,7 +80,7 @@ impl Force {
 
     /// The expression, if the force is one.
     pub fn expression(&self) -> Option<&Expression> {
-        self.0.as_any().downcast_ref()
+        self.law.as_any().downcast_ref()
     }
 }
 
@@ -82,7 +88,12 @@ impl Force {
 impl PartialEq for Force {
     fn eq(&self, other: &Self) -> bool {
         let is_same = || self.expression().is_some_and(|expression| Some(expression) == other.expression());
-        Arc::ptr_eq(&self.0, &other.0) || is_same()
+        let are_none = || self.is_none() && other.is_none();
+        match (self.sides(), other.sides()) {
+            (None, None) => Arc::ptr_eq(&self.law, &other.law) || are_none() || is_same(),
+            (Some(sides), Some(others)) => sides.agrees(others),
+            _ => false,
+        }
     }
 }
 

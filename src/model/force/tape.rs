@@ -5,7 +5,7 @@
 
 use super::error::ExpressionError;
 use super::operation::{Binary, Elementary, Unary, each, greatest, least, power, sign};
-use super::tree::{Formula, Term};
+use super::tree::{DIRECTION, Formula, Term};
 use crate::lanes::Lanes;
 use std::collections::HashMap;
 
@@ -70,12 +70,15 @@ pub(super) struct Tape {
 }
 
 impl Tape {
-    /// Compiles a tree.
-    pub fn new(formula: &Formula) -> Result<Tape, ExpressionError> {
+    /// Compiles a tree for slips in a direction, 1 or -1.
+    pub fn new(formula: &Formula, direction: f64) -> Result<Tape, ExpressionError> {
         let mut values = Values::default();
         let mut of_node: Vec<Operand> = Vec::with_capacity(formula.0.len());
         for operation in &formula.0 {
-            of_node.push(values.term(operation.term, &of_node));
+            of_node.push(match operation.term {
+                Term::Variable(DIRECTION) => Operand::Number(direction),
+                term => values.term(term, &of_node),
+            });
         }
         let result = of_node.last().map_or(0, |root| values.slot(*root));
         values.allocate(result).ok_or_else(|| {

@@ -7,6 +7,8 @@ use std::ops::Range;
 pub(super) const X: usize = 0;
 pub(super) const XDOT: usize = 1;
 pub(super) const TIME: usize = 2;
+/// The direction in which the body slips, or would slip. It is not passed, but compiled into a tape.
+pub(super) const DIRECTION: usize = 3;
 
 /// A number, a variable, or an operation on other nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +39,7 @@ impl Formula {
         for operation in &self.0 {
             let value = match operation.term {
                 Term::Number(number) => number,
+                Term::Variable(DIRECTION) => 1f64.copysign(at[XDOT]),
                 Term::Variable(variable) => at[variable],
                 Term::Unary(unary, a) => unary.of(values[a]),
                 Term::Binary(binary, a, b) => binary.of(values[a], values[b]),

@@ -2,7 +2,7 @@
 
 use super::error::ExpressionError;
 use super::operation::{Binary, Elementary, Unary};
-use super::tree::{TIME, X, XDOT};
+use super::tree::{DIRECTION, TIME, X, XDOT};
 use crate::excerpt::short;
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ pub(super) enum Function {
     Among(Binary),
 }
 
-const VARIABLES: [(&str, usize); 3] = [("x", X), ("xdot", XDOT), ("t", TIME)];
+const VARIABLES: [(&str, usize); 4] = [("x", X), ("xdot", XDOT), ("t", TIME), ("direction", DIRECTION)];
 
 const FUNCTIONS: [(&str, Function); 12] = [
     ("abs", Function::Of(Unary::Abs)),
@@ -72,6 +72,10 @@ const HINTS: [(&[&str], &str); 11] = [
     (&["if", "where", "else", "then", "and", "or", "heaviside", "step", "piecewise", "theta"], CASES),
 ];
 
+/// What to write in place of the temperature.
+const SUPPORT: &str = "a force knows no temperature, but `V*t`, with a parameter V, is a belt or the end of a pulled spring, \
+                       as in `k3*(V*t - x)^3`";
+
 /// What to write in place of a comparison.
 pub(super) const CASES: &str = "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
 
@@ -113,6 +117,9 @@ pub(super) fn meaning(
 /// What to write in place of a name.
 fn hint(name: &str, parameters: &[(String, f64)]) -> Option<String> {
     let word = name.to_lowercase();
+    if name == "T" {
+        return Some(SUPPORT.to_string());
+    }
     if let Some((_, hint)) = HINTS.iter().find(|(names, _)| names.contains(&word.as_str())) {
         return Some(hint.to_string());
     }
@@ -143,7 +150,10 @@ fn known(parameters: &[(String, f64)]) -> String {
         1 => format!(", the parameter {named}"),
         _ => format!(", the parameters {named}"),
     };
-    format!("x, xdot, t, pi{named} and the functions {}", list(FUNCTIONS.iter().map(|(name, _)| *name).collect()))
+    format!(
+        "x, xdot, t, direction, pi{named} and the functions {}",
+        list(FUNCTIONS.iter().map(|(name, _)| *name).collect())
+    )
 }
 
 /// Checks that parameters have names of their own, and values.

@@ -9,7 +9,7 @@
 //! a stick, sticks would be 23 % shorter at h = 0.01, and their duration would not
 //! converge.
 
-use super::kernel::{Coefficients, Kernel, LaneState, Paths, Turn};
+use super::kernel::{Kernel, LaneState, Paths, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::scheme::Observer;
 
@@ -34,10 +34,11 @@ impl GridReader {
         let phases = (0..paths).map(|lane| {
             let at = state.point(lane);
             let force = kernel.force(&at, forcing, 0);
-            if at.velocity == 0.0 && holds(&kernel.coefficients, force) {
+            let pulls = kernel.pulls(&LaneState { velocity: 0.0, ..at }, forcing, 0);
+            if at.velocity == 0.0 && kernel.holds(pulls, kernel.coefficients.static_impulse) {
                 return Phase::Static;
             }
-            let sign = Sign::of(if at.velocity == 0.0 { force } else { at.velocity });
+            let sign = Sign::of(if at.velocity == 0.0 { pulls[0] + pulls[1] } else { at.velocity });
             let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.displacement, force };
             if !force.is_finite() {
                 forceless.push(lane);
@@ -52,10 +53,10 @@ impl GridReader {
     /// phase ends at the last instant with V = 0, so that this instant belongs to the slip. It is
     /// the one at which the force no longer holds, and its event is found in the next step.
     pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64, n: u64) -> impl Iterator<Item = bool> {
-        let c = &kernel.coefficients;
+        let exit = kernel.coefficients.exit_impulse;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
             let at = LaneState { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
-            *phase == Phase::Static && (c.h_over_m * kernel.force(&at, forcing, n)).abs() <= c.exit_impulse
+            *phase == Phase::Static && kernel.holds(kernel.pulls(&at, forcing, n), exit)
         })
     }
 
@@ -72,8 +73,12 @@ impl GridReader {
         for turn in turns {
             let Some(phase) = self.phases.get_mut(turn.lane) else { continue };
             let behind = turn.step + 1;
-            let force = || kernel.force(&turn.after, forcing[behind], n + behind as u64);
-            let Some((kind, when)) = self::read(*phase, turn, &kernel.coefficients, force) else { continue };
+            let at_rest = || {
+                let pulls = kernel.pulls(&turn.after, forcing[behind], n + behind as u64);
+                // A static phase here means V = 0 at the next step.
+                EventKind::at_rest(kernel.holds(pulls, kernel.coefficients.static_impulse), pulls[0] + pulls[1])
+            };
+            let Some((kind, when)) = self::read(*phase, turn, at_rest) else { continue };
             *phase = kind.phase();
             let (at, step) = match when {
                 When::Before => (&turn.before, turn.step),
@@ -100,16 +105,13 @@ enum When {
 }
 
 /// The event of a path in this phase that a step from `turn.before` to `turn.after` makes, if any.
-/// `force` is b at the end of the step.
-fn read(phase: Phase, turn: &Turn, c: &Coefficients, force: impl Fn() -> f64) -> Option<(EventKind, When)> {
+/// `at_rest` is what a zero at the end of the step is.
+fn read(phase: Phase, turn: &Turn, at_rest: impl Fn() -> EventKind) -> Option<(EventKind, When)> {
     let (before, after) = (turn.before.velocity, turn.after.velocity);
     match phase {
         Phase::Static if after != 0.0 => Some((EventKind::SlipStarted(Sign::of(after)), When::Before)),
         Phase::Static => None,
-        Phase::Slip(_) if after == 0.0 => {
-            let force = force();
-            Some((EventKind::at_rest(holds(c, force), force), When::After))
-        }
+        Phase::Slip(_) if after == 0.0 => Some((at_rest(), When::After)),
         // The signs are compared, because the product of the velocities could underflow.
         Phase::Slip(_) if before != 0.0 && Sign::of(before) != Sign::of(after) => {
             Some((EventKind::SubPhaseBoundary(Sign::of(after)), When::After))
@@ -117,10 +119,4 @@ fn read(phase: Phase, turn: &Turn, c: &Coefficients, force: impl Fn() -> f64) ->
         // The path leaves a turning point, whose sub-phase boundary was the zero before.
         Phase::Slip(_) => None,
     }
-}
-
-/// Whether |b| <= f_s at zero velocity. It is rounded as the step rounds it, so that a static phase
-/// here means V = 0 at the next step.
-fn holds(c: &Coefficients, force: f64) -> bool {
-    (c.h_over_m * force).abs() <= c.static_impulse
 }

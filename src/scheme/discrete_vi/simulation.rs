@@ -173,7 +173,7 @@ impl Simulate for DiscreteSimulation {
         if self.model.force.is_some() {
             let last = to_force * harmonics[0];
             for (lane, diverged) in diverged.iter_mut().enumerate() {
-                *diverged |= !kernel.force(&state.point(lane), last, n).is_finite();
+                *diverged |= !kernel.pulls(&state.point(lane), last, n).iter().all(|pull| pull.is_finite());
             }
         }
         (0..paths).filter(|&lane| diverged[lane]).collect()

@@ -36,7 +36,7 @@ pub enum Unresolved {
     #[error("it takes more evaluations than a path may make, which is some seconds")]
     TooLong,
     /// A value was not a finite number.
-    #[error("it meets a number that is not finite")]
+    #[error("it meets a force that is not finite, or a load of friction below 0")]
     NoNumber,
     /// The shortest step is too long.
     #[error("the force changes too much within the shortest step")]

@@ -13,7 +13,7 @@ const WRONG: [(&str, &str, &str, &str); 47] = [
         "mu*xdto",
         "xdto",
         "unknown name `xdto`",
-        "write `xdot`; an expression knows x, xdot, t, pi, the parameters mu, vs and the functions abs, sign, min, \
+        "write `xdot`; an expression knows x, xdot, t, direction, pi, the parameters mu, vs and the functions abs, sign, min, \
          max, sqrt, exp, log, sin, cos, tan, atan, tanh",
     ),
     ("q*x", "q", "unknown name `q`", "an expression knows x,"),

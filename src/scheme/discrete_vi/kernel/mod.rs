@@ -215,6 +215,23 @@ impl Kernel {
         }
     }
 
+    /// b at rest with the forces that decide at the two thresholds, rounded as in the lanes.
+    pub(super) fn pulls(&self, at: &LaneState, forcing: f64, n: u64) -> [f64; 2] {
+        let (b, time) = (self.coefficients.force(at, forcing), n as f64 * self.coefficients.h);
+        let own = |force: &Force| b + force.at(self.instructions, at.displacement, at.velocity, time);
+        match &self.own {
+            Some(force) if force.sides().is_some() => force.in_stick().map(own),
+            Some(force) => [own(force); 2],
+            None => [b; 2],
+        }
+    }
+
+    /// Whether friction holds these pulls, up to an impulse. It is rounded as the step rounds it.
+    pub(super) fn holds(&self, [up, down]: [f64; 2], impulse: f64) -> bool {
+        let h_over_m = self.coefficients.h_over_m;
+        h_over_m * up <= impulse && h_over_m * down >= -impulse
+    }
+
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
     pub(super) fn force(&self, at: &LaneState, forcing: f64, n: u64) -> f64 {
         let b = self.coefficients.force(at, forcing);

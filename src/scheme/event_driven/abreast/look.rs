@@ -262,7 +262,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let is_between = L::and(piece.after.0.lt(time), time.lt(piece.after.1));
         let mut left = L::bitmask(is_between) & held;
         let mut is_left = is_between;
-        let side = piece.exit_side();
+        let (side, f_s) = (piece.exit_side(), L::splat(scene.friction.static_force));
         let mut stuck = Stuck { noise: bridge.mean, force: bridge.rest + bridge.mean };
         for attempt in 0..TRIES as u64 {
             if left == 0 {
@@ -270,10 +270,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             }
             let (drawn, is_accepted) = if kind == StickEnd::Kept {
                 let drawn = bridge.anywhere(draws.normal(self.paths.normals, 2 * attempt));
-                (drawn, piece.stays(scene, &halves, drawn.force, draws.uniform(2 * attempt + 1)))
+                (drawn, piece.stays([f_s; 3], &halves, drawn.force, draws.uniform(2 * attempt + 1)))
             } else {
-                let drawn = bridge.before_exit(scene, side, draws.three_normals(self.paths.normals, 3 * attempt));
-                (drawn, piece.misses_other(scene, &halves, drawn.force, draws.uniform(3 * attempt + 2)))
+                let drawn = bridge.before_exit(f_s, side, draws.three_normals(self.paths.normals, 3 * attempt));
+                (drawn, piece.misses_other([f_s; 3], &halves, drawn.force, draws.uniform(3 * attempt + 2)))
             };
             let accepted = L::and(is_left, is_accepted);
             stuck.noise = L::select(accepted, drawn.noise, stuck.noise);

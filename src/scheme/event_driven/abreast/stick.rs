@@ -102,8 +102,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let corridor = &self.paths.noisy.corridor;
-        let reach = corridor.reach(&self.paths.noisy.scene, piece.length(), &piece.left, &piece.right);
+        let (corridor, scene) = (&self.paths.noisy.corridor, &self.paths.noisy.scene);
+        let reach = corridor.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limit());
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
         self.paths.jobs.push::<L>(Task::Halve, rows, long);
@@ -150,7 +150,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let mut piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         let scene = &self.paths.noisy.scene;
         let step = piece.step(scene);
-        let [up, down] = step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right));
+        let [up, down] =
+            step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right, scene.constant_limit()));
         let u = piece.draws(self.cell.index).uniform(0);
         let one = L::splat(1.0);
         let is_up = u.lt(up);
@@ -173,7 +174,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn leave(&mut self, rows: &RowNumbers, lanes: u32) {
         let piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         let scene = &self.paths.noisy.scene;
-        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right));
+        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right, scene.constant_limit()));
         let SearchedStick { x, side, origin, key, count, .. } = piece;
         let draws = piece.draws(self.cell.index);
         let numbers = [draws.normal(self.paths.normals, 0), draws.uniform(1), draws.uniform(2)];

@@ -25,6 +25,7 @@
 
 use super::path::Path;
 use super::slip::Slip;
+use crate::model::Sign;
 use crate::scheme::event_driven::law::first_stop::middle;
 use crate::scheme::event_driven::law::scene::Scene;
 use crate::scheme::event_driven::law::slip_step::{SlipPoint, SlipStep};
@@ -50,6 +51,7 @@ pub(super) struct OwnForce {
 
 /// The state at the start of a step.
 struct TrialStart {
+    direction: Sign,
     x: f64,
     v: f64,
     acceleration: f64,
@@ -125,7 +127,7 @@ impl TrialStart {
                     (x[7], v[7]) = (quarter(-h, [xs[1], xs[0]], [vs[1], vs[0]]), quarter(-h, [vs[1], vs[0]], [a1, a0]));
                 }
             }
-            g = scene.own_forces(&x, &v, &t);
+            g = scene.own_forces(self.direction, &x, &v, &t);
             for way in 0..WAYS.len() {
                 let mean = simpson(here, [g[way], g[3 + way]]);
                 change[way] = distance(mean, means[way]);
@@ -181,11 +183,11 @@ impl SlipStep {
 }
 
 impl OwnForce {
-    /// g where a path is; none if there is no g.
+    /// g where a path is that slips in this direction; none if there is no g.
     #[inline(always)]
-    pub fn new(scene: &Scene, time: f64, path: &Path<f64>) -> Option<Self> {
+    pub fn new(scene: &Scene, direction: Sign, time: f64, path: &Path<f64>) -> Option<Self> {
         scene.has_own_force().then(|| {
-            let here = scene.own_force(path.displacement, path.motion, time);
+            let here = scene.own_force(direction, path.displacement, path.motion, time);
             OwnForce { here, push: here, more: 0.0, end: here, start_force: path.force, halvings: 0, may_grow: false }
         })
     }
@@ -209,7 +211,8 @@ impl OwnForce {
             halvings += 1;
         }
         let acceleration = (path.force - slip.friction()) / oscillator.mass;
-        let start = TrialStart { x: path.displacement, v: path.motion, acceleration, time: slip.time(path) };
+        let (x, v, time) = (path.displacement, path.motion, slip.time(path));
+        let start = TrialStart { direction: slip.direction, x, v, acceleration, time };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
         let most_error = slip.noisy.most_error * friction.static_force.max(SHARE * forces);
         loop {
@@ -262,7 +265,7 @@ impl OwnForce {
             let (mut x, mut v, mut t) = ([xm; 8], [vm; 8], [time - 0.5 * h; 8]);
             (x[1], v[1], t[1]) = (x1, v1, time);
             let middle;
-            [middle, end, ..] = scene.own_forces(&x, &v, &t);
+            [middle, end, ..] = scene.own_forces(slip.direction, &x, &v, &t);
             let [on_start, on_middle, on_end] = [self.here, middle, end].map(|g| unit * (g - self.push));
             dx = whole * on_start + 4.0 * half * on_middle;
             dv = slope * on_start + 4.0 * half_slope * on_middle + on_end;
@@ -288,7 +291,7 @@ const CORRECTIONS: usize = 2;
 mod tests {
     use super::*;
     use crate::model::paper::paper;
-    use crate::model::{Expression, Force, Sign};
+    use crate::model::{Expression, Force};
     use crate::noise::AddressedDraws;
     use crate::scheme::Timeline;
     use crate::scheme::event_driven::law::cells::Cell;
@@ -331,10 +334,11 @@ mod tests {
         let slip = Slip { noisy, cell: &cell, direction: Sign::Positive, end_noise: 0.0 };
         let step = SlipStep::new(&noisy.oscillator, 0, DURATION / steps as f64);
         let mut path = Path::new(scene, 0.0, AddressedDraws::new(1, 0), WorkLeft::new(0));
-        let mut own = OwnForce::new(scene, 0.0, &path).expect("a force");
+        let mut own = OwnForce::new(scene, slip.direction, 0.0, &path).expect("a force");
         for noise in noise.chunks(PARTS / steps) {
             let start = SlipPoint { x: path.displacement, v: path.motion, n: path.noise };
-            let from = TrialStart { x: start.x, v: start.v, acceleration: path.force, time: path.after };
+            let (direction, time) = (slip.direction, path.after);
+            let from = TrialStart { direction, x: start.x, v: start.v, acceleration: path.force, time };
             let trial = from.trial(scene, own.here, step.length(), step.spread());
             own.start_from(&trial, path.force);
             let mut drawn = SlipPoint { x: 0.0, v: 0.0, n: 0.0 };

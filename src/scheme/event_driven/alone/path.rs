@@ -120,7 +120,7 @@ pub fn cross<C: Cascade>(
     path.after = 0.0;
     if cell.index == 0 && cascade.scene().initial_velocity != 0.0 {
         let event = thrown(cascade.scene(), path);
-        (path.force, path.phase, path.motion) = (event.force, event.kind.phase(), cascade.motion_after(&event));
+        (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
         emit(event);
     }
     loop {
@@ -130,10 +130,14 @@ pub fn cross<C: Cascade>(
         };
         let Some(event) = event else { break };
         path.work.spend()?;
-        path.displacement = event.displacement;
-        path.force = event.force;
+        let (scene, Event { displacement: x, force, time, .. }) = (cascade.scene(), event);
+        path.displacement = x;
         (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
-        emit(event);
+        path.force = match path.phase {
+            Phase::Static => force,
+            Phase::Slip(direction) => scene.slipping(direction, force, x, time),
+        };
+        emit(Event { force: scene.told(force, x, 0.0, time), ..event });
     }
     path.noise = end_noise;
     Ok(())
@@ -141,13 +145,12 @@ pub fn cross<C: Cascade>(
 
 /// The start of a path that moves at t = 0.
 #[cold]
-fn thrown<M>(scene: &Scene, path: &Path<M>) -> Event {
+fn thrown<M>(scene: &Scene, path: &mut Path<M>) -> Event {
     let (x, v) = (path.displacement, scene.initial_velocity);
-    let mut force = path.force - 2.0 * scene.oscillator.damping * v;
-    if scene.has_own_force() {
-        force += scene.own_force(x, v, 0.0) - scene.own_force(x, 0.0, 0.0);
-    }
-    Event { kind: EventKind::SlipStarted(Sign::of(v)), time: 0.0, displacement: x, force }
+    let (direction, free) = (Sign::of(v), path.force - 2.0 * scene.oscillator.damping * v);
+    path.force = free + (scene.own_force(direction, x, v, 0.0) - scene.hold(x, 0.0).pull);
+    let force = scene.told(free, x, v, 0.0);
+    Event { kind: EventKind::SlipStarted(direction), time: 0.0, displacement: x, force }
 }
 
 /// Draws n at the end of a cell, given n at its start: the next value of the skeleton.

@@ -124,7 +124,7 @@ impl Slip<'_> {
             self.cell.set_terms(path.after, terms);
         }
         let mut first = self.motion(path);
-        let mut own = OwnForce::new(&self.noisy.scene, self.time(path), path);
+        let mut own = OwnForce::new(&self.noisy.scene, self.direction, self.time(path), path);
         loop {
             let remaining = self.cell.length - path.after;
             if remaining <= SHORTEST * self.cell.length {
@@ -241,14 +241,14 @@ impl Slip<'_> {
     /// computed from the force at the stop.
     #[inline(always)]
     fn stopped(&self, path: &mut Path<f64>, (began, x0): (f64, f64), stop: &SlipStop) -> Event {
-        let Scene { oscillator, friction, .. } = &self.noisy.scene;
         let eps = self.direction.value();
         path.after = began + stop.after;
         path.displacement = x0 + eps * stop.travel;
-        let force = self.friction() + oscillator.mass * eps * stop.acceleration;
-        let spring = self.noisy.scene.spring(path.displacement, self.time(path));
-        path.noise = force - self.cell.forcing(path.after).value + spring;
-        let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
+        let (scene, x, time) = (&self.noisy.scene, path.displacement, self.time(path));
+        let force =
+            scene.held(self.direction, self.friction() + scene.oscillator.mass * eps * stop.acceleration, x, time);
+        path.noise = force - self.cell.forcing(path.after).value + scene.spring(x, time);
+        let kind = EventKind::at_rest(force.abs() <= scene.limit(x, time), force);
         Event { kind, time: self.cell.start + path.after, displacement: path.displacement, force }
     }
 
@@ -293,7 +293,7 @@ impl Slip<'_> {
         path.force =
             cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
         if scene.has_own_force() {
-            path.force += scene.own_force(path.displacement, path.motion, cell.end);
+            path.force += scene.own_force(direction, path.displacement, path.motion, cell.end);
         }
     }
 }

@@ -223,7 +223,10 @@ impl WatchedPiece for FlowPiece<'_> {
         let (x, v) = piece.seen(&state);
         let noise = match is_felt {
             // The balance of forces takes the constant that stands for g for g itself.
-            true if scene.has_own_force() => state.noise - (scene.own_force(x, v, glance.at) - flow.push),
+            true if scene.has_own_force() => {
+                let here = scene.own_force(flow.slip.direction, x, v, glance.at);
+                state.noise - (here - flow.push)
+            }
             true => state.noise,
             false => flow.noise(glance, known, draws),
         };

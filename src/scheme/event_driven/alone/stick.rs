@@ -1,12 +1,13 @@
 //! A stick of one path in a cell: whether and when b leaves the corridor |b| <= f_s, given n at the
-//! end of the cell ([`crate::scheme::event_driven::law::corridor`]).
+//! end of the cell ([`crate::scheme::event_driven::law::corridor`]). Where friction has a load, b and
+//! f_s are those of [`crate::model::Force::hold`].
 
 use super::path::{Cascade, Path};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Sign};
 use crate::noise::{AddressedDraws, bridge_middle};
 use crate::scheme::event_driven::law::cells::{Cell, Forcing};
-use crate::scheme::event_driven::law::corridor::{Corridor, Node, ends, stick_piece};
+use crate::scheme::event_driven::law::corridor::{Corridor, Limit, Node, ends, stick_piece};
 use crate::scheme::event_driven::law::inside::StickEnd;
 use crate::scheme::event_driven::law::scene::Scene;
 use crate::scheme::event_driven::law::stick_step::StickStep;
@@ -22,12 +23,13 @@ const OWN_SPACING: f64 = 1.0 / 64.0;
 /// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
 /// so that it need not be initialised again.
 #[derive(Clone, Debug)]
-pub struct PendingNodes([Node; HALVINGS + 1]);
+pub struct PendingNodes([(Node, Limit); HALVINGS + 1]);
 
 impl PendingNodes {
     /// An empty stack.
     pub fn new() -> Self {
-        PendingNodes([Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 }; HALVINGS + 1])
+        let node = Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 };
+        PendingNodes([(node, Limit { value: 0.0, curvature: 0.0 }); HALVINGS + 1])
     }
 }
 
@@ -52,12 +54,12 @@ pub(super) fn stick<C: Cascade>(
     if scene.has_own_force() && !path.force.is_finite() {
         return Err(Unresolved::NoNumber);
     }
-    if path.force.abs() >= scene.friction.static_force {
+    if path.force.abs() >= scene.limit(displacement, cell.start + path.after) {
         return Ok(Some(slip(path.force, path.after)));
     }
     let stick = Stick::new(scene, cascade.corridor(), cell, displacement, end_noise);
     let Some(exit) = stick.exit(path, pending, watch)? else {
-        path.force = stick.with_own(cell.last, cell.length).value + end_noise - stick.spring;
+        path.force = stick.with_own(cell.last, cell.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() { Err(Unresolved::NoNumber) } else { Ok(None) };
     };
     (path.after, path.noise) = (exit.after, exit.noise);
@@ -72,8 +74,10 @@ struct Stick<'a> {
     displacement: f64,
     /// K x, less g(x, 0, t) where this is a constant.
     spring: f64,
-    /// Whether g(x, 0, t) is not a constant.
+    /// Whether g(x, 0, t), or the limit of b, is not a constant.
     is_moved: bool,
+    /// The limit of b where it is a constant.
+    limit: f64,
     end_noise: f64,
 }
 
@@ -83,21 +87,25 @@ impl<'a> Stick<'a> {
         let is_moved = scene.is_moved_at_rest();
         let spring =
             if is_moved { scene.oscillator.stiffness * displacement } else { scene.spring(displacement, cell.start) };
-        Stick { scene, corridor, cell, displacement, spring, is_moved, end_noise }
+        let limit = scene.limit(displacement, cell.start);
+        Stick { scene, corridor, cell, displacement, spring, is_moved, limit, end_noise }
     }
 
     /// B, and what changes of g, with their second derivative, a time after the start of the cell
-    /// where B is `forcing`.
+    /// where B is `forcing`; and the limit of b.
     #[inline(always)]
-    fn with_own(&self, forcing: Forcing, after: f64) -> Forcing {
+    fn with_own(&self, forcing: Forcing, after: f64) -> (Forcing, Limit) {
         if !self.is_moved {
-            return forcing;
+            return (forcing, Limit { value: self.limit, curvature: 0.0 });
         }
         let spacing = self.cell.length * OWN_SPACING;
-        let at = |after: f64| self.scene.own_force(self.displacement, 0.0, self.cell.start + after);
-        let [before, here, behind] = [at(after - spacing), at(after), at(after + spacing)];
-        let curvature = (before - 2.0 * here + behind) / (spacing * spacing);
-        Forcing { value: forcing.value + here, curvature: forcing.curvature + curvature }
+        let at = |after: f64| self.scene.hold(self.displacement, self.cell.start + after);
+        let all = [at(after - spacing), at(after), at(after + spacing)];
+        let curvature = |[before, here, behind]: [f64; 3]| (before - 2.0 * here + behind) / (spacing * spacing);
+        let [pulls, excesses] = [all.map(|hold| hold.pull), all.map(|hold| hold.excess)];
+        let moved = Forcing { value: forcing.value + pulls[1], curvature: forcing.curvature + curvature(pulls) };
+        let value = self.scene.friction.static_force + excesses[1];
+        (moved, Limit { value, curvature: curvature(excesses) })
     }
 
     /// The exit of a path before the end of the cell; none if the path stays inside the corridor.
@@ -114,20 +122,22 @@ impl<'a> Stick<'a> {
         loop {
             path.work.spend()?;
             let right = pending[top];
-            let reach = self.corridor.reach(self.scene, right.after - left.after, &left, &right);
+            let limits = [left.1, right.1];
+            let reach =
+                self.rules(&limits).reach(self.scene, right.0.after - left.0.after, (&left.0, &right.0), &limits);
             if reach.is_near && reach.is_long && top < HALVINGS {
                 top += 1;
-                pending[top] = self.middle(&left, &right, &mut path.draws);
+                pending[top] = self.middle(&left.0, &right.0, &mut path.draws);
                 continue;
             }
             if reach.is_near
-                && let Some(exit) = self.exit_between(&left, &right, &mut path.draws)
+                && let Some(exit) = self.exit_between(&left.0, &right.0, limits, &mut path.draws)
             {
-                watch.look(self.scene, || (stick_piece(&left, &exit, self.displacement), StickEnd::Exit));
+                watch.look(self.scene, || (stick_piece(&left.0, &exit, self.displacement), StickEnd::Exit));
                 return Ok(Some(exit));
             }
             let kind = if reach.is_near { StickEnd::Kept } else { StickEnd::Clear };
-            watch.look(self.scene, || (stick_piece(&left, &right, self.displacement), kind));
+            watch.look(self.scene, || (stick_piece(&left.0, &right.0, self.displacement), kind));
             if top == 0 {
                 return Ok(None);
             }
@@ -136,39 +146,49 @@ impl<'a> Stick<'a> {
         }
     }
 
+    /// The rules for a piece with these limits.
+    #[inline(always)]
+    fn rules(&self, [first, last]: &[Limit; 2]) -> Corridor {
+        let width = first.value + last.value;
+        if self.scene.has_load() { self.corridor.of_width(self.scene, width) } else { *self.corridor }
+    }
+
     /// Where the path is.
     #[inline(always)]
-    fn start<M>(&self, &Path { after, noise, force, .. }: &Path<M>) -> Node {
+    fn start<M>(&self, &Path { after, noise, force, .. }: &Path<M>) -> (Node, Limit) {
         let forcing = if after == 0.0 { self.cell.first } else { self.cell.forcing(after) };
-        Node { after, noise, force, curvature: self.with_own(forcing, after).curvature }
+        let (forcing, limit) = self.with_own(forcing, after);
+        (Node { after, noise, force, curvature: forcing.curvature }, limit)
     }
 
     /// The end of the cell.
     #[inline(always)]
-    fn end(&self) -> Node {
-        let (last, noise) = (self.with_own(self.cell.last, self.cell.length), self.end_noise);
-        Node { after: self.cell.length, noise, force: last.value - self.spring + noise, curvature: last.curvature }
+    fn end(&self) -> (Node, Limit) {
+        let ((last, limit), noise) = (self.with_own(self.cell.last, self.cell.length), self.end_noise);
+        let force = last.value - self.spring + noise;
+        (Node { after: self.cell.length, noise, force, curvature: last.curvature }, limit)
     }
 
     /// Draws n in the middle between two nodes.
     #[inline(always)]
-    fn middle(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> Node {
+    fn middle(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> (Node, Limit) {
         let h = right.after - left.after;
         let (weight, sd) = bridge_middle(self.scene.relaxation_rate, self.scene.diffusion, h);
         let noise = weight * (left.noise + right.noise) + sd * draws.normal();
         let after = left.after + 0.5 * h;
-        let forcing = self.with_own(self.cell.forcing(after), after);
-        Node { after, noise, force: forcing.value - self.spring + noise, curvature: forcing.curvature }
+        let (forcing, limit) = self.with_own(self.cell.forcing(after), after);
+        (Node { after, noise, force: forcing.value - self.spring + noise, curvature: forcing.curvature }, limit)
     }
 
     /// The exit between two nodes, if there is one.
     #[inline(always)]
-    fn exit_between(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> Option<Node> {
+    fn exit_between(&self, left: &Node, right: &Node, limits: [Limit; 2], draws: &mut AddressedDraws) -> Option<Node> {
         let step = StickStep::new(self.scene, right.after - left.after);
-        let (sign, passed) = step.exit(self.scene, &ends(left, right), draws)?;
+        let (sign, passed) = step.exit(self.scene, &ends(left, right, limits), draws)?;
         let after = left.after + passed;
-        let force = sign.value() * self.scene.friction.static_force;
-        let noise = force - self.with_own(self.cell.forcing(after), after).value + self.spring;
+        let (forcing, limit) = self.with_own(self.cell.forcing(after), after);
+        let force = sign.value() * limit.value;
+        let noise = force - forcing.value + self.spring;
         Some(Node { after, noise, force, curvature: 0.0 })
     }
 }

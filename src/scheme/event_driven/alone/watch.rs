@@ -194,15 +194,18 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
         StickEnd::Kept | StickEnd::Exit => {
             let (theta, sigma) = (scene.relaxation_rate, scene.diffusion);
             let halves = [TimeChange::new(theta, sigma, before), TimeChange::new(theta, sigma, behind)];
+            let cell_start = glance.at - glance.time;
+            let limits = [piece.after.0, glance.time, piece.after.1]
+                .map(|after| scene.limit(piece.displacement, cell_start + after));
             // This is a loop, because closures are not compiled for the instruction set.
             let mut tries = 0;
             loop {
                 let (drawn, is_accepted) = if kind == StickEnd::Kept {
                     let drawn = bridge.anywhere(draws.normal());
-                    (drawn, piece.stays(scene, &halves, drawn.force, draws.uniform()))
+                    (drawn, piece.stays(limits, &halves, drawn.force, draws.uniform()))
                 } else {
-                    let drawn = bridge.before_exit(scene, piece.exit_side(), draws.three_normals());
-                    (drawn, piece.misses_other(scene, &halves, drawn.force, draws.uniform()))
+                    let drawn = bridge.before_exit(limits[1], piece.exit_side(), draws.three_normals());
+                    (drawn, piece.misses_other(limits, &halves, drawn.force, draws.uniform()))
                 };
                 if is_accepted {
                     break drawn;

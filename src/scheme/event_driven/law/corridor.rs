@@ -30,7 +30,7 @@ const FAR_EXPONENT: f64 = 35.0;
 const WIDTH_RULE: f64 = 2.0;
 
 /// The rules for the pieces of a stick.
-#[derive(Clone, Debug)]
+#[derive(Clone, Copy, Debug)]
 pub struct Corridor {
     /// The longest piece by the width rule for each unit of width - |b1 - b0|, a time over a force.
     widest: f64,
@@ -47,6 +47,14 @@ pub struct Node<L = f64> {
     /// b.
     pub force: L,
     /// B''.
+    pub curvature: L,
+}
+
+/// The limit of |b| at one time: f_s, where friction has no load.
+#[derive(Clone, Copy, Debug)]
+pub struct Limit<L = f64> {
+    pub value: L,
+    /// Its second derivative.
     pub curvature: L,
 }
 
@@ -71,21 +79,36 @@ pub struct Reach<L: Lanes> {
 
 impl Corridor {
     pub fn new(scene: &Scene, kappa: f64) -> Self {
-        let (width, s) = (2.0 * scene.friction.static_force, scene.diffusion);
-        Corridor { widest: width / (WIDTH_RULE * s * s), most_bend: (8.0 * kappa * s) * (8.0 * kappa * s) }
+        let s = scene.diffusion;
+        let most_bend = (8.0 * kappa * s) * (8.0 * kappa * s);
+        Corridor { widest: 0.0, most_bend }.of_width(scene, 2.0 * scene.friction.static_force)
+    }
+
+    /// The rules where the corridor is this wide.
+    #[inline(always)]
+    pub fn of_width(self, scene: &Scene, width: f64) -> Self {
+        let s = scene.diffusion;
+        Corridor { widest: width / (WIDTH_RULE * s * s), ..self }
     }
 
     /// Whether the bridge between two nodes may leave the corridor, and whether the piece is too
-    /// long to be decided without halving it.
+    /// long to be decided without halving it. The limits are those at the nodes.
     #[inline(always)]
-    pub fn reach<L: Lanes>(&self, scene: &Scene, h: L, left: &Node<L>, right: &Node<L>) -> Reach<L> {
-        let (up, down) = (side(scene, 1.0, h, left, right), side(scene, -1.0, h, left, right));
+    pub fn reach<L: Lanes>(
+        &self,
+        scene: &Scene,
+        h: L,
+        nodes: (&Node<L>, &Node<L>),
+        limits: &[Limit<L>; 2],
+    ) -> Reach<L> {
+        let (left, right) = nodes;
+        let (up, down) = (side(scene, 1.0, h, nodes, limits), side(scene, -1.0, h, nodes, limits));
         let zero = L::splat(0.0);
         let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
         let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
-        let f_s = scene.friction.static_force;
-        let way = (right.force.or_at_most(L::splat(f_s)).or_at_least(L::splat(-f_s)) - left.force).abs();
-        let is_wide = h.gt((L::splat(2.0 * f_s) - way) * self.widest);
+        let [first, last] = limits.map(|limit| limit.value);
+        let way = (right.force.or_at_most(last).or_at_least(-last) - left.force).abs();
+        let is_wide = h.gt((first + last - way) * self.widest);
         Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
     }
 }
@@ -103,8 +126,9 @@ pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -
 
 /// What [`StickStep`] needs to know of a piece between two nodes.
 #[inline(always)]
-pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
+pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>, limits: [Limit<L>; 2]) -> StickEnds<L> {
     StickEnds {
+        limits,
         start: left.force,
         end: right.force,
         bend: (left.curvature + right.curvature) * -0.5,
@@ -114,10 +138,16 @@ pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>) -> StickEnds<L> {
 
 /// One threshold (`side` = 1: upper, -1: lower) over a piece between two nodes.
 #[inline(always)]
-fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L>) -> Side<L> {
-    let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
-    let (d0, d1) = (f_s - left.force * side, f_s - right.force * side);
-    let (bend0, bend1) = (bend(theta, side, left, d0), bend(theta, side, right, d1));
+fn side<L: Lanes>(
+    scene: &Scene,
+    side: f64,
+    h: L,
+    (left, right): (&Node<L>, &Node<L>),
+    [first, last]: &[Limit<L>; 2],
+) -> Side<L> {
+    let theta = scene.relaxation_rate;
+    let (d0, d1) = (first.value - left.force * side, last.value - right.force * side);
+    let (bend0, bend1) = (bend(theta, side, left, first, d0), bend(theta, side, right, last, d1));
     let bend = bend0.or_at_least(bend1);
     let shift = bend * 0.125 * h * h;
     let y = h * theta;
@@ -131,8 +161,8 @@ fn side<L: Lanes>(scene: &Scene, side: f64, h: L, left: &Node<L>, right: &Node<L
 
 /// |U'' - theta^2 U| at one end, where `d` is the distance to the threshold.
 #[inline(always)]
-fn bend<L: Lanes>(theta: f64, side: f64, node: &Node<L>, d: L) -> L {
-    (node.curvature * side + (node.noise * side + d) * (theta * theta)).abs()
+fn bend<L: Lanes>(theta: f64, side: f64, node: &Node<L>, limit: &Limit<L>, d: L) -> L {
+    (node.curvature * side - limit.curvature + (node.noise * side + d) * (theta * theta)).abs()
 }
 
 /// sinh y <= y (1 + SINH_BOUND y^2) for 0 <= y <= 1.

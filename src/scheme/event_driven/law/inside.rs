@@ -233,11 +233,10 @@ impl<L: Lanes> Bridge<L> {
     }
 
     /// A draw where the threshold on this side, 1 or -1, is met at the end of the piece for the
-    /// first time. The distance of b from it ends at zero, and is the length of a three-dimensional
+    /// first time. `f_s` is that at the instant. The distance of b from it ends at zero, and is the length of a three-dimensional
     /// vector whose components are bridges.
     #[inline(always)]
-    pub fn before_exit(&self, scene: &Scene, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
-        let f_s = L::splat(scene.friction.static_force);
+    pub fn before_exit(&self, f_s: L, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
         let along = f_s - side * (self.rest + self.mean) + self.sd * one;
         let distance = (along * along + self.sd * self.sd * (two * two + three * three)).sqrt();
         let force = side * (f_s - distance);
@@ -247,11 +246,13 @@ impl<L: Lanes> Bridge<L> {
 
 impl<L: Lanes> StickPiece<L> {
     /// Whether a bridge through b inside the piece meets neither threshold, decided by a uniform
-    /// number. `halves` are the time changes of the parts before and after the instant.
+    /// number. `halves` are the time changes of the parts before and after the instant, and `limits`
+    /// f_s at the start, at the instant and at the end.
     #[inline(always)]
-    pub fn stays(&self, scene: &Scene, halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
-        let [first, last] = halves;
-        uniform.lt(stay(scene, first, (self.force.0, force)) * stay(scene, last, (force, self.force.1)))
+    pub fn stays(&self, limits: [L; 3], halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
+        let ([first, last], [start, here, end]) = (halves, limits);
+        let before = stay([start, here], first, (self.force.0, force));
+        uniform.lt(before * stay([here, end], last, (force, self.force.1)))
     }
 
     /// The side, 1 or -1, on which the corridor is left at the end of the piece.
@@ -263,16 +264,21 @@ impl<L: Lanes> StickPiece<L> {
     /// Whether a bridge through b inside the piece, which meets the threshold at the end of the
     /// piece for the first time, does not meet the other threshold, decided by a uniform number.
     #[inline(always)]
-    pub fn misses_other(&self, scene: &Scene, [first, last]: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
+    pub fn misses_other(
+        &self,
+        [start, here, end]: [L; 3],
+        [first, last]: &[TimeChange<L>; 2],
+        force: L,
+        uniform: L,
+    ) -> L::Mask {
         let one = L::splat(1.0);
-        let [this, other] = distances(scene, self.exit_side(), (self.force.0, force));
+        let [this, other] = distances([start, here], self.exit_side(), (self.force.0, force));
         let misses_this = one - meeting_probability(this, first.duration);
         let misses_both = no_meeting_probability(this, other, first.duration);
         // Where rounding leaves nothing of both, the other threshold is far away.
         let is_lost = misses_this.lt(L::splat(1e-9));
         let before = L::select(is_lost, one, misses_both / misses_this);
-        let width = L::splat(2.0 * scene.friction.static_force);
-        uniform.lt(before * misses_other(this.1, width, last.duration))
+        uniform.lt(before * misses_other(this.1, here + end, last.duration))
     }
 
     /// n and b at an instant, as drawn inside the piece, or those of an end on which it lies.
@@ -299,16 +305,15 @@ impl<L: Lanes> StickPiece<L> {
 
 /// The probability that a bridge between two values of b meets neither threshold.
 #[inline(always)]
-fn stay<L: Lanes>(scene: &Scene, half: &TimeChange<L>, ends: (L, L)) -> L {
-    let [upper, lower] = distances(scene, L::splat(1.0), ends);
+fn stay<L: Lanes>(limits: [L; 2], half: &TimeChange<L>, ends: (L, L)) -> L {
+    let [upper, lower] = distances(limits, L::splat(1.0), ends);
     no_meeting_probability(upper, lower, half.duration)
 }
 
 /// The distances of two values of b from the threshold on this side, 1 or -1, and from the other.
 #[inline(always)]
-fn distances<L: Lanes>(scene: &Scene, side: L, (from, to): (L, L)) -> [Distances<L>; 2] {
-    let f_s = L::splat(scene.friction.static_force);
-    [(f_s - side * from, f_s - side * to), (f_s + side * from, f_s + side * to)]
+fn distances<L: Lanes>([first, last]: [L; 2], side: L, (from, to): (L, L)) -> [Distances<L>; 2] {
+    [(first - side * from, last - side * to), (first + side * from, last + side * to)]
 }
 
 /// The number of attempts to draw a bridge that stays inside the corridor. An attempt takes up to

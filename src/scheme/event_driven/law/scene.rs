@@ -5,12 +5,15 @@
 //! B = K beta T_det, and the phase lasts while |b| <= f_s. In a slip, m x'' = B(t) - K x - 2 alpha
 //! x' - eps f_d + n.
 //!
-//! A force of the user's own, g(x, x', t), is added to b in both.
+//! A force of the user's own, g(x, x', t), is added to b in both. Where friction has a load, or the
+//! force a direction, other forces take its place in slips, and b and its limit are those that make
+//! both thresholds of a stick equal ([`Force::hold`]); events tell the b of the model.
 
+use super::corridor::Limit;
 use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::{InstructionSet, Lanes};
-use crate::model::{Complex, Force, Friction, InitialNoise, Model, Noise, Oscillator, Series, Temperature};
+use crate::model::{Complex, Force, Friction, Hold, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
 
@@ -122,26 +125,78 @@ impl Scene {
         self.own.is_some()
     }
 
-    /// Whether g changes while the body is at rest.
+    /// Whether g, or the limit of b, changes while the body is at rest.
     pub fn is_moved_at_rest(&self) -> bool {
         self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
     }
 
-    /// g(x, x', t), or 0 where there is none.
+    /// g(x, x', t) in a slip in this direction, or 0 where there is none.
     #[inline(always)]
-    pub fn own_force(&self, x: f64, velocity: f64, time: f64) -> f64 {
+    pub fn own_force(&self, direction: Sign, x: f64, velocity: f64, time: f64) -> f64 {
         match &self.own {
-            Some((force, instructions)) => force.at(*instructions, x, velocity, time),
+            Some((force, instructions)) => force.in_slip(direction).at(*instructions, x, velocity, time),
             None => 0.0,
         }
     }
 
-    /// g at eight places and times.
+    /// g in a slip in this direction at eight places and times.
     #[inline(always)]
-    pub fn own_forces(&self, x: &[f64; 8], velocity: &[f64; 8], time: &[f64; 8]) -> [f64; 8] {
+    pub fn own_forces(&self, direction: Sign, x: &[f64; 8], velocity: &[f64; 8], time: &[f64; 8]) -> [f64; 8] {
         match &self.own {
-            Some((force, instructions)) => force.at_each(*instructions, x, velocity, time),
+            Some((force, instructions)) => force.in_slip(direction).at_each(*instructions, x, velocity, time),
             None => [0.0; 8],
+        }
+    }
+
+    /// g(x, 0, t) in a stick, and how much the limit of b differs from f_s.
+    #[inline(always)]
+    pub fn hold(&self, x: f64, time: f64) -> Hold {
+        self.own.as_ref().map_or(Hold::default(), |(force, instructions)| force.hold(*instructions, x, time))
+    }
+
+    /// The limit of |b| in a stick.
+    #[inline(always)]
+    pub fn limit(&self, x: f64, time: f64) -> f64 {
+        let f_s = self.friction.static_force;
+        if self.has_load() { f_s + self.hold(x, time).excess } else { f_s }
+    }
+
+    /// The limit of |b| where it is f_s at both ends of a piece.
+    #[inline(always)]
+    pub fn constant_limit<L: Lanes>(&self) -> [Limit<L>; 2] {
+        [Limit { value: L::splat(self.friction.static_force), curvature: L::splat(0.0) }; 2]
+    }
+
+    /// Whether friction is no constant.
+    #[inline(always)]
+    pub fn has_load(&self) -> bool {
+        self.own.as_ref().is_some_and(|(force, _)| force.sides().is_some())
+    }
+
+    /// b at rest in a slip in this direction, from b in a stick there.
+    #[inline(always)]
+    pub fn slipping(&self, direction: Sign, held: f64, x: f64, time: f64) -> f64 {
+        if self.has_load() { held + self.own_force(direction, x, 0.0, time) - self.hold(x, time).pull } else { held }
+    }
+
+    /// b in a stick, from b at rest in a slip in this direction there.
+    #[inline(always)]
+    pub fn held(&self, direction: Sign, slipping: f64, x: f64, time: f64) -> f64 {
+        if self.has_load() {
+            slipping - self.own_force(direction, x, 0.0, time) + self.hold(x, time).pull
+        } else {
+            slipping
+        }
+    }
+
+    /// The b of the model with this x', from b in a stick there without its damping.
+    #[inline(always)]
+    pub fn told(&self, held: f64, x: f64, velocity: f64, time: f64) -> f64 {
+        match &self.own {
+            Some((force, instructions)) if velocity != 0.0 || self.has_load() => {
+                held + (force.at(*instructions, x, velocity, time) - self.hold(x, time).pull)
+            }
+            _ => held,
         }
     }
 
@@ -149,7 +204,7 @@ impl Scene {
     #[inline(always)]
     pub fn spring(&self, x: f64, time: f64) -> f64 {
         let spring = self.oscillator.stiffness * x;
-        if self.has_own_force() { spring - self.own_force(x, 0.0, time) } else { spring }
+        if self.has_own_force() { spring - self.hold(x, time).pull } else { spring }
     }
 
     /// Draws n(0) of a path. Returns n(0) and the part of it that belongs to the second noise (0 if

@@ -15,6 +15,7 @@
 //! of the meeting is exact to first order in c h^2 / (8 s sqrt h). The lower threshold is treated
 //! symmetrically.
 
+use super::corridor::Limit;
 use super::scene::Scene;
 use crate::lanes::{Choose, Lanes};
 use crate::model::Sign;
@@ -32,9 +33,11 @@ pub struct StickStep<L = f64> {
 /// where the start is as close to one threshold as it bends, and the other is met.
 pub const ATTEMPTS: usize = 64;
 
-/// What is known of a step: b at both ends (`start`, `end`), and -B'' and n in its middle.
+/// What is known of a step: b at both ends (`start`, `end`) and its limits there, and -B'' and n in
+/// its middle.
 #[derive(Clone, Copy)]
 pub struct StickEnds<L> {
+    pub limits: [Limit<L>; 2],
     pub start: L,
     pub end: L,
     pub bend: L,
@@ -77,12 +80,12 @@ impl<L: Lanes> StickStep<L> {
     /// The threshold on a side, 1 or -1, that may differ from lane to lane.
     #[inline(always)]
     fn threshold(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> BentThreshold<L> {
-        let (f_s, theta) = (L::splat(scene.friction.static_force), scene.relaxation_rate);
-        let (d0, d1) = (f_s - side * ends.start, f_s - side * ends.end);
+        let ([first, last], theta) = (ends.limits, scene.relaxation_rate);
+        let (d0, d1) = (first.value - side * ends.start, last.value - side * ends.end);
         // Threshold = n + distance, on this side.
         let threshold = side * ends.mean_noise + (d0 + d1) * 0.5;
-        let c = side * ends.bend - threshold * (theta * theta);
-        BentThreshold { distances: (d0, d1), bend: -c * self.noise.bow, duration: self.noise.duration }
+        let minus_c = threshold * (theta * theta) - side * ends.bend - (first.curvature + last.curvature) * 0.5;
+        BentThreshold { distances: (d0, d1), bend: minus_c * self.noise.bow, duration: self.noise.duration }
     }
 
     /// The probabilities that the bridge meets the upper threshold, and the lower one, before the
@@ -109,8 +112,8 @@ impl<L: Lanes> StickStep<L> {
     ) -> (L, L::Mask) {
         let threshold = self.threshold(scene, side, ends);
         let (place, chance) = threshold.proposed_place(normal, place);
-        let width = L::splat(2.0 * scene.friction.static_force);
-        let misses_other = misses_other(threshold.distances.0, width, place * self.noise.duration);
+        let [first, last] = ends.limits;
+        let misses_other = misses_other(threshold.distances.0, first.value + last.value, place * self.noise.duration);
         let after = self.noise.time_at(scene.relaxation_rate, place).or_at_most(self.length);
         (after, acceptance.lt(chance * misses_other))
     }
@@ -133,7 +136,13 @@ mod tests {
     /// it does.
     fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut AddressedDraws) -> Option<f64> {
         let step = StickStep::new(scene, duration);
-        let ends = StickEnds { start: F_S + from, end: F_S + to, bend: 0.0, mean_noise: 0.5 * (from + to) };
+        let ends = StickEnds {
+            limits: scene.constant_limit(),
+            start: F_S + from,
+            end: F_S + to,
+            bend: 0.0,
+            mean_noise: 0.5 * (from + to),
+        };
         let exit = step.exit(scene, &ends, draws);
         exit.map(|(sign, after)| {
             assert_eq!(sign, Sign::Positive);
@@ -236,7 +245,13 @@ mod tests {
             };
             let times = (0..20_000).map(|i| (f64::from(i) + 0.5) / 20_000.0);
             let (share, moment) = times.fold((0.0, 0.0), |(p, m), t| (p + density(t) / 2e4, m + t * density(t) / 2e4));
-            let ends = StickEnds { start: from, end, bend: 0.0, mean_noise: 0.5 * (from + end) };
+            let ends = StickEnds {
+                limits: scene.constant_limit(),
+                start: from,
+                end,
+                bend: 0.0,
+                mean_noise: 0.5 * (from + end),
+            };
             let mut draws = AddressedDraws::new(26, 0);
             let exits = (0..bridges).filter_map(|_| step.exit(&scene, &ends, &mut draws));
             let up: Vec<f64> = exits.filter(|exit| exit.0 == Sign::Positive).map(|exit| exit.1).collect();
@@ -262,7 +277,13 @@ mod tests {
         {
             let step = StickStep::new(&scene, h);
             let bend = bent * sd / (h * h);
-            let ends = StickEnds { start: F_S - 0.1 * sd, end: F_S - end * sd, bend, mean_noise: 0.0 };
+            let ends = StickEnds {
+                limits: scene.constant_limit(),
+                start: F_S - 0.1 * sd,
+                end: F_S - end * sd,
+                bend,
+                mean_noise: 0.0,
+            };
             let mut draws = AddressedDraws::new(24, 0);
             let times: Vec<f64> =
                 (0..100_000).filter_map(|_| step.exit(&scene, &ends, &mut draws)).map(|(_, after)| after / h).collect();

@@ -9,6 +9,9 @@
 //!   [`Noiseless::stick_exit`] never misses an exit. Otherwise the function b(t) is searched in
 //!   steps ([`first_exit`]).
 //!
+//! Where friction has a load, b and f_s in a stick are those of [`crate::model::Force::hold`], and
+//! the b of the model is told at events.
+//!
 //! Steps of slips and of searches end at the samples of a measured temperature, where it has kinks.
 //! Nothing is random, so one path is computed and reported for every lane.
 
@@ -100,7 +103,7 @@ impl GeneralNoiseless {
         let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();
         let fastest = forces.fastest_rate().max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
         let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
-        let is_searched = forces.is_own_in_time() || oscillator.stiffness == 0.0;
+        let is_searched = forces.is_own_in_time() || forces.have_load() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
             let mut undamped = model.clone();
             (undamped.oscillator.damping, undamped.force) = (0.0, None);
@@ -170,12 +173,11 @@ impl GeneralNoiseless {
         let displacement = self.model.initial_displacement;
         let velocity = self.model.initial_velocity;
         if velocity == 0.0 {
-            let force = self.force_at_rest(ExactTime::ZERO, displacement, work)?;
-            return self.stick(ExactTime::ZERO, displacement, force, work);
+            return self.stick(ExactTime::ZERO, displacement, None, work);
         }
         // A body that moves at t = 0: its first stick is empty.
         let temperature = self.forces.near(ExactTime::ZERO);
-        let force = self.forces.at(&temperature, displacement, velocity, 0.0);
+        let force = self.forces.at(&temperature, None, [displacement, velocity], 0.0);
         let kind = EventKind::SlipStarted(Sign::of(velocity));
         let end = Some((0.0, StretchEnd::Event(Event { kind, time: 0.0, displacement, force })));
         let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
@@ -188,7 +190,7 @@ impl GeneralNoiseless {
         let start = stretch.temperature.start().after(duration);
         match (end, stretch.phase) {
             (StretchEnd::Event(event), _) => match event.kind.phase() {
-                Phase::Static => self.stick(start, event.displacement, event.force, work),
+                Phase::Static => self.stick(start, event.displacement, Some(event.force), work),
                 Phase::Slip(direction) => {
                     let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
                     self.slip(start, (event.displacement, velocity), direction, self.span, work)
@@ -201,40 +203,50 @@ impl GeneralNoiseless {
         }
     }
 
-    /// b for x' = 0.
-    fn force_at_rest(&self, time: ExactTime, displacement: f64, work: &mut WorkLeft) -> Result<f64, Unresolved> {
+    /// b in a stick, and its limit.
+    fn held(&self, at: &LocalTemperature, displacement: f64, work: &mut WorkLeft) -> Result<[f64; 2], Unresolved> {
         work.spend()?;
-        let b = self.forces.at(&self.forces.near(time), displacement, 0.0, 0.0);
-        if b.is_finite() { Ok(b) } else { Err(Unresolved::NoNumber) }
+        let [b, excess] = self.forces.held(at, displacement, 0.0);
+        let limit = self.model.friction.static_force + excess;
+        if b.is_finite() && limit.is_finite() { Ok([b, limit]) } else { Err(Unresolved::NoNumber) }
     }
 
-    /// A static phase and its exit, the first time at which |b| > f_s.
+    /// A static phase and its exit, the first time at which |b| > f_s. `force` is b at the start, if
+    /// it is known exactly.
     fn stick(
         &self,
         start: ExactTime,
         displacement: f64,
-        force: f64,
+        force: Option<f64>,
         work: &mut WorkLeft,
     ) -> Result<Stretch, Unresolved> {
-        work.spend()?;
-        let f_s = self.model.friction.static_force;
+        let (temperature, f_s, has_load) =
+            (self.forces.near(start), self.model.friction.static_force, self.forces.have_load());
+        let [held, limit] = self.held(&temperature, displacement, work)?;
+        let force = force.filter(|_| !has_load).unwrap_or(held);
         let exit = |r: f64, b: f64, direction: Sign| {
-            let kind = EventKind::SlipStarted(direction);
-            let time = start.after(r).value();
-            (r, StretchEnd::Event(Event { kind, time, displacement, force: b }))
+            let (kind, time) = (EventKind::SlipStarted(direction), start.after(r));
+            let told = || self.forces.at(&self.forces.near(time), None, [displacement, 0.0], 0.0);
+            let force = if has_load { told() } else { b };
+            (r, StretchEnd::Event(Event { kind, time: time.value(), displacement, force }))
         };
-        let end = if force.abs() > f_s {
+        let end = if force.abs() > limit {
             Some(exit(0.0, force, Sign::of(force)))
         } else if let Some(sticks) = &self.sticks {
             // K (beta T - x) + g = K (beta T - (x - g/K)).
-            let g = self.forces.own(displacement, 0.0, start.value());
+            let g = self.forces.hold(displacement, start.value()).pull;
             let found = sticks.stick_exit(start, displacement - g / self.model.oscillator.stiffness, work)?;
             found.map(|event| exit(start.until(event.time).max(0.0), event.force, Sign::of(event.force)))
         } else if self.forces.depend_on_time() {
-            let mut b = |r: f64| self.force_at_rest(start.after(r), displacement, work);
+            // A limit that moves is made constant.
+            let mut b = |r: f64| {
+                let [b, limit] = self.held(&self.forces.near(start.after(r)), displacement, work)?;
+                Ok(if has_load { b / limit } else { b })
+            };
+            let threshold = if has_load { 1.0 } else { f_s };
             let until_sample = |r: f64| self.forces.near(start.after(r)).until_sample;
             let horizon = start.until(self.timeline.end);
-            let found = first_exit(&mut b, f_s, horizon, self.search_steps(), until_sample)?;
+            let found = first_exit(&mut b, threshold, horizon, self.search_steps(), until_sample)?;
             match found {
                 Some(r) => {
                     let direction = Sign::of(b(r)?);
@@ -246,7 +258,7 @@ impl GeneralNoiseless {
             None
         };
         let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(Stretch { phase: Phase::Static, temperature: self.forces.near(start), from, end })
+        Ok(Stretch { phase: Phase::Static, temperature, from, end })
     }
 
     fn search_steps(&self) -> SearchSteps {
@@ -276,8 +288,10 @@ impl GeneralNoiseless {
             match first_stop(&slip, direction.value(), from, to, work)? {
                 Some(stop) => {
                     let Kinematics { after, displacement, .. } = stop;
-                    let force = self.forces.at(&temperature, displacement, 0.0, after);
-                    let kind = EventKind::at_rest(force.abs() <= self.model.friction.static_force, force);
+                    let [held, excess] = self.forces.held(&temperature, displacement, after);
+                    let limit = self.model.friction.static_force + excess;
+                    let kind = EventKind::at_rest(held.abs() <= limit, held);
+                    let force = self.forces.at(&temperature, None, [displacement, 0.0], after);
                     let time = start.after(after).value();
                     Some((after, StretchEnd::Event(Event { kind, time, displacement, force })))
                 }
@@ -316,6 +330,7 @@ impl GeneralNoiseless {
         SlipMotion {
             forces: &self.forces,
             temperature,
+            direction,
             friction: direction.value() * self.model.friction.dynamic_force,
             mass: self.model.oscillator.mass,
             tolerance: self.tolerance.max(rounding),

@@ -3,7 +3,7 @@
 
 use super::super::exact_time::ExactTime;
 use crate::lanes::InstructionSet;
-use crate::model::{Complex, Force, ForcingTerm, InitialNoise, Model, Oscillator, Series};
+use crate::model::{Complex, Force, ForcingTerm, Hold, InitialNoise, Model, Oscillator, Series, Sign};
 use std::sync::Arc;
 
 /// All forces on the body but friction.
@@ -57,12 +57,24 @@ impl Forces {
         self.terms.iter().map(|term| term.rate.abs()).fold(0.0, f64::max)
     }
 
-    /// g(x, x', t).
-    pub fn own(&self, x: f64, v: f64, t: f64) -> f64 {
-        self.own.as_ref().map_or(0.0, |(force, instructions)| force.at(*instructions, x, v, t))
+    /// g(x, x', t) in a slip in this direction, or where the body moves as its velocity says.
+    pub fn own(&self, direction: Option<Sign>, x: f64, v: f64, t: f64) -> f64 {
+        self.own.as_ref().map_or(0.0, |(force, instructions)| {
+            direction.map_or(force, |direction| force.in_slip(direction)).at(*instructions, x, v, t)
+        })
     }
 
-    /// Whether g depends on t.
+    /// g(x, 0, t) in a stick, and how much the limit of b differs from f_s.
+    pub fn hold(&self, x: f64, t: f64) -> Hold {
+        self.own.as_ref().map_or(Hold::default(), |(force, instructions)| force.hold(*instructions, x, t))
+    }
+
+    /// Whether friction has a load, or g a direction.
+    pub fn have_load(&self) -> bool {
+        self.own.as_ref().is_some_and(|(force, _)| force.sides().is_some())
+    }
+
+    /// Whether g, or the limit of b, depends on t.
     pub fn is_own_in_time(&self) -> bool {
         self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
     }
@@ -96,16 +108,22 @@ impl Forces {
         local
     }
 
-    /// b for x and x' a duration after the start of `local`.
-    pub fn at(&self, local: &LocalTemperature, x: f64, v: f64, after: f64) -> f64 {
-        self.oscillator.force(local.after(after), x, v) + self.own(x, v, local.start.after(after).value())
+    /// b for x and x' a duration after the start of `local`, with the g of [`Forces::own`].
+    pub fn at(&self, local: &LocalTemperature, direction: Option<Sign>, [x, v]: [f64; 2], after: f64) -> f64 {
+        self.oscillator.force(local.after(after), x, v) + self.own(direction, x, v, local.start.after(after).value())
+    }
+
+    /// b in a stick at x, and its limit less f_s.
+    pub fn held(&self, local: &LocalTemperature, x: f64, after: f64) -> [f64; 2] {
+        let Hold { pull, excess } = self.hold(x, local.start.after(after).value());
+        [self.oscillator.force(local.after(after), x, 0.0) + pull, excess]
     }
 
     /// The sizes of all terms of b together. b is known up to the rounding of these.
-    pub fn size(&self, local: &LocalTemperature, x: f64, v: f64, after: f64) -> f64 {
+    pub fn size(&self, local: &LocalTemperature, direction: Sign, [x, v]: [f64; 2], after: f64) -> f64 {
         let Oscillator { damping, .. } = self.oscillator;
         let spring = self.oscillator.force_bound(local.after(after).abs(), x.abs());
-        spring + (2.0 * damping * v).abs() + self.own(x, v, local.start.after(after).value()).abs()
+        spring + (2.0 * damping * v).abs() + self.own(Some(direction), x, v, local.start.after(after).value()).abs()
     }
 }
 

@@ -10,6 +10,7 @@
 
 use super::super::super::work::{Unresolved, WorkLeft};
 use super::forces::{Forces, LocalTemperature};
+use crate::model::Sign;
 
 /// x, x' and x'' at a time.
 #[derive(Clone, Copy, Debug)]
@@ -31,6 +32,7 @@ pub struct SlipMotion<'a> {
     pub forces: &'a Forces,
     /// The temperature near the start.
     pub temperature: &'a LocalTemperature,
+    pub direction: Sign,
     /// eps f_d.
     pub friction: f64,
     /// m.
@@ -61,13 +63,14 @@ impl SlipMotion<'_> {
     /// x'' for x and x' a time after the start.
     fn acceleration(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Result<f64, Unresolved> {
         work.spend()?;
-        Ok((self.forces.at(self.temperature, x, v, after) - self.friction) / self.mass)
+        Ok((self.forces.at(self.temperature, Some(self.direction), [x, v], after) - self.friction) / self.mass)
     }
 
     /// The sizes of all forces, divided by m.
     pub fn size(&self, from: &Kinematics) -> f64 {
         let Kinematics { after, displacement, velocity, .. } = *from;
-        (self.forces.size(self.temperature, displacement, velocity, after) + self.friction.abs()) / self.mass
+        (self.forces.size(self.temperature, self.direction, [displacement, velocity], after) + self.friction.abs())
+            / self.mass
     }
 
     /// The motion with x and x' a time after the start.

@@ -1,0 +1,225 @@
+//! Friction that depends on load, place or direction, as forces by the direction of a slip.
+//!
+//! Let e = 1 or -1 be the direction in which the body slips, or would slip. With a load L, friction
+//! holds up to f_s(e) L, and in a slip it is e f_d(e) L. A scheme knows e in a slip, and each of
+//! the two thresholds of a stick has its own. So beside the constants f_s and f_d there are only
+//! forces:
+//!
+//! ```text
+//! slip    g - e (f_d(e) L - f_d) takes the place of g
+//! stick   it is left upwards where b exceeds f_s, with g - (f_s(+) L - f_s) for g,
+//!         and downwards where b is below -f_s, with g + (f_s(-) L - f_s)
+//! ```
+//!
+//! A negative load is not a number, so that it ends a path like a force that has no value.
+
+use super::{AnyLaw, Force, ForceLaw};
+use crate::lanes::{InstructionSet, Lanes};
+use crate::model::{Friction, Sign};
+use std::any::Any;
+use std::sync::Arc;
+
+/// A force and the friction, by direction: forwards (x' > 0) first, then backwards.
+#[derive(Clone, Debug)]
+pub struct Sides {
+    own: [Force; 2],
+    load: Option<[Force; 2]>,
+    friction: [Friction; 2],
+    slip: [Force; 2],
+    stick: [Force; 2],
+}
+
+/// The forces in a stick on which friction decides.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Hold {
+    /// What takes the place of g, so that both thresholds are at one distance.
+    pub pull: f64,
+    /// This distance, less f_s.
+    pub excess: f64,
+}
+
+impl Force {
+    /// No force.
+    pub fn none() -> Self {
+        Force::new(Nothing)
+    }
+
+    pub(super) fn is_none(&self) -> bool {
+        self.law.as_any().is::<Nothing>()
+    }
+
+    /// A force `own` beside friction with a load, each forwards and backwards. The forward friction
+    /// must be that of the model.
+    pub fn with_friction(own: [Force; 2], load: Option<[Force; 2]>, friction: [Friction; 2]) -> Self {
+        let held = |i: usize, of: fn(Friction) -> f64| {
+            let (sign, at_one, base) = ([1.0, -1.0][i], of(friction[i]), of(friction[0]));
+            let load = load.as_ref().map(|load| load[i].clone());
+            Force { law: Arc::new(Held { own: own[i].clone(), load, sign, at_one, base }), sides: None }
+        };
+        let slip = [0, 1].map(|i| held(i, |friction| friction.dynamic_force));
+        let stick = [0, 1].map(|i| held(i, |friction| friction.static_force));
+        let law = Arc::new(Facing(own.clone()));
+        Force { law, sides: Some(Arc::new(Sides { own, load, friction, slip, stick })) }
+    }
+
+    /// The forces by direction, if friction has a load, or the force a direction.
+    pub fn sides(&self) -> Option<&Sides> {
+        self.sides.as_deref()
+    }
+
+    /// What takes the place of g in a slip in this direction.
+    #[inline(always)]
+    pub fn in_slip(&self, direction: Sign) -> &Force {
+        self.sides.as_ref().map_or(self, |sides| &sides.slip[index(direction)])
+    }
+
+    /// What takes the place of g at the two thresholds of a stick.
+    #[inline(always)]
+    pub fn in_stick(&self) -> [&Force; 2] {
+        self.sides.as_ref().map_or([self; 2], |sides| sides.stick.each_ref())
+    }
+
+    /// The forces in a stick at x.
+    #[inline(always)]
+    pub fn hold(&self, instructions: InstructionSet, x: f64, time: f64) -> Hold {
+        if self.sides.is_none() {
+            return Hold { pull: self.at(instructions, x, 0.0, time), excess: 0.0 };
+        }
+        let [up, down] = self.in_stick().map(|force| force.at(instructions, x, 0.0, time));
+        Hold { pull: 0.5 * (up + down), excess: 0.5 * (down - up) }
+    }
+}
+
+impl Sides {
+    /// The load, if friction has one.
+    pub fn load(&self) -> Option<&Force> {
+        self.load.as_ref().map(|[forwards, _]| forwards)
+    }
+
+    /// f_s and f_d, forwards and backwards.
+    pub fn friction(&self) -> [Friction; 2] {
+        self.friction
+    }
+
+    /// f_d L in a slip in this direction.
+    pub fn dynamic_force(&self, direction: Sign, x: f64, velocity: f64, time: f64) -> f64 {
+        let i = index(direction);
+        let load = self.load.as_ref().map_or(1.0, |load| load[i].at(InstructionSet::detect(), x, velocity, time));
+        self.friction[i].dynamic_force * load
+    }
+
+    /// Whether forces, load and friction are equal.
+    pub(super) fn agrees(&self, other: &Self) -> bool {
+        self.own == other.own && self.load == other.load && self.friction == other.friction
+    }
+}
+
+fn index(direction: Sign) -> usize {
+    usize::from(direction == Sign::Negative)
+}
+
+/// The force 0.
+#[derive(Debug)]
+struct Nothing;
+
+impl ForceLaw for Nothing {
+    #[inline(always)]
+    fn value<L: Lanes>(&self, _: L, _: L, _: L) -> L {
+        L::splat(0.0)
+    }
+
+    fn depends_on_time(&self) -> bool {
+        false
+    }
+}
+
+/// A force in one direction, less what friction differs there from its constant: own - sign (at_one
+/// load - base).
+#[derive(Debug)]
+struct Held {
+    own: Force,
+    load: Option<Force>,
+    sign: f64,
+    at_one: f64,
+    base: f64,
+}
+
+/// Paths whose loads are computed at once.
+const TOGETHER: usize = 256;
+
+impl Held {
+    #[inline(always)]
+    fn value(&self, own: f64, load: f64) -> f64 {
+        if load < 0.0 { f64::NAN } else { own - self.sign * (self.at_one * load - self.base) }
+    }
+}
+
+impl AnyLaw for Held {
+    fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
+        let load = self.load.as_ref().map_or(1.0, |load| load.at(instructions, x, velocity, time));
+        self.value(self.own.at(instructions, x, velocity, time), load)
+    }
+
+    fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8] {
+        let load = self.load.as_ref().map_or([1.0; 8], |load| load.law.at_each(instructions, at));
+        let own = self.own.law.at_each(instructions, at);
+        std::array::from_fn(|i| self.value(own[i], load[i]))
+    }
+
+    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+        self.own.fill(instructions, x, velocity, time, g);
+        let mut loads = [1.0; TOGETHER];
+        let groups = x.chunks(TOGETHER).zip(velocity.chunks(TOGETHER)).zip(g.chunks_mut(TOGETHER));
+        for ((x, velocity), g) in groups {
+            let loads = &mut loads[..x.len()];
+            if let Some(load) = &self.load {
+                load.fill(instructions, x, velocity, time, loads);
+            }
+            for (g, load) in g.iter_mut().zip(loads) {
+                *g = self.value(*g, *load);
+            }
+        }
+    }
+
+    fn depends_on_time(&self) -> bool {
+        self.own.depends_on_time() || self.load.as_ref().is_some_and(Force::depends_on_time)
+    }
+
+    fn as_any(&self) -> &dyn Any {
+        self
+    }
+}
+
+/// A force in the direction of the velocity; at rest, the mean of both.
+#[derive(Debug)]
+struct Facing([Force; 2]);
+
+impl AnyLaw for Facing {
+    fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
+        let [forwards, backwards] = self.0.each_ref().map(|force| || force.at(instructions, x, velocity, time));
+        match velocity {
+            v if v > 0.0 => forwards(),
+            v if v < 0.0 => backwards(),
+            _ => 0.5 * (forwards() + backwards()),
+        }
+    }
+
+    fn at_each(&self, instructions: InstructionSet, [x, velocity, time]: [&[f64; 8]; 3]) -> [f64; 8] {
+        std::array::from_fn(|i| self.at(instructions, x[i], velocity[i], time[i]))
+    }
+
+    fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
+        for ((g, x), v) in g.iter_mut().zip(x).zip(velocity) {
+            *g = self.at(instructions, *x, *v, time);
+        }
+    }
+
+    fn depends_on_time(&self) -> bool {
+        self.0[0].depends_on_time()
+    }
+
+    /// That of the force forwards, whose expression is that of both.
+    fn as_any(&self) -> &dyn Any {
+        self.0[0].law.as_any()
+    }
+}
