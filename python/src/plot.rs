@@ -7,7 +7,7 @@ use crate::studies::statistic;
 use pyo3::prelude::*;
 use stick_slip::config::Override;
 use stick_slip::dataset::StoredSweep;
-use stick_slip::figure::{self, Absent, Drawing, NoPage, Only, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Setting, Sweep};
@@ -50,8 +50,9 @@ pub fn plot_scenario(
     drawn: Drawn,
 ) -> PyResult<Picture> {
     let scenario = &scenario.checked;
+    let path = DrawnPath { scenario, number: path, from: 0.0 };
     let Some(run) = run else {
-        return draw(py, &Subject::Scenario { scenario, path }, drawn);
+        return draw(py, &Subject::Path(path), drawn);
     };
     let summary = from_python(run)?.summary(scenario.scheme.step()).map_err(|error| damaged(py, &error))?;
     draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn)
@@ -121,7 +122,7 @@ fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) 
             "give 60 to 400 millimetres",
         ));
     }
-    let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log };
+    let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log, ..Style::default() };
     let refused = |name: &str, absent: Absent| {
         let remedy = match absent {
             Absent::Panel(..) => "choose one of them, or leave the letter out for all",

@@ -4,7 +4,7 @@ use super::{filled, list_of_warnings, marked, rows, terms};
 use crate::cli::document::JsonWarning;
 use crate::cli::table::TableRow;
 use base64::Engine as _;
-use stick_slip::figure::{self, Drawing, escaped};
+use stick_slip::figure::{self, Drawing, Figure, Style, Subject, Theme, escaped};
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
@@ -17,8 +17,8 @@ pub enum Section {
     Lines(&'static str, String),
     /// A heading, and a sentence.
     Words(&'static str, String),
-    /// A picture.
-    Picture(Drawing),
+    /// A picture for light screens and paper, and one for dark screens.
+    Picture([Drawing; 2]),
 }
 
 /// The page of a file.
@@ -51,6 +51,12 @@ impl Page<'_> {
 }
 
 impl Section {
+    /// A figure of a subject; none if it has no such figure.
+    pub fn figure(figure: &Figure, subject: &Subject) -> Option<Section> {
+        let draw = |theme| figure.draw(subject, &Style { theme, ..Style::default() }).ok();
+        Some(Section::Picture([draw(Theme::Light)?, draw(Theme::Dark)?]))
+    }
+
     fn html(&self) -> String {
         match self {
             Section::Table(heading, table, below) => {
@@ -66,10 +72,15 @@ impl Section {
                 format!("<section><h2>{heading}</h2><pre>{}</pre></section>\n", escaped(text))
             }
             Section::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", marked(text)),
-            Section::Picture(drawing) => {
-                let image = base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
-                let words = escaped(&drawing.title);
-                format!("<figure><img alt=\"{words}\" src=\"data:image/svg+xml;base64,{image}\"></figure>\n")
+            Section::Picture(drawings) => {
+                let encode = |drawing| base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
+                let [light, dark] =
+                    drawings.each_ref().map(|drawing| format!("data:image/svg+xml;base64,{}", encode(drawing)));
+                let words = escaped(&drawings[0].title);
+                format!(
+                    "<figure><picture><source media=\"(prefers-color-scheme: dark)\" srcset=\"{dark}\">\
+                     <img alt=\"{words}\" src=\"{light}\"></picture></figure>\n"
+                )
             }
         }
     }
