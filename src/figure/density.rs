@@ -13,6 +13,9 @@ pub const FIGURE: Figure =
 /// How much of the time in motion each area of the plane holds, where the density is highest.
 const HELD: [f64; 2] = [0.94, 0.5];
 
+/// How much of it the axes hold.
+const SEEN: f64 = 0.99;
+
 /// Cells of the file are drawn as so many along each axis, between which their densities are
 /// interpolated.
 const FINER: usize = 4;
@@ -54,20 +57,22 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let horizontal = axis_of(&densities.displacement, "displacement *x*", &unit(0, 1));
     let displacement = panel(&densities.displacement, horizontal, "density of *x*", &unit(0, -1), style.log);
     let [rows, columns] = &densities.joint_edges;
-    let ends = |edges: &[f64]| [edges[0], edges[edges.len() - 1]];
+    let ends = [rows, columns].map(|edges| [edges[0], edges[edges.len() - 1]]);
+    let cells = finer(&densities.joint);
+    let seen: Vec<[f64; 2]> = above(&cells, level(&cells, SEEN), ends).concat();
+    let seen = |k: usize| range_of(seen.iter().map(|corner| corner[k]));
     let mut plane = Panel::new(
-        Axis::linear(ends(rows), Label::new("displacement *x*"), &unit(0, 1)),
-        Axis::linear(ends(columns), Label::new("velocity *x*\u{2032}"), &unit(-1, 1)),
+        Axis::around(seen(0), Label::new("displacement *x*"), &unit(0, 1)),
+        Axis::around(seen(1), Label::new("velocity *x*\u{2032}"), &unit(-1, 1)),
         96.0,
     );
-    let cells = finer(&densities.joint);
     let fills = [palette.wide, palette.narrow];
     for (held, fill) in HELD.into_iter().zip(fills) {
-        plane.bars(above(&cells, level(&cells, held), [ends(rows), ends(columns)]), fill);
+        plane.bars(above(&cells, level(&cells, held), ends), fill);
     }
-    let rest = crate::numbers::significant(100.0 * densities.at_rest, 3);
+    let moving = crate::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
     let legend = [
-        LegendEntry::words(Label::verbatim(&format!("in motion; at rest {rest} % of the time"))),
+        LegendEntry::words(Label::new(&format!("*x*\u{2032} in motion, {moving} % of the time"))),
         LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];

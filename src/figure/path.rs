@@ -233,11 +233,15 @@ fn phase_plane(
     let [low, high] = range_of(trace.samples().map(|s| s.velocity));
     let room = 0.04 * (high - low);
     let x = Axis::around([low - room, high + room], Label::new("velocity *ẋ*(*t*)"), velocity_unit);
-    let seen = trace.samples().map(|s| s.spring).chain([-friction, friction]);
-    let y = Axis::around(seen, force, force_unit);
+    // A threshold of which the force stays far is left out.
+    let [least, most] = range_of(trace.samples().map(|s| s.spring));
+    let levels = [(friction, most, "*f*_{s}"), (-friction, -least, "−*f*_{s}")];
+    let levels = levels.into_iter().filter(|(_, reached, _)| friction > 0.0 && *reached > 0.5 * friction);
+    let levels: Vec<(f64, &str)> = levels.map(|(level, _, name)| (level, name)).collect();
+    let y = Axis::around(levels.iter().map(|(level, _)| *level).chain([least, most]), force, force_unit);
     let mut panel = Panel::new(x, y, 124.0);
-    for level in [-friction, friction] {
-        panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
+    for (level, _) in &levels {
+        panel.level(*level, Stroke::dashed(palette.faint, 0.5, &DASHES));
     }
     let full = in_full(trace);
     let points = |piece: &DrawnPhase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
@@ -253,11 +257,9 @@ fn phase_plane(
     for moment in moments() {
         panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
     }
-    for (level, name) in [(friction, "*f*_{s}"), (-friction, "−*f*_{s}")] {
-        if friction > 0.0 {
-            let places = &[Beside::AboveLeft, Beside::BelowLeft];
-            panel.note(Note { at: [f64::INFINITY, level], label: Label::new(name), places });
-        }
+    for (level, name) in levels {
+        let places = &[Beside::AboveLeft, Beside::BelowLeft];
+        panel.note(Note { at: [f64::INFINITY, level], label: Label::new(name), places });
     }
     for moment in moments() {
         panel.note(Note { at: [0.0, moment.at.spring], label: Label::new(&moment.name), places: &SIDES });

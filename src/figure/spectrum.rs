@@ -46,7 +46,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     covariance
         .line(lags.iter().zip(&of.autocovariance).take(shown).map(|(l, c)| [*l, *c]).collect(), solid(palette.first));
     let legend = [
-        LegendEntry::line(solid(palette.first), "of what differs from the mean over paths"),
+        LegendEntry::line(solid(palette.first), "of deviations from the mean of the paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
     Ok(sheet(&format!("Spectrum: {}", scenario.title), legend, [power, covariance]))

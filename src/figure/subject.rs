@@ -83,16 +83,9 @@ impl<'a> Subject<'a> {
                     drawn.iter().map(|statistic| of_statistic(*statistic, style).words()).collect();
                 let keys: Vec<String> =
                     first.question.design.axes().iter().map(|axis| of_axis(axis, style).words()).collect();
-                let against = if keys.is_empty() {
-                    "what each key does to it".to_string()
-                } else {
-                    format!("against {}", keys.join(" and "))
-                };
-                let scene = &first.question.scenario.title;
-                (
-                    format!("{}, {against}", drawn.join(", ")),
-                    format!("{}; else as in \"{scene}\"", origin_of_sweeps(&all)),
-                )
+                let over = if keys.is_empty() { "every key".to_string() } else { keys.join(" and ") };
+                let line = format!("{}; else as in \"{}\"", origin_of_sweeps(&all), first.question.scenario.title);
+                (format!("Sweep over {over}: {}", drawn.join(", ")), line)
             }
             Subject::Calibration { title, .. } => (title.to_string(), String::new()),
         }

@@ -111,7 +111,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         })
         .collect();
     if has_corrected {
-        legend.push(LegendEntry::mark(Mark::Circle, palette.first, "less the bias of the step"));
+        legend.push(LegendEntry::mark(Mark::Circle, palette.ink, "less the bias of the step"));
     } else if sweeps.iter().any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some()) {
         legend.push(LegendEntry::words(Label::verbatim("where there is a step, with its bias")));
     }

@@ -8,7 +8,7 @@ use crate::cli::numbers::{Digits, grouped, percent, significant, time};
 use crate::cli::table::TableRow;
 use stick_slip::bearing::calibration::{Calibration, ParameterEstimate, Quantity};
 use stick_slip::bearing::forecast::YEAR;
-use stick_slip::figure::{Only, Subject};
+use stick_slip::figure::{Only, Style, Subject};
 use stick_slip::store::StoredCalibration;
 
 /// What neither fit nor forecast knows of.
@@ -21,7 +21,7 @@ pub fn page(stored: &StoredCalibration, before: Vec<Section>, warnings: Vec<Json
     let own = stored.warnings.iter().map(|(name, text)| JsonWarning { name: name.clone(), text: text.clone() });
     let pictures = ["calibration", "loops"].into_iter().filter_map(|name| {
         let subject = Subject::Calibration { title, calibration };
-        Section::figure(Only::named(name).ok()?.figure, &subject)
+        Only::named(name).ok()?.draw(&subject, &Style::default()).ok().map(Section::Picture)
     });
     let level = percent(calibration.question.level);
     let meaning = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");

@@ -18,7 +18,7 @@ use super::report::{self, Chosen, RunInfo};
 use super::{results, sweep_report, trade_report};
 use page::{Page, Section};
 use std::path::PathBuf;
-use stick_slip::figure::{DrawnPath, FIGURES, Subject, escaped};
+use stick_slip::figure::{DrawnPath, FIGURES, Style, Subject, escaped};
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
 
@@ -127,7 +127,7 @@ const INTERVALS: &str = "Intervals have 95 %, with the path as the unit. A bias 
 /// The figures of a subject, one after the other. The panels of an overview are in the others.
 fn pictures(subject: &Subject) -> Vec<Section> {
     let figures = FIGURES.iter().filter(|figure| figure.name != "overview");
-    figures.filter_map(|figure| Section::figure(figure, subject)).collect()
+    figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).map(Section::Picture).collect()
 }
 
 /// The program that wrote a file; this one if it was no other.

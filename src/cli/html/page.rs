@@ -4,7 +4,7 @@ use super::{filled, list_of_warnings, marked, rows, terms};
 use crate::cli::document::JsonWarning;
 use crate::cli::table::TableRow;
 use base64::Engine as _;
-use stick_slip::figure::{self, Drawing, Figure, Style, Subject, Theme, escaped};
+use stick_slip::figure::{self, Drawing, escaped};
 
 const PAGE: &str = include_str!("page.html");
 const STYLE: &str = include_str!("style.css");
@@ -17,8 +17,8 @@ pub enum Section {
     Lines(&'static str, String),
     /// A heading, and a sentence.
     Words(&'static str, String),
-    /// A picture for light screens and paper, and one for dark screens.
-    Picture([Drawing; 2]),
+    /// A picture; dark screens invert it.
+    Picture(Drawing),
 }
 
 /// The page of a file.
@@ -34,7 +34,15 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let parts: String = self.parts.iter().map(Section::html).collect();
+        // Pictures next to each other fill columns, whatever their heights.
+        let is_picture = |part: &Section| matches!(part, Section::Picture(_));
+        let together = self.parts.chunk_by(|one, other| is_picture(one) && is_picture(other));
+        let parts: String = together
+            .map(|parts| {
+                let html: String = parts.iter().map(Section::html).collect();
+                if is_picture(&parts[0]) { format!("<div class=\"pictures\">{html}</div>\n") } else { html }
+            })
+            .collect();
         filled(
             PAGE,
             &[
@@ -51,12 +59,6 @@ impl Page<'_> {
 }
 
 impl Section {
-    /// A figure of a subject; none if it has no such figure.
-    pub fn figure(figure: &Figure, subject: &Subject) -> Option<Section> {
-        let draw = |theme| figure.draw(subject, &Style { theme, ..Style::default() }).ok();
-        Some(Section::Picture([draw(Theme::Light)?, draw(Theme::Dark)?]))
-    }
-
     fn html(&self) -> String {
         match self {
             Section::Table(heading, table, below) => {
@@ -72,15 +74,10 @@ impl Section {
                 format!("<section><h2>{heading}</h2><pre>{}</pre></section>\n", escaped(text))
             }
             Section::Words(heading, text) => format!("<section><h2>{heading}</h2><p>{}</p></section>\n", marked(text)),
-            Section::Picture(drawings) => {
-                let encode = |drawing| base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
-                let [light, dark] =
-                    drawings.each_ref().map(|drawing| format!("data:image/svg+xml;base64,{}", encode(drawing)));
-                let words = escaped(&drawings[0].title);
-                format!(
-                    "<figure><picture><source media=\"(prefers-color-scheme: dark)\" srcset=\"{dark}\">\
-                     <img alt=\"{words}\" src=\"{light}\"></picture></figure>\n"
-                )
+            Section::Picture(drawing) => {
+                let image = base64::engine::general_purpose::STANDARD.encode(figure::svg(drawing));
+                let words = escaped(&drawing.title);
+                format!("<figure><img alt=\"{words}\" src=\"data:image/svg+xml;base64,{image}\"></figure>\n")
             }
         }
     }

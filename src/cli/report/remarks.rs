@@ -257,7 +257,7 @@ mod tests {
     #[test]
     fn the_table_says_how_long_and_where() {
         let short = remarks(&summary(), &info(), false);
-        assert_eq!(short.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["paths", "file"]);
+        assert_eq!(short.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["drift", "paths", "file"]);
         let table = table(&summary(), &info());
         assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running (censored)"), "{table}");

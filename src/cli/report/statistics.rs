@@ -320,7 +320,7 @@ mod tests {
             let info = RunInfo { period: Some(Period { length: 25.0, source }), ..info() };
             reason(&table(&summary, &info), "drift_velocity").to_string()
         };
-        assert_eq!(drift(1, PeriodSource::Forcing), "of 1 whole period; below 3 it may be a transient");
+        assert_eq!(drift(2, PeriodSource::Forcing), "of 1 whole period; below 3 it may be a transient");
         assert_eq!(drift(4, PeriodSource::Forcing), "");
         assert_eq!(
             drift(10, PeriodSource::Share),
