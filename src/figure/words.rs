@@ -6,29 +6,15 @@ use crate::numbers;
 use crate::stats::Statistic;
 use crate::study::sweep::SweepAxis;
 
-/// The names of Greek letters that people give to quantities.
-const GREEK: [(&str, &str); 15] = [
-    ("alpha", "α"),
-    ("beta", "β"),
-    ("gamma", "γ"),
-    ("delta", "δ"),
-    ("epsilon", "ε"),
-    ("zeta", "ζ"),
-    ("kappa", "κ"),
-    ("lambda", "λ"),
-    ("mu", "μ"),
-    ("omega", "ω"),
-    ("phi", "φ"),
-    ("rho", "ρ"),
-    ("sigma", "σ"),
-    ("tau", "τ"),
-    ("theta", "θ"),
-];
+/// The names of Greek letters that people give to quantities, each before its letter.
+const GREEK: &str =
+    "alpha α beta β gamma γ delta δ epsilon ε zeta ζ kappa κ lambda λ mu μ omega ω phi φ rho ρ sigma σ tau τ theta θ";
 
 /// A symbol as it is printed: rho becomes its Greek letter, f_s and x0 get an index, and anything
 /// else stays as it is.
 pub fn letter(name: &str) -> Label {
-    if let Some((_, letter)) = GREEK.iter().find(|(word, _)| *word == name) {
+    let mut greek = GREEK.split(' ').skip_while(|word| *word != name).skip(1);
+    if let Some(letter) = greek.next().filter(|_| name.is_ascii()) {
         return Label::new(&format!("*{letter}*"));
     }
     let mut letters = name.chars();
