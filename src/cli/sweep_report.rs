@@ -13,7 +13,7 @@ use stick_slip::study::sweep::{Design, Paired, Seeds, Sweep};
 const GAP: &str = "  ";
 
 /// The most points that are printed. The file holds all of them.
-const MOST_ROWS: usize = 100;
+pub const MOST_ROWS: usize = 100;
 
 /// A gain below this is worth a remark: common seeds are then hardly better than independent ones.
 const LOW_GAIN: f64 = 2.0;
@@ -50,6 +50,11 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
     let _ = writeln!(text, "\ntime    {} of CPU for {} points", duration(seconds), grouped(sweep.done() as u64));
     let _ = writeln!(text, "file    {}", output.display());
     text
+}
+
+/// The tables of the usual statistics.
+pub fn usual(sweep: &Sweep) -> Vec<(Statistic, Vec<TableRow>)> {
+    tables(sweep, &USUAL)
 }
 
 /// The rows of a table for each of these statistics, headings first.

@@ -2,7 +2,6 @@
 
 use super::kit::Drawing;
 use super::sheet::Sheet;
-use super::sweep;
 use super::theme::Style;
 use super::words::{grouped, of_axis, of_statistic};
 use crate::bearing::calibration::Calibration;
@@ -55,6 +54,9 @@ pub enum Subject<'a> {
     },
 }
 
+/// The statistics of a sweep that are drawn if none is named.
+pub const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
+
 /// Sweeps with the names of their files, and the statistics to draw.
 type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
 
@@ -78,7 +80,7 @@ impl<'a> Subject<'a> {
             Subject::Sweep { sweeps, statistics } => {
                 let all: Vec<&Scenario> = sweeps.iter().map(|(_, sweep)| &sweep.question.scenario).collect();
                 let Some((_, first)) = sweeps.first() else { return Default::default() };
-                let drawn = if statistics.is_empty() { &sweep::USUAL } else { *statistics };
+                let drawn = if statistics.is_empty() { &USUAL } else { *statistics };
                 let drawn: Vec<String> =
                     drawn.iter().map(|statistic| of_statistic(*statistic, style).words()).collect();
                 let keys: Vec<String> =

@@ -2,6 +2,7 @@
 //! sweep, or for each value of a second key.
 
 use super::axis::minus;
+use super::subject::USUAL;
 use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
 use super::words::{letter, of_axis, of_statistic};
@@ -14,9 +15,6 @@ use crate::study::sweep::{self, Design, Sweep};
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "sweep", shows: "statistics as functions of a key of the scenario", draws: draw };
-
-/// The statistics that are drawn if none is named.
-pub(super) const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
 
 /// The height of a panel, which the longest title determines.
 const HEIGHT: f64 = 118.0;

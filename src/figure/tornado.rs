@@ -1,7 +1,7 @@
 //! The effect of each key on a statistic: elasticities as bars with their intervals, the largest at
 //! the top.
 
-use super::sweep::USUAL;
+use super::subject::USUAL;
 use super::theme::THIN;
 use super::words::{of_key, of_statistic};
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};

@@ -87,13 +87,14 @@ impl Arguments {
         let sweep = super::sweep::stored(&self.file, stored)?;
         let sweeps = [(String::new(), &sweep)];
         let subject = Subject::Sweep { sweeps: &sweeps, statistics: &[] };
-        let table = sweep_report::table(&sweep, &[], &self.file);
-        let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
-        let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
-        let parts = std::iter::once(Section::Lines("Results", in_words(rest.trim())));
+        let parts = sweep_report::usual(&sweep).into_iter().map(|(statistic, mut rows)| {
+            let more = format!("`mc show {} --format csv` prints all points and statistics.", self.file.display());
+            rows.truncate(1 + sweep_report::MOST_ROWS);
+            Section::Table(statistic.words(), rows, more)
+        });
         let page = Page {
-            title,
-            about: about.to_string(),
+            title: &sweep.question.scenario.title,
+            about: sweep_report::table(&sweep, &[], &self.file).lines().nth(1).unwrap_or_default().to_string(),
             warnings: sweep_report::remarks(&sweep)
                 .into_iter()
                 .map(|text| JsonWarning { name: "sweep".into(), text })
