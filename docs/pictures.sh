@@ -16,7 +16,7 @@ mc plot scenarios/rho025.toml --path 41 --until 30 -o path-rho025.png
 mc plot scenarios/belt.toml --until 40 -o path-belt.png
 mc plot scenarios/stribeck-belt.toml --until 40 -o path-stribeck-belt.png
 mc plot scenarios/duffing.toml --until 60 -o path-duffing.png
-mc plot scenarios/self-excited.toml --until 60 --set statistics.after=0 -o path-self-excited.png
+mc plot scenarios/self-excited.toml --until 60 -o path-self-excited.png
 mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set oscillator.damping=0.1 --set temperature.trend=0 --set temperature.offset=1.5 --until 60 -o path-incline.png
 mc plot scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=0.5 --until 25 -o path-free.png
 mc run scenarios/belt.toml --set oscillator.stiffness=0 --set temperature.trend=0 --set temperature.noise.intensity=1 --set friction.static=1 --set friction.dynamic=1 --set temperature.noise.relaxation_rate=100 --set temperature.noise.diffusion=100 --until 40 --set statistics.after=20 --set time.output_step=0.4 --paths 400 --set record.density=true --quiet -o white.h5

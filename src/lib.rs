@@ -30,6 +30,14 @@
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
 //!
+//! A scene of your own is a TOML file, such as `mc init` writes, with changes of single keys:
+//!
+//! ```no_run
+//! # use stick_slip::{config::Override, scenario::Scenario};
+//! let scenario = Scenario::read("mine.toml".as_ref(), &[Override::set("friction.static=1.3")?])?;
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
+//!
 //! # The modules
 //!
 //! The list goes from the ground up: each module uses only modules above it.

@@ -7,7 +7,7 @@ use crate::studies::statistic;
 use pyo3::prelude::*;
 use stick_slip::config::Override;
 use stick_slip::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
-use stick_slip::figure::{self, Absent, Drawing, NoPage, Only, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
 use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Setting, Sweep};
@@ -58,9 +58,10 @@ pub fn plot(
     let wrong = |problem: String| damaged(py, &problem);
     let format = data.first().and_then(|(_, first)| first.attribute("format_name"));
     match (scenario.map(|scenario| &scenario.checked), data.as_slice(), format) {
-        (Some(scenario), [], _) => draw(py, &Subject::Scenario { scenario, path }, drawn),
+        (Some(scenario), [], _) => draw(py, &Subject::Path(DrawnPath { scenario, number: path, from: 0.0 }), drawn),
         (Some(scenario), [(_, run), ..], _) => {
             let summary = run.summary(scenario.scheme.step()).map_err(wrong)?;
+            let path = DrawnPath { scenario, number: path, from: 0.0 };
             draw(py, &Subject::Run { scenario, summary: &summary, path }, drawn)
         }
         (None, [(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
@@ -113,7 +114,7 @@ fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) 
             "give 60 to 400 millimetres",
         ));
     }
-    let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log };
+    let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log, ..Style::default() };
     let refused = |name: &str, absent: Absent| {
         let remedy = match absent {
             Absent::Panel(..) => "choose one of them, or leave the letter out for all",

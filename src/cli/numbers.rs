@@ -10,6 +10,14 @@ pub fn counted(n: u64, thing: &str) -> String {
     format!("{} {thing}{}", grouped(n), if n == 1 { "" } else { "s" })
 }
 
+/// Names in a row, or a few of them where there are many.
+pub fn some_of(names: &[&str]) -> String {
+    match names {
+        [first, second, third, _, _, ..] => format!("{first}, {second}, {third} and {} more", names.len() - 3),
+        _ => names.join(", "),
+    }
+}
+
 /// A duration in seconds, minutes or hours: 0.42 s, 3 min 20 s, 2 h 5 min.
 pub fn duration(seconds: f64) -> String {
     match seconds {

@@ -7,11 +7,11 @@ use super::overrides::settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, input_files};
-use stick_slip::figure::{self, Absent, COLUMN, Drawing, NoPage, Only, Style, Subject, Theme};
+use stick_slip::figure::{self, Absent, COLUMN, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, FileKind, Stored};
-use stick_slip::study::sweep::Sweep;
+use stick_slip::study::sweep::{Design, Sweep};
 
 /// Arguments of `mc plot`.
 #[derive(Debug, clap::Args)]
@@ -33,7 +33,10 @@ pub struct Arguments {
     /// The number of the path to draw
     #[arg(long, value_name = "N", default_value_t = 0)]
     path: u64,
-    /// The time at which the drawn path ends
+    /// The time at which the drawing of a path begins
+    #[arg(long, value_name = "T", allow_hyphen_values = true, default_value_t = 0.0)]
+    from: f64,
+    /// The time at which it ends
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     until: Option<String>,
     /// The statistic of a trade [default: the first that the trade has an answer for], or of a
@@ -54,6 +57,13 @@ pub struct Arguments {
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
+    /// Words at the axes for a key or its symbol, or for a statistic, e.g. V="speed of the belt";
+    /// repeatable; for sweeps
+    #[arg(long, value_name = "KEY=WORDS", value_parser = label)]
+    label: Vec<(String, String)>,
+    /// The heading of the page; a figure by itself has none
+    #[arg(long, value_name = "WORDS", conflicts_with = "only")]
+    title: Option<String>,
     /// Overwrite an earlier picture
     #[arg(long)]
     force: bool,
@@ -88,10 +98,15 @@ impl Arguments {
         match files::read(&self.subject, store::kind)? {
             None => {
                 let mut overrides = settings(&self.set)?;
-                overrides.extend(self.until());
+                overrides.extend(self.window());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
                 writable(output, self.force, input_files(&self.subject, &overrides))?;
-                self.draw(&Subject::Scenario { scenario: &scenario, path: self.path })
+                self.draw(&Subject::Path(self.drawn(&scenario)?))
+            }
+            kind if !self.label.is_empty() && kind != Some(FileKind::Sweep) => {
+                let problem =
+                    format!("--label names keys at the axes of a sweep, and {} is none", self.subject.display());
+                Err(Failure::usage(problem, "leave it out"))
             }
             kind if !self.beside.is_empty() && kind != Some(FileKind::Sweep) => {
                 let problem = format!("{} is no sweep", self.subject.display());
@@ -126,28 +141,56 @@ impl Arguments {
         let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
         let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
         let statistics: Vec<Statistic> = self.statistic.into_iter().collect();
+        let designs = || sweeps.iter().map(|(_, sweep)| &sweep.question.design);
+        let axes = designs().flat_map(|design| design.axes()).flat_map(|axis| [axis.name.as_str(), &axis.key]);
+        let keys = designs().flat_map(|design| match design {
+            Design::Star { keys, .. } => keys.as_slice(),
+            _ => &[],
+        });
+        let known: Vec<&str> = axes.chain(keys.map(|(key, _)| key.as_str())).collect();
+        let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
+        if let Some((name, _)) = self.label.iter().find(|(name, _)| !is_known(name)) {
+            let problem = format!("--label {name}=...: the sweep has no such key, and there is no such statistic");
+            return Err(Failure::usage(problem, format!("name a statistic, or one of {}", known.join(", "))));
+        }
         self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics })
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Drawing, Failure> {
         results::check_path(stored, self.path)?;
         let name = self.subject.display().to_string();
-        // Events do not depend on the end of the simulation, so a shorter path is the beginning of
-        // the longer one.
-        let until: Vec<Override> = self.until().into_iter().collect();
-        let scenario = results::scenario(&name, stored, &until)?;
-        self.draw(&Subject::Run { scenario: &scenario, summary: &stored.summary, path: self.path })
+        let scenario = results::scenario(&name, stored, &[])?;
+        let shorter = results::scenario(&name, stored, &self.window())?;
+        self.draw(&Subject::Run { scenario: &scenario, summary: &stored.summary, path: self.drawn(&shorter)? })
     }
 
-    fn until(&self) -> Option<Override> {
-        self.until.as_ref().map(|time| Override::flag("--until", "time.end", time))
+    /// The path that is drawn, of this scenario.
+    fn drawn<'a>(&self, scenario: &'a Scenario) -> Result<DrawnPath<'a>, Failure> {
+        let (from, end) = (self.from, scenario.time.end);
+        if (0.0..end.max(f64::MIN_POSITIVE)).contains(&from) {
+            return Ok(DrawnPath { scenario, number: self.path, from });
+        }
+        let problem = format!("--from {from:?}: the path lasts from 0 to {end:?}");
+        Err(Failure::usage(problem, "give a time before its end, or a later --until"))
+    }
+
+    /// What ends a path at `--until`. Events do not depend on the end of the simulation, so it is the
+    /// beginning of the longer path; how much of it statistics leave out does not matter to it.
+    fn window(&self) -> Vec<Override> {
+        let until = self.until.iter();
+        until
+            .flat_map(|time| {
+                [Override::flag("--until", "time.end", time), Override::flag("--until", "statistics.after", "0")]
+            })
+            .collect()
     }
 
     /// Refuses an option that would change nothing in the one figure that is asked for.
     fn check_only(&self) -> Result<(), Failure> {
         let Some(Only { figure, .. }) = self.only else { return Ok(()) };
         let options = [
-            ("--until", self.until.is_some(), &["path", "overview"][..]),
+            ("--from", self.from != 0.0, &["path", "overview"][..]),
+            ("--until", self.until.is_some(), &["path", "overview"]),
             ("--log", self.log, &["sticks", "sub-phases", "laws", "density", "sweep"]),
         ];
         match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name)) {
@@ -161,7 +204,8 @@ impl Arguments {
 
     fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
         self.check_only()?;
-        let style = Style { theme: self.theme, width: self.width, log: self.log };
+        let Arguments { theme, width, log, title, label, .. } = self;
+        let style = Style { theme: *theme, width: *width, log: *log, title: title.as_deref(), labels: label };
         match self.only {
             Some(only) => only.draw(subject, &style).map_err(|absent| self.refused(only.figure.name, &absent)),
             None => figure::page(subject, &style).map_err(|no| match no {
@@ -232,6 +276,11 @@ fn theme(name: &str) -> Result<Theme, String> {
         "dark" => Ok(Theme::Dark),
         _ => Err("write light or dark".to_string()),
     }
+}
+
+fn label(text: &str) -> Result<(String, String), String> {
+    let (name, words) = text.split_once('=').ok_or("write KEY=WORDS")?;
+    Ok((name.trim().to_string(), words.trim().to_string()))
 }
 
 /// The widths at which letters of 8 points are neither crowded nor too small beside the figure, in

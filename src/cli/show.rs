@@ -3,7 +3,7 @@
 
 use super::failure::{Failure, note, print, print_data};
 use super::files;
-use super::report::{self, Csv, RunInfo};
+use super::report::{self, Chosen, Csv, RunInfo};
 use super::results;
 use super::table::{TableRow, comma_separated, latex, markdown};
 use super::{calibrate, calibrate_report, dataset, sweep, sweep_report, trade_report};
@@ -22,12 +22,23 @@ pub struct Arguments {
     /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
+    /// Print these statistics, in this order, separated by commas [default: those of sticks, slips
+    /// and drift that the paper asks for]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = super::completed::STATISTIC, hide_possible_values = true,
+          conflicts_with_all = ["all", "json"])]
+    statistics: Vec<Statistic>,
+    /// Print all statistics that were measured
+    #[arg(long, conflicts_with = "json")]
+    all: bool,
+    /// Print all notes below the table of a run, and where its numbers come from
+    #[arg(long, conflicts_with_all = ["json", "format"])]
+    notes: bool,
     /// Print JSON instead: one object, or an array of them for several files
     #[arg(long)]
     json: bool,
     /// Print a table for other programs instead: comma-separated values with all digits, a line for
-    /// each statistic of each file or point; or a table for a paper, with the digits that the error
-    /// supports
+    /// each statistic of each file or point, all of them unless --statistics names some; or a table
+    /// for a paper, with the digits that the error supports
     #[arg(long, value_name = "csv|markdown|latex", conflicts_with = "json", hide_possible_values = true)]
     format: Option<TableFormat>,
     /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
@@ -42,6 +53,13 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
+        let has_none = |file: &&PathBuf| {
+            matches!(files::read(file, store::kind), Ok(Some(FileKind::Calibration | FileKind::Trade)))
+        };
+        if let Some(file) = self.files.iter().find(has_none).filter(|_| self.all || !self.statistics.is_empty()) {
+            let problem = format!("--statistics and --all are for runs and sweeps, and {} is none", file.display());
+            return Err(Failure::usage(problem, "leave them out"));
+        }
         match self.format {
             Some(TableFormat::Csv) => return self.print_csv(),
             Some(TableFormat::Markdown) => return print_data(&markdown(&self.rows()?)),
@@ -75,7 +93,7 @@ impl Arguments {
                 let sweep = sweep::stored(file, *stored)?;
                 match self.json {
                     true => print_data(&dataset::json(&Dataset::of_sweep(&sweep), Some(file))),
-                    false => print(&sweep_report::table(&sweep, &[], file)),
+                    false => print(&sweep_report::table(&sweep, &self.statistics, file)),
                 }
             }
         }
@@ -108,7 +126,17 @@ impl Arguments {
             let warnings = results::warnings(&stored.summary, scenario.as_ref());
             return print_data(&report::json(&stored.summary, &info, &warnings));
         }
-        print(&(report::table(&stored.summary, &info) + &provenance(&stored.header)))
+        let table = report::table(&stored.summary, &info, self.chosen(), self.notes);
+        print(&if self.notes { table + &provenance(&stored.header) } else { table })
+    }
+
+    /// The statistics that a table has.
+    fn chosen(&self) -> Chosen<'_> {
+        match (self.statistics.as_slice(), self.all) {
+            ([], false) => Chosen::First,
+            ([], true) => Chosen::All,
+            (statistics, _) => Chosen::These(statistics),
+        }
     }
 
     fn print_several(&self, files: &[PathBuf]) -> Result<(), Failure> {
@@ -126,7 +154,7 @@ impl Arguments {
             return print_data(&format!("[{}]\n", objects.join(",\n")));
         }
         let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
-        print(&report::comparison(&summaries, &infos))
+        print(&report::comparison(&summaries, &infos, self.chosen()))
     }
 
     fn print_citations(&self) -> Result<(), Failure> {
@@ -141,13 +169,13 @@ impl Arguments {
     fn rows(&self) -> Result<Vec<TableRow>, Failure> {
         let [file] = self.files.as_slice() else {
             let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
-            return Ok(report::compared(&runs.iter().map(|run| &run.summary).collect::<Vec<_>>()));
+            return Ok(report::compared(&runs.iter().map(|run| &run.summary).collect::<Vec<_>>(), self.chosen()));
         };
         Ok(match files::read(file, store::content)? {
-            Content::Run(run) => report::rows(&run.summary, &run.header.units),
+            Content::Run(run) => report::rows(&run.summary, &run.header.units, self.chosen(), None),
             Content::Calibration(stored) => calibrate_report::quantities(&stored.calibration),
             Content::Trade(trade) => trade_report::stored_rows(&trade, Statistic::name),
-            Content::Sweep(stored) => sweep_report::rows(&sweep::stored(file, *stored)?),
+            Content::Sweep(stored) => sweep_report::rows(&sweep::stored(file, *stored)?, &self.statistics),
         })
     }
 
@@ -157,7 +185,7 @@ impl Arguments {
         {
             return print_data(&comma_separated(&self.rows()?));
         }
-        let mut table = Csv::default();
+        let mut table = Csv::of(&self.statistics);
         for file in &self.files {
             let name = file.display().to_string();
             if is_sweep(file) {
@@ -197,6 +225,7 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         no_bias: scenario
             .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
             .map(|reason| reason.to_string()),
+        period: scenario.and_then(Scenario::period),
         steps_per_path: scenario.and_then(Scenario::steps),
         file: file.display().to_string(),
         status: *status,

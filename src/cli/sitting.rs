@@ -3,7 +3,7 @@
 
 use super::numbers::time;
 use super::progress::Progress;
-use super::report::{self, RunInfo};
+use super::report::{self, Chosen, RunInfo};
 use super::{Failure, Threads, accuracy, cost, ending, note, print, print_data, results};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
@@ -166,7 +166,7 @@ impl<'a> Sitting<'a> {
         if json {
             print_data(&report::json(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
         } else if !quiet {
-            print(&report::table(summary, &info))?;
+            print(&report::table(summary, &info, Chosen::First, false))?;
         }
         // The table has these lines as remarks.
         let remarks = [
@@ -199,6 +199,7 @@ impl<'a> Sitting<'a> {
             seconds: Some(outcome.seconds),
             bias_seconds: Some(outcome.bias.seconds),
             no_bias: outcome.bias.absence.as_ref().map(|reason| reason.to_string()),
+            period: scenario.period(),
             steps_per_path: scenario.steps(),
             file: file.display().to_string(),
             status: outcome.status,

@@ -1,7 +1,7 @@
 //! The report of a sweep for people: a table for each statistic, the gain from common seeds, and
 //! elasticities sorted by size.
 
-use crate::cli::numbers::{Digits, counted, duration, grouped, significant, with_error, wrapped};
+use crate::cli::numbers::{Digits, counted, duration, grouped, significant, some_of, with_error, wrapped};
 use crate::cli::report::bias_cells;
 use crate::cli::table::{TableRow, aligned};
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ use stick_slip::study::sweep::{Design, Paired, Seeds, Sweep};
 const GAP: &str = "  ";
 
 /// The most points that are printed. The file holds all of them.
-const MOST_ROWS: usize = 100;
+pub const MOST_ROWS: usize = 100;
 
 /// A gain below this is worth a remark: common seeds are then hardly better than independent ones.
 const LOW_GAIN: f64 = 2.0;
@@ -52,6 +52,11 @@ pub fn table(sweep: &Sweep, named: &[Statistic], output: &Path) -> String {
     text
 }
 
+/// The tables of the usual statistics.
+pub fn usual(sweep: &Sweep) -> Vec<(Statistic, Vec<TableRow>)> {
+    tables(sweep, &USUAL)
+}
+
 /// The rows of a table for each of these statistics, headings first.
 fn tables(sweep: &Sweep, shown: &[Statistic]) -> Vec<(Statistic, Vec<TableRow>)> {
     let rows = |statistic: Statistic| match &sweep.question.design {
@@ -61,16 +66,17 @@ fn tables(sweep: &Sweep, shown: &[Statistic]) -> Vec<(Statistic, Vec<TableRow>)>
     shown.iter().map(|statistic| (*statistic, rows(*statistic))).collect()
 }
 
-/// The rows of the usual statistics as one table, headings first. The first column names the
-/// statistic.
-pub fn rows(sweep: &Sweep) -> Vec<TableRow> {
+/// The rows of these statistics, or else of the usual ones, as one table, headings first. The first
+/// column names the statistic.
+pub fn rows(sweep: &Sweep, named: &[Statistic]) -> Vec<TableRow> {
+    let shown = if named.is_empty() { &USUAL } else { named };
     let named = |(n, (statistic, mut rows)): (usize, (Statistic, Vec<TableRow>))| {
         for (i, row) in rows.iter_mut().enumerate() {
             row.cells.insert(0, if i == 0 { "statistic".into() } else { statistic.name().to_string() });
         }
         rows.into_iter().skip(usize::from(n > 0))
     };
-    tables(sweep, &USUAL).into_iter().enumerate().flat_map(named).collect()
+    tables(sweep, shown).into_iter().enumerate().flat_map(named).collect()
 }
 
 /// One statistic at every point and, if the points form a line, its difference to the next point.
@@ -186,11 +192,11 @@ pub fn remarks(sweep: &Sweep) -> Vec<String> {
         let low: Vec<&str> = asked(sweep).into_iter().filter(is_low).map(Statistic::name).collect();
         if !low.is_empty() {
             remarks.push(format!(
-                "common seeds make differences along {name} hardly sharper (gain below {LOW_GAIN}) in {} of {} statistics: {}. \
-                 Closer values or another scheme raise it; with --independent the points at least err independently",
+                "common seeds hardly sharpen differences along {name} (gain below {LOW_GAIN}) in {} of {} statistics: {}; closer \
+                 values do, and --independent makes the errors of points independent",
                 low.len(),
                 asked(sweep).len(),
-                low.join(", ")
+                some_of(&low)
             ));
         }
     }

@@ -4,6 +4,7 @@
 use super::{Asked, Provenance};
 use crate::ensemble::Plan;
 use crate::scenario::{MAX_TRAJECTORIES, Scenario};
+use crate::scheme::Glide;
 use crate::stats::{BlockResult, Record};
 
 /// One path of an ensemble, simulated again.
@@ -60,11 +61,7 @@ impl Replay {
         // The scenario in a file must be valid, and no valid scenario records more trajectories
         // than `MAX_TRAJECTORIES`.
         scenario.record = Record { trajectories: record.trajectories.min(MAX_TRAJECTORIES), ..record };
-        let mut plan = Plan { record, ..scenario.plan() };
-        if let ReplayRows::Finer(refinement) = rows {
-            plan = plan.looked_at_closer(refinement);
-        }
-        let block = plan.replay(path);
+        let block = rows.plan(&scenario, record).replay(path);
         Replay { scenario, record, rows, block }
     }
 
@@ -73,9 +70,26 @@ impl Replay {
         Asked::paths(1).provenance(&self.scenario)
     }
 
+    /// The motion of the path between its events, piece by piece, as the scheme knows it; nothing if
+    /// the path is lost. The path is simulated for it once more.
+    pub fn motion(&self) -> Vec<Glide> {
+        self.rows.plan(&self.scenario, Record::NOTHING).motion(self.block.first_path)
+    }
+
     /// Whether the path diverged or was given up.
     pub fn is_lost(&self) -> bool {
         !self.block.diverged.is_empty()
+    }
+}
+
+impl ReplayRows {
+    /// What simulates the path of a replay with these rows.
+    fn plan(self, scenario: &Scenario, record: Record) -> Plan {
+        let plan = Plan { record, ..scenario.plan() };
+        match self {
+            ReplayRows::Steps { .. } => plan,
+            ReplayRows::Finer(refinement) => plan.looked_at_closer(refinement),
+        }
     }
 }
 

@@ -20,9 +20,9 @@ pub use in_order::in_order;
 pub(crate) use in_order::in_order_while;
 pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
-use crate::model::Model;
+use crate::model::{Event, Model};
 use crate::noise;
-use crate::scheme::{Observer, Simulate as _, Simulation, Timeline, Unresolved};
+use crate::scheme::{Glide, Instant, Observer, Simulate as _, Simulation, Snapshot, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
@@ -68,6 +68,23 @@ pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
     paths.iter().map(|&path| if antithetic { noise::antithetic(path) } else { path }).collect()
 }
 
+/// What a path does between its events.
+struct PathMotion(Vec<Glide>);
+
+impl Observer for PathMotion {
+    fn event(&mut self, _: usize, _: Event) {}
+
+    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
+
+    fn follows(&self) -> bool {
+        true
+    }
+
+    fn glide(&mut self, _: usize, glide: &Glide) {
+        self.0.push(*glide);
+    }
+}
+
 impl Plan {
     /// The model that is simulated.
     pub fn model(&self) -> &Model {
@@ -100,6 +117,14 @@ impl Plan {
     /// Simulate path number `path` of the ensemble alone. It has the same bits as in the ensemble.
     pub fn replay(&self, path: u64) -> BlockResult {
         self.piece(path, 1)
+    }
+
+    /// The motion of path number `path` of the ensemble between its events, piece by piece; nothing
+    /// if it is lost.
+    pub fn motion(&self, path: u64) -> Vec<Glide> {
+        let mut motion = PathMotion(Vec::new());
+        let lost = self.simulated(&[path], &mut motion);
+        if lost.is_empty() { motion.0 } else { Vec::new() }
     }
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until

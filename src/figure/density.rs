@@ -4,13 +4,21 @@
 use super::steps::{self, DensityBin};
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{DensityCurve, Dimension};
+use ndarray::Array2;
 
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "density", shows: "where in the phase plane the body spends its time", draws: draw };
 
-/// Levels of the joint density, as parts of its largest value, from the outermost on.
-const LEVELS: [f64; 6] = [0.003, 0.01, 0.03, 0.1, 0.3, 0.6];
+/// How much of the time in motion each area of the plane holds, where the density is highest.
+const HELD: [f64; 2] = [0.94, 0.5];
+
+/// How much of it the axes hold.
+const SEEN: f64 = 0.99;
+
+/// Cells of the file are drawn as so many along each axis, between which their densities are
+/// interpolated.
+const FINER: usize = 4;
 
 fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
@@ -49,27 +57,97 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let horizontal = axis_of(&densities.displacement, "displacement *x*", &unit(0, 1));
     let displacement = panel(&densities.displacement, horizontal, "density of *x*", &unit(0, -1), style.log);
     let [rows, columns] = &densities.joint_edges;
-    let ends = |edges: &[f64]| [edges[0], edges[edges.len() - 1]];
+    let ends = [rows, columns].map(|edges| [edges[0], edges[edges.len() - 1]]);
+    let cells = finer(&densities.joint);
+    let seen: Vec<[f64; 2]> = above(&cells, level(&cells, SEEN), ends).concat();
+    let seen = |k: usize| range_of(seen.iter().map(|corner| corner[k]));
     let mut plane = Panel::new(
-        Axis::linear(ends(rows), Label::new("displacement *x*"), &unit(0, 1)),
-        Axis::linear(ends(columns), Label::new("velocity *x*\u{2032}"), &unit(-1, 1)),
+        Axis::around(seen(0), Label::new("displacement *x*"), &unit(0, 1)),
+        Axis::around(seen(1), Label::new("velocity *x*\u{2032}"), &unit(-1, 1)),
         96.0,
     );
-    let [_, most] = range_of(densities.joint.iter().copied());
-    // From the outermost level on, each over the one before it.
-    for (n, level) in LEVELS.iter().enumerate() {
-        let reached = densities.joint.indexed_iter().filter(|(_, density)| **density >= level * most);
-        let cell = |((i, j), _): ((usize, usize), &f64)| [[rows[i], columns[j]], [rows[i + 1], columns[j + 1]]];
-        let share = (n + 1) as f64 / LEVELS.len() as f64;
-        plane.bars(reached.map(cell).collect(), palette.background.mixed(palette.first, share));
+    let fills = [palette.wide, palette.narrow];
+    for (held, fill) in HELD.into_iter().zip(fills) {
+        plane.bars(above(&cells, level(&cells, held), ends), fill);
     }
-    let rest = crate::numbers::significant(100.0 * densities.at_rest, 3);
+    let moving = crate::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
     let legend = [
-        LegendEntry::words(Label::verbatim(&format!("in motion; at rest {rest} % of the time"))),
+        LegendEntry::words(Label::new(&format!("*x*\u{2032} in motion, {moving} % of the time"))),
         LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
-    let levels = LegendEntry::words(Label::verbatim("0.3, 1, 3, 10, 30 and 60 % of the highest density"));
-    let panels = [velocity(false).above_another(), velocity(true), displacement, plane.keyed([levels])];
+    let words = |held: f64| format!("{} % of the time in motion", 100.0 * held);
+    let key = HELD.into_iter().zip(fills).map(|(held, fill)| LegendEntry::area(fill, &words(held)));
+    let panels = [velocity(false).above_another(), velocity(true), displacement, plane.keyed(key)];
     Ok(sheet(&format!("Densities: {}", scenario.title), legend, panels))
+}
+
+/// The density in smaller cells, by linear interpolation between the middles of the cells of the
+/// file.
+fn finer(joint: &Array2<f64>) -> Array2<f64> {
+    let at = |i: usize, n: usize| {
+        let place = ((i as f64 + 0.5) / FINER as f64 - 0.5).clamp(0.0, n as f64 - 1.0);
+        let first = (place as usize).min(n.saturating_sub(2));
+        (first, (first + 1).min(n - 1), place - first as f64)
+    };
+    let (n, m) = joint.dim();
+    Array2::from_shape_fn((n * FINER, m * FINER), |(i, j)| {
+        let ((a, b, s), (c, d, t)) = (at(i, n), at(j, m));
+        (1.0 - s) * ((1.0 - t) * joint[[a, c]] + t * joint[[a, d]])
+            + s * ((1.0 - t) * joint[[b, c]] + t * joint[[b, d]])
+    })
+}
+
+/// The density above which the cells hold this share of the whole.
+fn level(cells: &Array2<f64>, held: f64) -> f64 {
+    let mut sorted: Vec<f64> = cells.iter().copied().collect();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let mut missing = held * sorted.iter().sum::<f64>();
+    let reached = sorted.into_iter().find(|density| {
+        missing -= density;
+        missing <= 0.0
+    });
+    reached.unwrap_or(f64::INFINITY)
+}
+
+/// Rectangles over the cells that reach a level: one for each run of neighbours along the second
+/// axis.
+fn above(cells: &Array2<f64>, level: f64, [x, y]: [[f64; 2]; 2]) -> Vec<[[f64; 2]; 2]> {
+    let (n, m) = cells.dim();
+    let place = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * i as f64 / n as f64;
+    let mut out = Vec::new();
+    for (i, row) in cells.outer_iter().enumerate() {
+        let mut begun = None;
+        for j in 0..=m {
+            let is_reached = j < m && row[j] >= level;
+            if is_reached {
+                begun.get_or_insert(j);
+            } else if let Some(first) = begun.take() {
+                out.push([[place(x, i, n), place(y, first, m)], [place(x, i + 1, n), place(y, j, m)]]);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The time in the areas of a normal law in two dimensions is known: a share p of it lies within
+    /// r of the middle, where r^2 = -2 ln(1 - p).
+    #[test]
+    fn the_areas_hold_the_time_that_they_are_named_by() {
+        let edge = |i: usize| -5.0 + 10.0 * i as f64 / 64.0;
+        let square = |i: usize| (0.5 * (edge(i) + edge(i + 1))).powi(2);
+        let cells = finer(&Array2::from_shape_fn((64, 64), |(i, j)| (-0.5 * (square(i) + square(j))).exp()));
+        for held in HELD {
+            let area: f64 = above(&cells, level(&cells, held), [[-5.0, 5.0]; 2])
+                .iter()
+                .map(|[from, to]| (to[0] - from[0]) * (to[1] - from[1]))
+                .sum();
+            let expected = std::f64::consts::PI * -2.0 * (1.0 - held).ln();
+            assert!((area / expected - 1.0).abs() < 0.02, "{held}: {area} instead of {expected}");
+        }
+    }
 }

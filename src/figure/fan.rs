@@ -44,7 +44,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];
-    Ok(sheet(&format!("Displacement of the paths: {}", scenario.title), [], panels))
+    let bias =
+        scenario.scheme.step().map(|h| LegendEntry::words(Label::verbatim(&format!("with the bias of the step {h}"))));
+    Ok(sheet(&format!("Displacement of the paths: {}", scenario.title), Vec::from_iter(bias), panels))
 }
 
 /// The lowest and the highest quantile of x at each time.

@@ -39,13 +39,14 @@ mod subject;
 mod sweep;
 mod theme;
 mod tornado;
+mod trace;
 mod trade;
 mod words;
 
 pub use kit::{Drawing, escaped, pdf, png, svg};
 pub use only::Only;
 pub use page::{NoPage, page};
-pub use subject::{Absent, Figure, Subject};
+pub use subject::{Absent, DrawnPath, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
 
 // What every figure is made of.

@@ -13,7 +13,8 @@ pub struct Only {
 }
 
 /// What people call a panel, and its name.
-const CALLED: [(&str, &str); 3] = [("histogram", "sticks.A"), ("phase", "path.C"), ("survival", "sticks.B")];
+const CALLED: [(&str, &str); 3] =
+    [("histogram", "`sticks.A`"), ("phase", "the last panel of `path`"), ("survival", "`sticks.B`")];
 
 impl Only {
     /// The names of all figures, separated by commas.
@@ -30,7 +31,7 @@ impl Only {
         let (name, panel) = text.split_once('.').map_or((text, None), |(name, panel)| (name, Some(panel)));
         let Some(figure) = FIGURES.iter().find(|figure| figure.name == name) else {
             return Err(match CALLED.iter().find(|(word, _)| *word == name) {
-                Some((_, panel)) => format!("that is `{panel}`"),
+                Some((_, panel)) => format!("that is {panel}"),
                 None => format!("there is no such figure; write one of {}", Only::names()),
             });
         };

@@ -1,9 +1,8 @@
 //! A run at a glance: one of its paths with the sticks shaded, the quantiles of all paths, and the
 //! durations of sticks.
 
-use super::path::PathTrace;
+use super::trace::PathTrace;
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
-use crate::engine::Replay;
 use crate::stats::Dimension;
 
 /// The figure. A page leaves it out, because it has the figures of these three panels.
@@ -12,9 +11,8 @@ pub const FIGURE: Figure =
 
 fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
-    let (_, number) = subject.path()?;
-    let replay = Replay::of(scenario, number);
-    let path = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let drawn = subject.path()?;
+    let path = PathTrace::of(&drawn)?;
     let curve = path.curve();
     let range = sticks::range(&summary.stick_durations)
         .ok_or(Absent::Nothing("no stick, the first of each path left out, has ended"))?;
@@ -26,7 +24,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     seen.extend(curve.iter().map(|point| point[1]));
     let displacement = |title: &str| Axis::around(seen.iter().copied(), Label::new(title), &length_unit);
 
-    let mut one = Panel::new(time_axis(), displacement("one path *x*(*t*)"), 84.0);
+    let time_of_path = Axis::linear([drawn.from, drawn.scenario.time.end], Label::new("time *t*"), &time_unit);
+    let mut one = Panel::new(time_of_path, displacement("one path *x*(*t*)"), 84.0);
     let size = seen.iter().fold(0.0, |size, x| f64::max(size, x.abs()));
     for [begin, end] in path.sticks() {
         // The bar is higher than the panel, which clips it at its frame.
@@ -45,7 +44,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let area = LegendEntry::area;
     let all = all.keyed([curve("median"), area(palette.narrow, "25–75 %"), area(palette.wide, "5–95 % of the paths")]);
     let panels = [
-        one.above_another().keyed([curve(&format!("path {number}")), area(palette.wide, "stick")]),
+        one.keyed([curve(&format!("path {}", drawn.number)), area(palette.wide, "stick")]),
         all,
         outlasting.keyed([curve("Kaplan–Meier"), area(palette.narrow, "95 % interval")]),
     ];

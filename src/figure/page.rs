@@ -51,7 +51,8 @@ pub fn page(subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
     let columns = columns(sheets, style);
     let palette = style.palette();
     let width = columns.len() as f64 * (style.points() + GAP) - GAP + 2.0 * EDGE;
-    let (heading, line) = subject.heading();
+    let (heading, line) = subject.heading(style);
+    let heading = style.title.map_or(heading, String::from);
     let mut items = Vec::new();
     let mut top = EDGE;
     for (words, size, is_bold) in [(&heading, HEADING, true), (&line, SMALL, false)] {

@@ -85,6 +85,8 @@ const X_ROOM: f64 = 26.0;
 const Y_ROOM: f64 = 13.0;
 /// Half the length of the bars at the ends of an interval.
 const CAP: f64 = 1.8;
+/// How far the title of the vertical axis may extend below the frame.
+const BELOW: f64 = 8.0;
 /// Points of a curve that are closer than this to the line between their neighbours are left out.
 const TOLERANCE: f64 = 0.03;
 
@@ -230,10 +232,11 @@ impl Panel {
             items.push(Item::words(across.title(), at, Align::Middle, LETTERS, palette.ink));
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
-        // A title that is longer than the frame extends below it, because the letter is above it.
-        let length = LETTERS * self.y.title().width();
-        let at = [x, frame.y + frame.height.max(length) / 2.0];
-        items.push(Item::words_upwards(self.y.title(), at, Align::Middle, LETTERS, palette.ink));
+        // A title that is longer than the frame extends below it, because the letter is above it, and
+        // is smaller where it would reach the next panel.
+        let size = LETTERS.min((frame.height + BELOW) / self.y.title().width());
+        let at = [x, frame.y + frame.height.max(size * self.y.title().width()) / 2.0];
+        items.push(Item::words_upwards(self.y.title(), at, Align::Middle, size, palette.ink));
     }
 
     /// Places the notes where they overlap nothing, and returns how many of them found no such
@@ -253,6 +256,9 @@ impl Panel {
                 Layer::Mark { at, .. } => marks.push(place(*at)),
                 Layer::Line { points, .. } => {
                     curves.extend(sampled(&points.iter().map(|p| place(*p)).collect::<Vec<_>>()))
+                }
+                Layer::Level { at, .. } => {
+                    curves.extend(sampled(&[frame.x, frame.right()].map(|x| [x, place([f64::NAN, *at])[1]])))
                 }
                 _ => {}
             }

@@ -5,13 +5,14 @@
 //! figure after it.
 
 use super::panel::{Beside, Note};
+use super::subject::DrawnPath;
 use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
+use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt};
 use super::words::grouped;
 use super::{
     Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
     solid,
 };
-use crate::engine::Replay;
 use crate::model::{Drive, Model, Sign};
 use crate::stats::Dimension;
 use std::ops::Range;
@@ -20,173 +21,11 @@ use std::ops::Range;
 pub const FIGURE: Figure =
     Figure { name: "path", shows: "one path: x, velocity and forces, with its events", draws: draw };
 
-/// The state of a path at one instant.
-#[derive(Clone, Copy, Debug, PartialEq)]
-struct StateAt {
-    time: f64,
-    displacement: f64,
-    velocity: f64,
-    /// The force of the spring, K (beta T - x), or b where there is a force of the user's own.
-    spring: f64,
-}
-
-/// A stick, or a sub-phase of a slip, from its first instant to its last.
-#[derive(Clone, Debug, PartialEq)]
-struct DrawnPhase {
-    /// The number k of the sub-phase, from 1 on, and its direction; none in a stick.
-    slip: Option<(usize, f64)>,
-    samples: Vec<StateAt>,
-}
-
-impl DrawnPhase {
-    fn begin(&self) -> f64 {
-        self.samples.first().map_or(f64::NAN, |sample| sample.time)
-    }
-
-    fn end(&self) -> f64 {
-        self.samples.last().map_or(f64::NAN, |sample| sample.time)
-    }
-}
-
-/// An event of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
-#[derive(Clone, Debug, PartialEq)]
-struct LabelledEvent {
-    at: StateAt,
-    name: String,
-    /// Whether the event lies between two sub-phases.
-    is_turn: bool,
-}
-
-/// A path, cut into pieces at its events.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct PathTrace {
-    pieces: Vec<DrawnPhase>,
-    moments: Vec<LabelledEvent>,
-}
-
-/// How many sticks a path had so far, and how many sub-phases its slip.
-#[derive(Default)]
-struct EventNumbers {
-    sticks: usize,
-    sub_phases: usize,
-}
-
-impl EventNumbers {
-    /// Counts an event of this kind, and gives it its name.
-    fn name(&mut self, kind: i8) -> String {
-        match kind {
-            0 => self.sticks += 1,
-            1 => self.sub_phases = 1,
-            _ => self.sub_phases += 1,
-        }
-        match (kind, self.sticks) {
-            (0, j) => format!("*τ*_{{{j}}}"),
-            (1, 0) => "*τ*_{½}".to_string(),
-            (1, j) => format!("*τ*_{{{j}+½}}"),
-            (_, j) => format!("*τ*_{{{j}}}^{{{}}}", self.sub_phases - 1),
-        }
-    }
-}
-
-impl PathTrace {
-    /// The pieces of a path that was simulated again: the rows of its trajectory, with its events
-    /// inserted between them. None if events or trajectory were not kept.
-    pub(super) fn of(replay: &Replay) -> Option<PathTrace> {
-        let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
-        let model = &replay.scenario.model;
-        let time = replay.scenario.timeline().output_times();
-        let row = |i: usize| {
-            let (displacement, velocity) = (rows.displacement[i], rows.velocity[i]);
-            // Where there is a force of the user's own, the whole of b is shown.
-            let moved = if model.force.is_some() { velocity } else { 0.0 };
-            let spring = model.total_force(time[i], rows.temperature[i], displacement, moved);
-            StateAt { time: time[i], displacement, velocity, spring }
-        };
-        let end = time.len().min(rows.displacement.len());
-        let mut next_row = 0;
-        let mut piece = DrawnPhase { slip: None, samples: Vec::new() };
-        let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
-        let mut count = EventNumbers::default();
-        for i in 0..events.time.len() {
-            // The velocity is zero at an event, so the force b is that of the spring alone.
-            let [time, displacement, spring] = [events.time[i], events.displacement[i], events.force[i]];
-            let at = StateAt { time, displacement, velocity: 0.0, spring };
-            while next_row < end && row(next_row).time < at.time {
-                piece.samples.push(row(next_row));
-                next_row += 1;
-            }
-            piece.samples.push(at);
-            let name = count.name(events.kind[i]);
-            trace.moments.push(LabelledEvent { at, name, is_turn: events.kind[i] == 2 });
-            let slip = (events.kind[i] > 0).then(|| (count.sub_phases, f64::from(events.sign[i])));
-            let before = std::mem::replace(&mut piece, DrawnPhase { slip, samples: vec![at] });
-            trace.pieces.push(before);
-        }
-        piece.samples.extend((next_row..end).map(row));
-        trace.pieces.push(piece);
-        if let Some(first) =
-            trace.pieces.iter().find_map(|piece| piece.samples.first()).filter(|first| first.time == 0.0)
-            && trace.moments.first().is_none_or(|moment| moment.at.time > 0.0)
-        {
-            trace.moments.insert(0, LabelledEvent { at: *first, name: "*τ*_{0}".to_string(), is_turn: false });
-        }
-        Some(trace)
-    }
-
-    /// Draws the pieces as curves through a point for each sample, in the order of time.
-    fn draw(&self, point: impl Fn(&StateAt) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
-        for piece in &self.pieces {
-            panel.line(piece.samples.iter().map(&point).collect(), stroke(piece, palette));
-        }
-    }
-
-    /// Marks the events at the height `level`, unless there are too many of them.
-    fn mark(&self, level: f64, palette: &Palette, panel: &mut Panel) {
-        for moment in self.moments.iter().filter(|_| self.moments.len() <= MOST_MARKED) {
-            panel.mark([moment.at.time, level], moment.mark(), palette.ink);
-        }
-    }
-
-    /// The curve of x over time.
-    pub(super) fn curve(&self) -> Vec<[f64; 2]> {
-        self.samples().map(|s| [s.time, s.displacement]).collect()
-    }
-
-    /// The times at which each stick begins and ends.
-    pub(super) fn sticks(&self) -> impl Iterator<Item = [f64; 2]> {
-        self.pieces.iter().filter(|piece| piece.slip.is_none()).map(|piece| [piece.begin(), piece.end()])
-    }
-
-    /// The time from an event to the nearest other event.
-    fn distance(&self, moment: &LabelledEvent) -> f64 {
-        let others = self.moments.iter().filter(|other| *other != moment);
-        others.map(|other| (other.at.time - moment.at.time).abs()).fold(f64::INFINITY, f64::min)
-    }
-
-    fn samples(&self) -> impl Iterator<Item = &StateAt> {
-        self.pieces.iter().flat_map(|piece| &piece.samples)
-    }
-
-    /// Which sub-phases occur in the slips of the path: the first, the second, later ones.
-    fn occurring(&self) -> [bool; 3] {
-        let largest = self.pieces.iter().filter_map(|piece| piece.slip).map(|(k, _)| k).max().unwrap_or(0);
-        [largest >= 1, largest >= 2, largest >= 3]
-    }
-
-    /// The pieces that the phase plane shows in full. With few events these are all pieces, else
-    /// the longest complete slip with the sticks before and after it.
-    fn in_full(&self) -> Range<usize> {
-        let sticks: Vec<usize> = (0..self.pieces.len()).filter(|i| self.pieces[*i].slip.is_none()).collect();
-        let slips = sticks.windows(2).map(|pair| pair[0]..pair[1] + 1);
-        let length = |slip: &Range<usize>| self.pieces[slip.end - 1].begin() - self.pieces[slip.start + 1].begin();
-        let longest = slips.max_by(|one, other| length(one).total_cmp(&length(other)));
-        longest.filter(|_| self.moments.len() > FEW).unwrap_or(0..self.pieces.len())
-    }
-}
-
 /// With more events than this, the phase plane shows the longest complete slip in full and the rest
 /// faintly.
 const FEW: usize = 8;
+/// With more events than this, velocity and forces do not share an axis.
+const MOST_SHARED: usize = 32;
 /// With more events than this, no lines lead from the events to the axis.
 const MOST_LED: usize = 70;
 /// With more events than this, no marks are drawn, because they would merge to a line.
@@ -195,31 +34,33 @@ const MOST_MARKED: usize = 150;
 const MARGIN: f64 = 0.025;
 /// Curves whose sizes differ by more than this factor do not share an axis.
 const ALIKE: f64 = 8.0;
+/// A slip shorter than this share of the axis of time has a panel with a time of its own.
+const SHORT: f64 = 0.005;
 
 fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let (scenario, number) = subject.path()?;
-    let replay = Replay::of(scenario, number);
-    let trace = PathTrace::of(&replay).filter(|_| !replay.is_lost()).ok_or(Absent::Lost(number))?;
+    let path @ DrawnPath { scenario, number, from } = subject.path()?;
+    let trace = PathTrace::of(&path)?;
     let palette = style.palette();
     let units = [Dimension::TIME, Dimension::LENGTH, Dimension::VELOCITY, Dimension::FORCE];
     let [time_unit, length_unit, velocity_unit, force_unit] = units.map(|d| d.label(&scenario.units));
     // With a load there is no level of its own.
     let friction = if scenario.model.has_load() { 0.0 } else { scenario.model.friction.static_force };
     let end = scenario.time.end;
-    let time = || Axis::linear([-MARGIN * end, (1.0 + MARGIN) * end], Label::new("time *t*"), &time_unit);
+    let margin = MARGIN * (end - from);
+    let time = || Axis::linear([from - margin, end + margin], Label::new("time *t*"), &time_unit);
 
     let displacement = over_time(&trace, palette, time(), &length_unit);
 
     let size = |values: &dyn Fn(&StateAt) -> f64| trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
     let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
     let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
-    let is_shared = is_dimensionless && (1.0 / ALIKE..ALIKE).contains(&ratio);
+    let is_shared = is_dimensionless && trace.moments.len() <= MOST_SHARED && (1.0 / ALIKE..ALIKE).contains(&ratio);
     let spring = Stroke::solid(palette.faint, THIN);
     let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
     let dry = friction_force(&trace, &scenario.model);
     let forces = |panel: &mut Panel| {
-        panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
         panel.line(dry.clone(), force.clone());
+        panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
     };
     let mut middle = Vec::new();
     if is_shared {
@@ -238,6 +79,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         forces(&mut panel);
         middle.push(panel);
     }
+    middle.extend(short_slip(&trace, palette, SHORT * (end - from), &time_unit, &velocity_unit));
     let name = match (&scenario.model.force, scenario.model.oscillator.drive) {
         (Some(_), _) => "*b*",
         (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
@@ -258,7 +100,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let words = format!("{} events, too close to be marked", grouped(trace.moments.len() as u64));
         legend.push(LegendEntry::words(Label::verbatim(&words)));
     }
-    let plane = match trace.in_full().len() < trace.pieces.len() {
+    let plane = match in_full(&trace).len() < trace.pieces.len() {
         true => plane.keyed([LegendEntry::words(Label::verbatim("the longest slip in full, the others thin"))]),
         false => plane,
     };
@@ -298,8 +140,8 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
             panel.line(vec![[t, base], [t, moment.at.displacement]], Stroke::dashed(palette.faint, THIN, &DOTS));
         }
     }
-    trace.draw(|s| [s.time, s.displacement], palette, &mut panel);
-    trace.mark(base, palette, &mut panel);
+    draw_pieces(&trace.pieces, |s| [s.time, s.displacement], palette, &mut panel);
+    mark_events(trace, base, palette, &mut panel);
     if trace.moments.len() > MOST_MARKED {
         return panel;
     }
@@ -331,8 +173,46 @@ impl LabelledEvent {
 /// The velocity, with a mark at each event.
 fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
-    trace.draw(|s| [s.time, s.velocity], palette, panel);
-    trace.mark(0.0, palette, panel);
+    draw_pieces(&trace.pieces, |s| [s.time, s.velocity], palette, panel);
+    mark_events(trace, 0.0, palette, panel);
+}
+
+/// The pieces that the phase plane shows in full. With few events these are all pieces, else the
+/// longest complete slip with the sticks before and after it.
+fn in_full(trace: &PathTrace) -> Range<usize> {
+    trace.longest_slip().filter(|_| trace.moments.len() > FEW).unwrap_or(0..trace.pieces.len())
+}
+
+/// The velocity in the longest slip over the time since it began, if slips are so short.
+fn short_slip(trace: &PathTrace, palette: &Palette, short: f64, time_unit: &str, velocity_unit: &str) -> Option<Panel> {
+    let slip = trace.longest_slip()?;
+    let slip = &trace.pieces[slip.start + 1..slip.end - 1];
+    let [begin, end] = [slip.first()?.begin(), slip.last()?.end()];
+    if !(0.0 < end - begin && end - begin < short) {
+        return None;
+    }
+    let began = trace.moments.iter().find(|moment| moment.at.time == begin)?;
+    let title = Label::new("time in the longest slip, *t* − ").and(Label::new(&began.name));
+    let time = Axis::around([0.0, end - begin], title, time_unit);
+    let seen = slip.iter().flat_map(|piece| &piece.samples).map(|s| s.velocity);
+    let mut panel = Panel::new(time, Axis::around(seen, Label::new("velocity *ẋ*"), velocity_unit), 60.0);
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+    draw_pieces(slip, |s| [s.time - begin, s.velocity], palette, &mut panel);
+    Some(panel)
+}
+
+/// Draws pieces as curves through a point for each sample, in the order of time.
+fn draw_pieces(pieces: &[DrawnPhase], point: impl Fn(&StateAt) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
+    for piece in pieces {
+        panel.line(piece.samples.iter().map(&point).collect(), stroke(piece, palette));
+    }
+}
+
+/// Marks the events at the height `level`, unless there are too many of them.
+fn mark_events(trace: &PathTrace, level: f64, palette: &Palette, panel: &mut Panel) {
+    for moment in trace.moments.iter().filter(|_| trace.moments.len() <= MOST_MARKED) {
+        panel.mark([moment.at.time, level], moment.mark(), palette.ink);
+    }
 }
 
 /// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
@@ -356,13 +236,17 @@ fn phase_plane(
     let [low, high] = range_of(trace.samples().map(|s| s.velocity));
     let room = 0.04 * (high - low);
     let x = Axis::around([low - room, high + room], Label::new("velocity *ẋ*(*t*)"), velocity_unit);
-    let seen = trace.samples().map(|s| s.spring).chain([-friction, friction]);
-    let y = Axis::around(seen, force, force_unit);
+    // A threshold of which the force stays far is left out.
+    let [least, most] = range_of(trace.samples().map(|s| s.spring));
+    let levels = [(friction, most, "*f*_{s}"), (-friction, -least, "−*f*_{s}")];
+    let levels = levels.into_iter().filter(|(_, reached, _)| friction > 0.0 && *reached > 0.5 * friction);
+    let levels: Vec<(f64, &str)> = levels.map(|(level, _, name)| (level, name)).collect();
+    let y = Axis::around(levels.iter().map(|(level, _)| *level).chain([least, most]), force, force_unit);
     let mut panel = Panel::new(x, y, 124.0);
-    for level in [-friction, friction] {
-        panel.level(level, Stroke::dashed(palette.faint, 0.5, &DASHES));
+    for (level, _) in &levels {
+        panel.level(*level, Stroke::dashed(palette.faint, 0.5, &DASHES));
     }
-    let full = trace.in_full();
+    let full = in_full(trace);
     let points = |piece: &DrawnPhase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
     let others = trace.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
     for (_, piece) in others {
@@ -376,11 +260,9 @@ fn phase_plane(
     for moment in moments() {
         panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
     }
-    for (level, name) in [(friction, "*f*_{s}"), (-friction, "−*f*_{s}")] {
-        if friction > 0.0 {
-            let places = &[Beside::AboveLeft, Beside::BelowLeft];
-            panel.note(Note { at: [f64::INFINITY, level], label: Label::new(name), places });
-        }
+    for (level, name) in levels {
+        let places = &[Beside::AboveLeft, Beside::BelowLeft];
+        panel.note(Note { at: [f64::INFINITY, level], label: Label::new(name), places });
     }
     for moment in moments() {
         panel.note(Note { at: [0.0, moment.at.spring], label: Label::new(&moment.name), places: &SIDES });
@@ -393,9 +275,9 @@ mod tests {
     use super::*;
     use crate::scenario::Scenario;
 
-    fn trace(name: &str, path: u64) -> (Scenario, PathTrace) {
+    fn trace(name: &str, number: u64) -> (Scenario, PathTrace) {
         let scenario = Scenario::shipped(name).expect("shipped");
-        let trace = PathTrace::of(&Replay::of(&scenario, path)).expect("not lost");
+        let trace = PathTrace::of(&DrawnPath { scenario: &scenario, number, from: 0.0 }).expect("not lost");
         (scenario, trace)
     }
 

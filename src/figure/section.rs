@@ -28,13 +28,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let unit = Dimension::LENGTH.label(&sweep.question.scenario.units);
     let states = || cycles.iter().flat_map(|(at, cycle)| last(cycle).iter().map(move |x| [*at, *x]));
     let mut section = Panel::new(
-        horizontal(axis),
+        horizontal(axis, style),
         Axis::around(states().map(|p| p[1]), Label::new("*x* at phase zero"), &unit),
         84.0,
     );
     states().for_each(|point| section.mark(point, Mark::Disc, palette.first));
     let [_, most] = range_of(cycles.iter().map(|(_, cycle)| cycle.amplitude));
-    let mut amplitude = Panel::new(horizontal(axis), Axis::from_zero(most, Label::new("amplitude"), &unit), 84.0);
+    let mut amplitude =
+        Panel::new(horizontal(axis, style), Axis::from_zero(most, Label::new("amplitude"), &unit), 84.0);
     let mut curve: Vec<[f64; 2]> = cycles.iter().map(|(at, cycle)| [*at, cycle.amplitude]).collect();
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     for point in &curve {

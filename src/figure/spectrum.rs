@@ -28,7 +28,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         Label::new("angular frequency *ω*"),
         &unit(-1, 0),
     );
-    let vertical = Axis::log_around([least, most], Label::new("power spectrum of *x*\u{2032}"), &unit(-1, 2));
+    let vertical = Axis::log_around([least, most], Label::new("power spectrum *S*(*ω*) of *x*\u{2032}"), &unit(-1, 2));
     let mut power = Panel::new(horizontal, vertical, 96.0);
     let curve = |values: &[f64]| -> Vec<[f64; 2]> {
         frequencies.iter().zip(values).skip(1).map(|(w, s)| [*w, *s]).filter(|point| point[1] > 0.0).collect()
@@ -37,16 +37,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     power.line(curve(&of.spectrum), solid(palette.first));
     let lags = &spectrum.lag;
     let shown = lags.len();
-    let horizontal = Axis::linear([0.0, lags[shown - 1]], Label::new("lag"), &unit(1, 0));
+    let horizontal = Axis::linear([0.0, lags[shown - 1]], Label::new("lag *s*"), &unit(1, 0));
     let seen = of.autocovariance_ends.low[..shown].iter().chain(&of.autocovariance_ends.high[..shown]).copied();
-    let title = Label::new("autocovariance of *x*\u{2032}");
+    let title = Label::new("autocovariance *C*(*s*) of *x*\u{2032}");
     let mut covariance = Panel::new(horizontal, Axis::around(seen.chain([0.0]), title, &unit(-2, 2)), 72.0);
     covariance.level(0.0, Stroke::solid(palette.faint, 0.4));
     covariance.band(band(&lags[..shown], &of.autocovariance_ends, 0), palette.narrow);
     covariance
         .line(lags.iter().zip(&of.autocovariance).take(shown).map(|(l, c)| [*l, *c]).collect(), solid(palette.first));
     let legend = [
-        LegendEntry::line(solid(palette.first), "about the mean over paths"),
+        LegendEntry::line(solid(palette.first), "of deviations from the mean of the paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
     Ok(sheet(&format!("Spectrum: {}", scenario.title), legend, [power, covariance]))

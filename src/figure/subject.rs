@@ -3,7 +3,7 @@
 use super::kit::Drawing;
 use super::sheet::Sheet;
 use super::theme::Style;
-use super::words::grouped;
+use super::words::{grouped, of_axis, of_statistic};
 use crate::bearing::calibration::Calibration;
 use crate::scenario::Scenario;
 use crate::scheme::Scheme;
@@ -11,24 +11,30 @@ use crate::stats::{Statistic, Summary};
 use crate::study::sweep::Sweep;
 use crate::study::trade::Prices;
 
+/// The path that is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnPath<'a> {
+    /// Its scenario, which ends where the drawing does.
+    pub scenario: &'a Scenario,
+    /// Its number.
+    pub number: u64,
+    /// The time at which the drawing begins.
+    pub from: f64,
+}
+
 /// What a picture shows.
 #[derive(Clone, Copy, Debug)]
 pub enum Subject<'a> {
-    /// A scenario that need not have been run: one of its paths can be drawn.
-    Scenario {
-        /// The scenario.
-        scenario: &'a Scenario,
-        /// Number of the path.
-        path: u64,
-    },
+    /// A path of a scenario that need not have been run.
+    Path(DrawnPath<'a>),
     /// A run.
     Run {
         /// The scenario that was run.
         scenario: &'a Scenario,
         /// The results of the run.
         summary: &'a Summary,
-        /// Number of the path that is drawn.
-        path: u64,
+        /// The path that is drawn.
+        path: DrawnPath<'a>,
     },
     /// A trade: what accuracy costs.
     Trade(&'a Prices),
@@ -48,38 +54,49 @@ pub enum Subject<'a> {
     },
 }
 
+/// The statistics of a sweep that are drawn if none is named.
+pub const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
+
 /// Sweeps with the names of their files, and the statistics to draw.
 type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
 
 impl<'a> Subject<'a> {
     /// A heading, and a line that says what the numbers come from.
-    pub(super) fn heading(&self) -> (String, String) {
+    pub(super) fn heading(&self, style: &Style) -> (String, String) {
         let origin = |scenario: &Scenario| format!("{}, seed {}", setting(&scenario.scheme), scenario.ensemble.seed);
         match self {
-            Subject::Scenario { scenario, path } => {
-                (scenario.title.clone(), format!("{}, path {path}", origin(scenario)))
+            Subject::Path(DrawnPath { scenario, number, .. }) => {
+                (scenario.title.clone(), format!("{}, path {number}", origin(scenario)))
             }
             Subject::Run { scenario, summary, path } => {
                 let paths = counted(summary.completed_paths);
-                (scenario.title.clone(), format!("{}, {paths}, of which path {path} is drawn", origin(scenario)))
+                let number = path.number;
+                (scenario.title.clone(), format!("{}, {paths}, of which path {number} is drawn", origin(scenario)))
             }
             Subject::Trade(prices) => {
                 let origin = format!("biases against {}, seed {}", prices.reference.replace("--", ""), prices.seed);
                 (prices.title.clone(), origin.replace("scheme ", ""))
             }
-            Subject::Sweep { sweeps, .. } => {
-                let title = sweeps.first().map_or_else(String::new, |(_, sweep)| sweep.question.scenario.title.clone());
+            Subject::Sweep { sweeps, statistics } => {
                 let all: Vec<&Scenario> = sweeps.iter().map(|(_, sweep)| &sweep.question.scenario).collect();
-                (title, origin_of_sweeps(&all))
+                let Some((_, first)) = sweeps.first() else { return Default::default() };
+                let drawn = if statistics.is_empty() { &USUAL } else { *statistics };
+                let drawn: Vec<String> =
+                    drawn.iter().map(|statistic| of_statistic(*statistic, style).words()).collect();
+                let keys: Vec<String> =
+                    first.question.design.axes().iter().map(|axis| of_axis(axis, style).words()).collect();
+                let over = if keys.is_empty() { "every key".to_string() } else { keys.join(" and ") };
+                let line = format!("{}; else as in \"{}\"", origin_of_sweeps(&all), first.question.scenario.title);
+                (format!("Sweep over {over}: {}", drawn.join(", ")), line)
             }
             Subject::Calibration { title, .. } => (title.to_string(), String::new()),
         }
     }
 
-    /// The scenario, and the number of the path that is drawn.
-    pub(super) fn path(&self) -> Result<(&'a Scenario, u64), Absent> {
+    /// The path that is drawn.
+    pub(super) fn path(&self) -> Result<DrawnPath<'a>, Absent> {
         match self {
-            Subject::Scenario { scenario, path } | Subject::Run { scenario, path, .. } => Ok((scenario, *path)),
+            Subject::Path(path) | Subject::Run { path, .. } => Ok(*path),
             _ => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
         }
     }

@@ -2,9 +2,10 @@
 //! sweep, or for each value of a second key.
 
 use super::axis::minus;
+use super::subject::USUAL;
 use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
-use super::words::{letter, symbol};
+use super::words::{letter, of_axis, of_statistic};
 use super::{
     Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
 };
@@ -14,9 +15,6 @@ use crate::study::sweep::{self, Design, Sweep};
 /// The figure.
 pub const FIGURE: Figure =
     Figure { name: "sweep", shows: "statistics as functions of a key of the scenario", draws: draw };
-
-/// The statistics that are drawn if none is named.
-pub(super) const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
 
 /// The height of a panel, which the longest title determines.
 const HEIGHT: f64 = 118.0;
@@ -38,16 +36,20 @@ struct Curve<'a> {
 }
 
 impl Curve<'_> {
-    fn estimates(&self, statistic: Statistic) -> Vec<[f64; 4]> {
+    /// The values of the key and the estimates there, in their order.
+    fn estimates(&self, statistic: Statistic) -> Vec<(f64, Estimate)> {
         let values = &self.sweep.question.design.axes()[0].values;
-        let point = |(x, p): (&f64, &usize)| {
-            let Estimate { estimate, low, high, .. } = self.sweep.points[*p].as_ref()?.estimates[statistic.index()];
-            Some([*x, estimate, low, high])
-        };
-        let mut known: Vec<[f64; 4]> = values.iter().zip(&self.points).filter_map(point).collect();
-        known.sort_by(|a, b| a[0].total_cmp(&b[0]));
+        let point =
+            |(x, p): (&f64, &usize)| Some((*x, *self.sweep.points[*p].as_ref()?.estimates.get(statistic.index())?));
+        let mut known: Vec<(f64, Estimate)> = values.iter().zip(&self.points).filter_map(point).collect();
+        known.sort_by(|a, b| a.0.total_cmp(&b.0));
         known
     }
+}
+
+/// An estimate less the bias of its step, where that is certain.
+fn without_step(e: &Estimate) -> Option<f64> {
+    e.corrected().filter(|_| e.bias.is_some_and(|bias| bias.weight() > 0.0)).map(|corrected| corrected.estimate)
 }
 
 fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
@@ -65,55 +67,73 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let curves = curves(sweeps, palette);
     let statistics = if named.is_empty() { &USUAL[..] } else { named };
-    let mut panels = Vec::new();
+    let (mut panels, mut has_corrected) = (Vec::new(), false);
     for (n, &statistic) in statistics.iter().enumerate() {
-        let drawn: Vec<Vec<[f64; 4]>> = curves.iter().map(|curve| curve.estimates(statistic)).collect();
-        let numbers = || drawn.iter().flatten().flat_map(|[_, y, low, high]| [*y, *low, *high]);
+        let drawn: Vec<Vec<(f64, Estimate)>> = curves.iter().map(|curve| curve.estimates(statistic)).collect();
+        let all = || drawn.iter().flatten().map(|(_, e)| e);
+        let numbers = || all().flat_map(|e| [e.estimate, e.low, e.high]).chain(all().filter_map(without_step));
         let [least, most] = range_of(numbers());
         if !least.is_finite() {
             return Err(Absent::Nothing("the statistic exists at no point"));
         }
         let unit = statistic.dimension().label(&first.question.scenario.units);
-        let title = Label::new(statistic.words());
-        let positive = range_of(drawn.iter().flatten().map(|p| p[1]).filter(|y| *y > 0.0));
+        let title = of_statistic(statistic, style);
+        let positive = range_of(numbers().filter(|y| *y > 0.0));
         let vertical = match style.log && positive[0].is_finite() {
             true => Axis::log_around(positive, title, &unit),
             false if least >= 0.0 => Axis::from_zero(most, title, &unit),
             false => Axis::around(numbers(), title, &unit),
         };
-        let mut panel = Panel::new(horizontal(axis), vertical, HEIGHT);
+        let mut panel = Panel::new(horizontal(axis, style), vertical, HEIGHT);
         for (curve, points) in curves.iter().zip(&drawn) {
             let colour = curve.stroke.colour;
-            panel.line(points.iter().map(|p| [p[0], p[1]]).collect(), curve.stroke.clone());
-            for [x, y, low, high] in points {
-                panel.interval(*x, [*low, *high], colour);
+            panel.line(points.iter().map(|(x, e)| [*x, e.estimate]).collect(), curve.stroke.clone());
+            for (x, e) in points {
+                panel.interval(*x, [e.low, e.high], colour);
+                if let Some(y) = without_step(e) {
+                    panel.mark([*x, y], Mark::Circle, colour);
+                    has_corrected = true;
+                }
                 if points.len() <= MOST_MARKS {
-                    panel.mark([*x, *y], curve.mark, colour);
+                    panel.mark([*x, e.estimate], curve.mark, colour);
                 }
             }
         }
         panels.push(if n + 1 < statistics.len() { panel.above_another() } else { panel });
     }
-    let legend: Vec<LegendEntry> = (curves.iter())
+    let mut legend: Vec<LegendEntry> = (curves.iter())
         .map(|curve| LegendEntry {
             label: curve.label.clone(),
             mark: Some((curve.mark, curve.stroke.colour)),
             ..LegendEntry::line(curve.stroke.clone(), "")
         })
         .collect();
+    if has_corrected {
+        legend.push(LegendEntry::mark(Mark::Circle, palette.ink, "less the bias of the step"));
+    } else if sweeps.iter().any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some()) {
+        legend.push(LegendEntry::words(Label::verbatim("where there is a step, with its bias")));
+    }
     Ok(sheet(&format!("Sweep: {}", first.question.scenario.title), legend, panels))
 }
 
+/// The space at both ends of the horizontal axis, as a share of it, for the bars of the outermost
+/// points.
+const MARGIN: f64 = 0.02;
+
 /// The horizontal axis. It is logarithmic if the values are evenly spaced in their logarithms.
-pub(super) fn horizontal(axis: &sweep::SweepAxis) -> Axis {
+pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
     let values = &axis.values;
-    let title = symbol(&axis.name, &axis.key);
+    let title = of_axis(axis, style);
     let [low, high] = range_of(values.iter().copied());
     let is_even = |pair: [f64; 2]| (pair[0] - pair[1]).abs() < 1e-6 * pair[0].abs();
     let is_log = low > 0.0
         && values.windows(3).all(|v| is_even([v[1] / v[0], v[2] / v[1]]))
         && values.windows(3).any(|v| !is_even([v[1] - v[0], v[2] - v[1]]));
-    if is_log { Axis::log([low, high], title, "") } else { Axis::linear([low, high], title, "") }
+    let room = MARGIN * if is_log { (high / low).ln() } else { high - low };
+    match is_log {
+        true => Axis::log([low / room.exp(), high * room.exp()], title, ""),
+        false => Axis::linear([low - room, high + room], title, ""),
+    }
 }
 
 fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve<'a>> {

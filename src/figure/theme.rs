@@ -4,13 +4,17 @@ use super::kit::Colour;
 
 /// The part of the look that a user chooses.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Style {
+pub struct Style<'a> {
     /// Light or dark.
     pub theme: Theme,
     /// Width of one figure in millimetres.
     pub width: f64,
     /// Whether vertical axes are logarithmic where the values allow it.
     pub log: bool,
+    /// The heading of a page; none for that of its subject.
+    pub title: Option<&'a str>,
+    /// Words for keys and statistics at the axes, in the place of those that they have.
+    pub labels: &'a [(String, String)],
 }
 
 /// Light or dark.
@@ -25,13 +29,18 @@ pub enum Theme {
 /// One column of a journal, in millimetres.
 pub const COLUMN: f64 = 86.0;
 
-impl Default for Style {
+impl Default for Style<'_> {
     fn default() -> Self {
-        Style { theme: Theme::Light, width: COLUMN, log: false }
+        Style { theme: Theme::Light, width: COLUMN, log: false, title: None, labels: &[] }
     }
 }
 
-impl Style {
+impl Style<'_> {
+    /// The words that the user gave to one of these names.
+    pub(super) fn words(&self, names: &[&str]) -> Option<&str> {
+        self.labels.iter().find(|(name, _)| names.contains(&name.as_str())).map(|(_, words)| words.as_str())
+    }
+
     /// Width of one figure in points of 1/72 inch.
     pub fn points(&self) -> f64 {
         self.width * 72.0 / 25.4

@@ -1,9 +1,9 @@
 //! The effect of each key on a statistic: elasticities as bars with their intervals, the largest at
 //! the top.
 
-use super::sweep::USUAL;
+use super::subject::USUAL;
 use super::theme::THIN;
-use super::words::letter_of_key;
+use super::words::{of_key, of_statistic};
 use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::study::sweep::Design;
 
@@ -37,7 +37,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         bars.sort_by(|a, b| a.1.estimate.abs().total_cmp(&b.1.estimate.abs()));
         let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
         let across = Axis::around(ends.chain([0.0]), Label::new("elasticity"), "");
-        let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, letter_of_key(&keys[*key].0)));
+        let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, of_key(&keys[*key].0, style)));
         let [bottom, top] = [-0.6, bars.len() as f64 - 0.4];
         let upwards = Axis::named([bottom, top], places.collect());
         let mut panel = Panel::new(across, upwards, BAR * bars.len() as f64);
@@ -47,7 +47,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             panel.interval_across(at, [m.low, m.high], palette.ink);
         }
         panel.line(vec![[0.0, bottom], [0.0, top]], Stroke::solid(palette.faint, THIN));
-        panels.push(panel.keyed([LegendEntry::words(Label::verbatim(statistic.words()))]));
+        panels.push(panel.keyed([LegendEntry::words(of_statistic(statistic, style))]));
     }
     let legend = [LegendEntry::area(palette.narrow, "elasticity of a statistic, with its 95 % interval")];
     Ok(sheet(&format!("Elasticities: {}", sweep.question.scenario.title), legend, panels))

@@ -1,16 +1,20 @@
 //! The names of keys and numbers at an axis.
 
+use super::Style;
 use super::kit::Label;
 use crate::numbers;
+use crate::stats::Statistic;
+use crate::study::sweep::SweepAxis;
 
-/// The Greek letters among the symbols of the paper.
-const GREEK: [(&str, &str); 7] =
-    [("alpha", "α"), ("beta", "β"), ("phi", "φ"), ("rho", "ρ"), ("sigma", "σ"), ("tau", "τ"), ("theta", "θ")];
+/// The names of Greek letters that people give to quantities, each before its letter.
+const GREEK: &str =
+    "alpha α beta β gamma γ delta δ epsilon ε zeta ζ kappa κ lambda λ mu μ omega ω phi φ rho ρ sigma σ tau τ theta θ";
 
 /// A symbol as it is printed: rho becomes its Greek letter, f_s and x0 get an index, and anything
 /// else stays as it is.
 pub fn letter(name: &str) -> Label {
-    if let Some((_, letter)) = GREEK.iter().find(|(word, _)| *word == name) {
+    let mut greek = GREEK.split(' ').skip_while(|word| *word != name).skip(1);
+    if let Some(letter) = greek.next().filter(|_| name.is_ascii()) {
         return Label::new(&format!("*{letter}*"));
     }
     let mut letters = name.chars();
@@ -39,14 +43,27 @@ fn key_words(key: &str) -> String {
     }
 }
 
-/// The label of a dotted key.
-pub fn letter_of_key(key: &str) -> Label {
-    Label::verbatim(&key_words(key))
+/// A statistic in words.
+pub fn of_statistic(statistic: Statistic, style: &Style) -> Label {
+    Label::verbatim(style.words(&[statistic.name()]).unwrap_or(statistic.words()))
 }
 
-/// The label of a key with its symbol, e.g. "intensity of the noise ρ".
-pub fn symbol(name: &str, key: &str) -> Label {
-    Label::verbatim(&format!("{} ", key_words(key))).and(letter(name))
+/// A dotted key in words.
+pub fn of_key(key: &str, style: &Style) -> Label {
+    style.words(&[key]).map_or_else(|| Label::verbatim(&key_words(key)), Label::verbatim)
+}
+
+/// The key of an axis in words with its symbol, e.g. "intensity of the noise ρ".
+pub fn of_axis(axis: &SweepAxis, style: &Style) -> Label {
+    let SweepAxis { name, key, .. } = axis;
+    if let Some(words) = style.words(&[name, key]) {
+        return Label::verbatim(words);
+    }
+    let words = key_words(key);
+    match *name == words || *name == key.replace('.', "_") {
+        true => letter(&words),
+        false => Label::verbatim(&format!("{words} ")).and(letter(name)),
+    }
 }
 
 /// A whole number in groups of three digits, which a line break does not separate.

@@ -34,7 +34,7 @@ fn a_run_prints_a_table_and_leaves_a_file_of_the_scenarios_name() {
     let output = mc(&here, &["run", RHO025, "--paths", "300"]);
     assert!(output.status.success(), "{}", text(&output.stderr));
     let table = text(&output.stdout);
-    for expected in ["stick_duration_mean", "95 % from", "300 of 300 completed", "a path-step", "rho025.h5"] {
+    for expected in ["stick_duration_mean", "95 % from", "300 of 300 completed in", "rho025.h5"] {
         assert!(table.contains(expected), "{expected} in\n{table}");
     }
     let stored = store::read(&here.path().join("rho025.h5")).expect("readable");
@@ -45,7 +45,10 @@ fn a_run_prints_a_table_and_leaves_a_file_of_the_scenarios_name() {
     for line in table.lines().filter(|line| line.contains("_mean") || line.contains("_sd")) {
         assert!(shown.contains(line), "{line} in\n{shown}");
     }
-    assert!(shown.contains("xoshiro256+") && shown.contains("[oscillator]"), "provenance in\n{shown}");
+    let all = text(&mc(&here, &["show", "rho025.h5", "--all", "--notes"]).stdout);
+    for expected in ["xoshiro256+", "[oscillator]", "still running", "friction_work_mean"] {
+        assert!(all.contains(expected) && !shown.contains(expected), "{expected} in\n{all}");
+    }
 
     let again = mc(&here, &["run", RHO025, "--paths", "300"]);
     assert_eq!(again.status.code(), Some(2));
@@ -109,12 +112,12 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     // The warning with the measured bias replaces the estimate before the run.
     let (out, err) = (text(&reported.stdout), text(&reported.stderr));
     assert!(out.contains("corrected") && out.contains("of the step"), "{out}");
-    assert!(out.contains("beyond the intervals of") && !err.contains("as a guide"), "{out}{err}");
+    assert!(out.contains("of the step exceeds") && !err.contains("as a guide"), "{out}{err}");
     // Without a table, it is a warning.
     let quiet = run(&["--paths", "10000", "--quiet"]);
-    assert!(text(&quiet.stderr).contains("warning: bias of the step: beyond the intervals of"));
+    assert!(text(&quiet.stderr).contains("warning: bias of the step exceeds"));
     let shown = mc(&here, &["show", "rho025.h5"]);
-    assert!(text(&shown.stdout).contains("beyond the intervals of"));
+    assert!(text(&shown.stdout).contains("of the step exceeds"));
     assert_eq!(text(&shown.stdout).lines().nth(3), out.lines().nth(3), "the same headings");
     let few = run(&["--paths", "300"]);
     assert!(text(&few.stdout).contains("not estimated: at least 768 paths are needed"), "{}", text(&few.stdout));

@@ -14,11 +14,11 @@ pub mod page;
 use super::document::JsonWarning;
 use super::failure::{Failure, note, writable};
 use super::files;
-use super::report::{self, RunInfo};
+use super::report::{self, Chosen, RunInfo};
 use super::{results, sweep_report, trade_report};
 use page::{Page, Section};
 use std::path::PathBuf;
-use stick_slip::figure::{FIGURES, Style, Subject, escaped};
+use stick_slip::figure::{DrawnPath, FIGURES, Style, Subject, escaped};
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, Content, Stored, StoredSweep, StoredTrade};
 
@@ -57,8 +57,12 @@ impl Arguments {
         let Stored { summary, header, .. } = stored;
         let scenario = results::scenario("scenario", stored, &[]).ok();
         let info = super::show::info(&self.file, stored, scenario.as_ref());
-        let subject = scenario.as_ref().map(|scenario| Subject::Run { scenario, summary, path: 0 });
-        let statistics = report::all_rows(summary, &header.units);
+        let subject = scenario.as_ref().map(|scenario| Subject::Run {
+            scenario,
+            summary,
+            path: DrawnPath { scenario, number: 0, from: 0.0 },
+        });
+        let statistics = report::rows(summary, &header.units, Chosen::All, info.period);
         let numbers = format!(
             "The single path is the one with number 0. `mc show {} --format csv` prints the statistics with all digits, and the \
              curves are variables of the file.",
@@ -69,7 +73,7 @@ impl Arguments {
         let cite = Section::Words("How to cite", report::citation(stored).join(" "));
         let page = Page {
             title: &header.title,
-            about: report::table(summary, &info).lines().nth(1).unwrap_or_default().to_string(),
+            about: report::table(summary, &info, Chosen::First, false).lines().nth(1).unwrap_or_default().to_string(),
             warnings: results::warnings(summary, scenario.as_ref()),
             parts: before.into_iter().chain(subject.iter().flat_map(pictures)).chain([cite]).collect(),
             scenario: &header.scenario_text,
@@ -83,13 +87,14 @@ impl Arguments {
         let sweep = super::sweep::stored(&self.file, stored)?;
         let sweeps = [(String::new(), &sweep)];
         let subject = Subject::Sweep { sweeps: &sweeps, statistics: &[] };
-        let table = sweep_report::table(&sweep, &[], &self.file);
-        let (title, rest) = table.split_once('\n').unwrap_or(("", &table));
-        let (about, rest) = rest.split_once('\n').unwrap_or(("", rest));
-        let parts = std::iter::once(Section::Lines("Results", in_words(rest.trim())));
+        let parts = sweep_report::usual(&sweep).into_iter().map(|(statistic, mut rows)| {
+            let more = format!("`mc show {} --format csv` prints all points and statistics.", self.file.display());
+            rows.truncate(1 + sweep_report::MOST_ROWS);
+            Section::Table(statistic.words(), rows, more)
+        });
         let page = Page {
-            title,
-            about: about.to_string(),
+            title: &sweep.question.scenario.title,
+            about: sweep_report::table(&sweep, &[], &self.file).lines().nth(1).unwrap_or_default().to_string(),
             warnings: sweep_report::remarks(&sweep)
                 .into_iter()
                 .map(|text| JsonWarning { name: "sweep".into(), text })
@@ -203,7 +208,7 @@ fn provenance(stored: &Stored, info: &RunInfo) -> Vec<(&'static str, String)> {
         ("noise", format!("{}, seed {}", header.generator, header.seed)),
         ("blocks", format!("of {} paths", header.block_size)),
     ];
-    let remarks = report::remarks(&stored.summary, info);
+    let remarks = report::remarks(&stored.summary, info, true);
     let remarks = remarks.into_iter().filter(|(term, _)| *term != "file").map(|(term, text)| (term.trim(), text));
     own.into_iter().chain(remarks).collect()
 }

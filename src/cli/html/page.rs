@@ -17,7 +17,7 @@ pub enum Section {
     Lines(&'static str, String),
     /// A heading, and a sentence.
     Words(&'static str, String),
-    /// A picture.
+    /// A picture; dark screens invert it.
     Picture(Drawing),
 }
 
@@ -34,7 +34,15 @@ pub struct Page<'a> {
 impl Page<'_> {
     /// The page as HTML.
     pub fn html(&self) -> String {
-        let parts: String = self.parts.iter().map(Section::html).collect();
+        // Pictures next to each other fill columns, whatever their heights.
+        let is_picture = |part: &Section| matches!(part, Section::Picture(_));
+        let together = self.parts.chunk_by(|one, other| is_picture(one) && is_picture(other));
+        let parts: String = together
+            .map(|parts| {
+                let html: String = parts.iter().map(Section::html).collect();
+                if is_picture(&parts[0]) { format!("<div class=\"pictures\">{html}</div>\n") } else { html }
+            })
+            .collect();
         filled(
             PAGE,
             &[

@@ -26,7 +26,7 @@ const NORMAL_REACH: f64 = 1.96;
 
 /// [`beyond_intervals`] as a warning.
 pub fn dominating_bias(summary: &Summary) -> Option<String> {
-    beyond_intervals(summary).map(|words| format!("bias of the step: {words}"))
+    beyond_intervals(summary).map(|words| format!("bias {words}"))
 }
 
 /// Says in how many statistics the bias of the step is certain and larger than the statistical
@@ -35,7 +35,7 @@ pub(super) fn beyond_intervals(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     (!dominated.is_empty()).then(|| {
         format!(
-            "beyond the intervals of {} of {} statistics; `event-driven` has none",
+            "of the step exceeds {} of {} intervals; `event-driven` has none",
             dominated.len(),
             summary.asked.len(),
         )
@@ -60,6 +60,6 @@ mod tests {
         summary.estimates[0].bias = bias(0.0955, 0.0311);
         summary.estimates[1].bias = bias(0.5, 0.1);
         let line = dominating_bias(&summary).expect("two are dominated");
-        assert!(line.contains("of 2 of 21"), "{line}");
+        assert!(line.contains("exceeds 2 of 21 intervals"), "{line}");
     }
 }

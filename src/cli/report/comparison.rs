@@ -1,6 +1,6 @@
 //! Several files as one table: the statistics of each, and their differences from the first file.
 
-use super::RunInfo;
+use super::{Chosen, RunInfo};
 use crate::cli::numbers::{counted, with_error, wrapped};
 use crate::cli::table::{TableRow, aligned};
 use std::fmt::Write as _;
@@ -12,7 +12,7 @@ const INTERVAL: f64 = 1.96;
 
 /// The table for people. Differences are taken from the first file, and their errors are those of
 /// independent runs.
-pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
+pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> String {
     let mut text = String::new();
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
     for (letter, info) in letters.iter().zip(infos) {
@@ -21,13 +21,13 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo]) -> String {
         let paths = counted(*paths, "path");
         let _ = writeln!(text, "{letter:<3}{}: {scheme}{step}, seed {seed}, {paths}", info.file);
     }
-    let _ = writeln!(text, "\n{}", aligned(&compared(summaries), "  "));
+    let _ = writeln!(text, "\n{}", aligned(&compared(summaries, chosen), "  "));
     text.push_str(&wrapped(&legend(infos, &letters), ""));
     text
 }
 
 /// The rows of the table, headings first. The files have the letters a, b, c, ...
-pub fn compared(summaries: &[&Summary]) -> Vec<TableRow> {
+pub fn compared(summaries: &[&Summary], chosen: Chosen) -> Vec<TableRow> {
     let letters: Vec<String> = (0..summaries.len()).map(letter).collect();
     let mut headings = vec![letters[0].clone(), "std. error".to_string()];
     for letter in &letters[1..] {
@@ -35,9 +35,13 @@ pub fn compared(summaries: &[&Summary]) -> Vec<TableRow> {
         headings.extend([letter, "std. error", &difference, "std. error", ""].map(String::from));
     }
     let mut rows = vec![TableRow::labelled("statistic", headings)];
-    let asked =
-        |statistic: &Statistic| summaries.iter().any(|summary| summary.reported().any(|e| e.statistic == *statistic));
-    for statistic in Statistic::ALL.into_iter().filter(asked) {
+    let mut asked: Vec<Statistic> = Vec::new();
+    for statistic in summaries.iter().flat_map(|summary| chosen.of(summary)) {
+        if !asked.contains(statistic) {
+            asked.push(*statistic);
+        }
+    }
+    for statistic in asked {
         let first = summaries[0].estimate(statistic);
         let mut cells = with_error(first.estimate, first.standard_error).to_vec();
         for summary in &summaries[1..] {
@@ -101,7 +105,7 @@ mod tests {
         set(&mut b, Statistic::JumpMean, f64::NAN);
         let provenance = Provenance { seed: 2, ..info().provenance };
         let other = RunInfo { provenance, ..info() };
-        let table = comparison(&[&a, &b, &a], &[info(), other, info()]);
+        let table = comparison(&[&a, &b, &a], &[info(), other, info()], Chosen::All);
         let cells: Vec<&str> = row(&table, "sub_phases_mean").split_whitespace().skip(1).collect();
         assert_eq!(
             cells,

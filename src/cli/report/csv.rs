@@ -3,7 +3,7 @@
 
 use crate::cli::table::quoted;
 use stick_slip::scenario::Units;
-use stick_slip::stats::Estimate;
+use stick_slip::stats::{Estimate, Statistic};
 use stick_slip::study::sweep::Sweep;
 
 /// The columns with the numbers of a statistic.
@@ -20,8 +20,9 @@ const NUMBERS: [&str; 9] = [
 ];
 
 /// A table to which files are added one by one.
-#[derive(Default)]
 pub struct Csv {
+    /// The statistics that it has; all if none is named.
+    named: Vec<Statistic>,
     /// The keys of the scenario in which points of sweeps differ, in the order in which they first
     /// appeared.
     keys: Vec<String>,
@@ -38,6 +39,11 @@ struct CsvLine {
 }
 
 impl Csv {
+    /// A table of these statistics, or of all if none is named.
+    pub fn of(named: &[Statistic]) -> Self {
+        Csv { named: named.to_vec(), keys: Vec::new(), lines: Vec::new() }
+    }
+
     /// Adds the statistics of one file, or of one point of a sweep, where `at` holds the keys that
     /// are set at that point.
     pub fn add(&mut self, file: &str, at: &[(String, f64)], estimates: impl Iterator<Item = Estimate>, units: &Units) {
@@ -46,7 +52,8 @@ impl Csv {
                 self.keys.push(key.clone());
             }
         }
-        self.lines.extend(estimates.map(|e| CsvLine {
+        let named = estimates.filter(|e| self.named.is_empty() || self.named.contains(&e.statistic));
+        self.lines.extend(named.map(|e| CsvLine {
             file: file.to_string(),
             at: at.to_vec(),
             statistic: e.statistic.name(),
@@ -105,7 +112,7 @@ fn line(cells: impl Iterator<Item = String>) -> String {
 mod tests {
     use super::super::sample::{info, set, summary};
     use super::*;
-    use stick_slip::stats::{Bias, Statistic};
+    use stick_slip::stats::Bias;
 
     #[test]
     fn a_line_has_every_digit_and_a_file_of_any_name() {
@@ -114,7 +121,7 @@ mod tests {
         summary.estimates[0].estimate = 0.1 + 0.2;
         summary.estimates[0].bias = Some(Bias { estimate: 0.05, uncertainty: 0.01, order: None });
         summary.estimates[1].high = f64::INFINITY;
-        let mut csv = Csv::default();
+        let mut csv = Csv::of(&[]);
         csv.add("a, \"b\".h5", &[], summary.reported().copied(), &info().provenance.units);
         csv.add(
             "point.h5",

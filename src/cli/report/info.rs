@@ -1,6 +1,7 @@
 //! Everything a report says about a run besides its statistics, and the speeds that follow from it.
 
 use stick_slip::engine::{Part, Provenance, Status};
+use stick_slip::scenario::Period;
 
 /// Everything a report says about a run besides its statistics.
 #[derive(Clone, Debug)]
@@ -19,6 +20,8 @@ pub struct RunInfo {
     pub bias_seconds: Option<f64>,
     /// Why the bias is not known; none if nobody asked for it.
     pub no_bias: Option<String>,
+    /// The period at whose ends x is compared, if the scenario is known.
+    pub period: Option<Period>,
     /// The number of steps of one path, for time-stepping schemes.
     pub steps_per_path: Option<u64>,
     /// The file that holds the results.

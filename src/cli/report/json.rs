@@ -97,8 +97,8 @@ fn corrected_estimate(e: &Estimate) -> Value {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample::table;
     use super::super::sample::{info, set, summary};
-    use super::super::table;
     use super::*;
     use stick_slip::engine::Status;
     use stick_slip::stats::Bias;

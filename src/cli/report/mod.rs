@@ -29,7 +29,7 @@ pub use csv::Csv;
 pub use info::RunInfo;
 pub use json::json;
 pub use remarks::{lost, remarks, too_few, unsettled};
-pub use statistics::{all_rows, rows};
+pub use statistics::{Chosen, rows};
 
 use super::numbers::{counted, fitted};
 use statistics::statistics;
@@ -37,17 +37,17 @@ use std::fmt::Write as _;
 use stick_slip::engine::{Provenance, Status};
 use stick_slip::stats::Summary;
 
-/// The table for people.
-pub fn table(summary: &Summary, info: &RunInfo) -> String {
+/// The table for people: of these statistics, with all remarks or with what nobody must miss.
+pub fn table(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -> String {
     let mut text = String::new();
     let Provenance { title, scheme, step, seed, paths, antithetic, units, .. } = &info.provenance;
     let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
     let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { *paths }, "path");
     let pairs = if *antithetic { " in antithetic pairs" } else { "" };
     let _ = writeln!(text, "{title}\n{scheme}{step}, seed {seed}, {paths}{pairs}\n");
-    text.push_str(&statistics(summary, units));
+    text.push_str(&statistics(summary, units, chosen, info.period));
     text.push('\n');
-    for (label, line) in remarks(summary, info) {
+    for (label, line) in remarks(summary, info, has_notes) {
         text.push_str(&fitted(&format!("{label:<8}{line}"), "        "));
     }
     text

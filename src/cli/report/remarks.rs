@@ -2,33 +2,34 @@
 
 use super::RunInfo;
 use super::bias::beyond_intervals;
-use super::statistics::absent;
-use crate::cli::numbers::{Digits, counted, duration, grouped, significant};
+use crate::cli::numbers::{Digits, counted, duration, grouped, significant, some_of};
 use std::fmt::Write as _;
 use stick_slip::engine::Status;
-use stick_slip::scheme::Timeline;
 use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient};
 
-/// Everything below the table, as labels and lines.
-pub fn remarks(summary: &Summary, info: &RunInfo) -> Vec<(&'static str, String)> {
-    let mut remarks: Vec<(&str, String)> = absent(summary).map(|line| ("none", line)).into_iter().collect();
-    remarks.push(("sticks", sticks(summary)));
-    remarks.extend(multiples(summary).map(|line| ("", line)));
-    remarks.push(("slips", slips(summary)));
-    remarks.extend(long_slips(summary).map(|line| ("", line)));
-    remarks.extend(summary.cycle.as_ref().map(|cycle| ("cycle", of_cycle(cycle, info))));
-    remarks.extend(spectrum(summary).map(|line| ("", line)));
-    remarks.extend(start(summary, info).map(|line| ("start", line)));
-    remarks.extend(few_periods(summary).map(|line| ("drift", line)));
-    remarks.extend(unsettled(summary).map(|line| ("drift", line)));
-    remarks.extend(bias(summary, info).map(|line| ("bias", line)));
-    remarks.extend(without_bias(summary).map(|line| ("", line)));
-    remarks.extend(too_few(summary).map(|line| ("few", line)));
-    remarks.push(("paths", paths(summary, info)));
-    remarks.extend(lost(summary, info).map(|line| (info.loss(), format!(" {line}"))));
-    remarks.extend(time(summary, info).map(|line| ("time", line)));
-    remarks.push(("file", info.file.clone()));
-    remarks
+/// What stands below the table, as labels and lines: everything, or what nobody must miss and where
+/// the rest is.
+pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static str, String)> {
+    let rest = |line: Option<String>| line.filter(|_| all);
+    let file = if all { info.file.clone() } else { format!("{0}; for more, `mc show {0} --all --notes`", info.file) };
+    let lines = [
+        ("sticks", rest(Some(sticks(summary)))),
+        ("", rest(multiples(summary))),
+        ("slips", rest(Some(slips(summary)))),
+        ("", rest(long_slips(summary))),
+        ("cycle", summary.cycle.as_ref().map(|cycle| of_cycle(cycle, info))),
+        ("", rest(spectrum(summary))),
+        ("start", rest(start(summary, info))),
+        ("drift", unsettled(summary)),
+        ("bias", bias(summary, info, all)),
+        ("", rest(without_bias(summary))),
+        ("few", too_few(summary)),
+        ("paths", Some(paths(summary, info))),
+        (info.loss(), lost(summary, info).map(|line| format!(" {line}"))),
+        ("time", rest(time(summary, info))),
+        ("file", Some(file)),
+    ];
+    lines.into_iter().filter_map(|(label, line)| Some((label, line?))).collect()
 }
 
 fn sticks(summary: &Summary) -> String {
@@ -135,19 +136,6 @@ fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     ))
 }
 
-/// Says that the drift is estimated from too few periods, where it is.
-fn few_periods(summary: &Summary) -> Option<String> {
-    let periods = summary.counted_periods();
-    let is_few = (1..Timeline::FEWEST_PERIODS).contains(&periods);
-    let plural = if periods == 1 { "" } else { "s" };
-    is_few.then(|| {
-        format!(
-            "of {periods} whole period{plural}; below {} it may be a transient (`mc check` says more)",
-            Timeline::FEWEST_PERIODS
-        )
-    })
-}
-
 /// Says that the motion has not settled, so that the drift is a remainder of the start, where it
 /// is.
 pub fn unsettled(summary: &Summary) -> Option<String> {
@@ -167,11 +155,12 @@ pub fn unsettled(summary: &Summary) -> Option<String> {
     })
 }
 
-/// Says what the columns of the bias mean, or why there are none.
-fn bias(summary: &Summary, info: &RunInfo) -> Option<String> {
+/// Says how large the bias is and what its columns mean, or why there are none.
+fn bias(summary: &Summary, info: &RunInfo, all: bool) -> Option<String> {
     if summary.has_bias() {
-        let meaning = "of the step, +- at 95 %; `corrected` subtracts it where it exceeds +-";
-        return Some(beyond_intervals(summary).map_or(meaning.into(), |words| format!("{meaning}; {words}")));
+        let meaning = "+- at 95 %; `corrected` subtracts it where it exceeds +-";
+        let words = beyond_intervals(summary).unwrap_or("of the step".into());
+        return Some(if all { format!("{words}; {meaning}") } else { words });
     }
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
 }
@@ -193,7 +182,7 @@ pub fn too_few(summary: &Summary) -> Option<String> {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
     let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
     (!names.is_empty())
-        .then(|| format!("too few of the paths have any sticks or slips to bound {}; run more paths", names.join(", ")))
+        .then(|| format!("too few of the paths have any sticks or slips to bound {}; run more paths", some_of(&names)))
 }
 
 /// The number of paths, and how the run ended.
@@ -203,7 +192,9 @@ fn paths(summary: &Summary, info: &RunInfo) -> String {
     let done = if summary.diverged.is_empty() { "completed" } else { "simulated" };
     let of_all = format!("{completed} of {} {done}", grouped(info.provenance.paths));
     match info.status {
-        Status::Complete => of_all,
+        Status::Complete => {
+            of_all + &info.seconds.map_or_else(String::new, |seconds| format!(" in {}", duration(seconds)))
+        }
         Status::Ended => format!("{completed} {done}; ended by {}", info.ended_by.as_deref().unwrap_or("request")),
         Status::Part => {
             format!("{of_all}: part {} of the run", info.part.map_or_else(String::new, |part| part.to_string()))
@@ -226,7 +217,7 @@ fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
         let _ = write!(line, ", {} ns a path-step", significant(ns, 3));
     }
     if let Some(seconds) = info.bias_seconds.filter(|_| summary.has_bias()) {
-        let _ = write!(line, ", bias {} s", significant(seconds, 2));
+        let _ = write!(line, ", of which bias {} s", significant(seconds, 2));
     }
     Some(line)
 }
@@ -250,8 +241,8 @@ pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::sample::table;
     use super::super::sample::{info, info_in, set, summary};
-    use super::super::table;
     use super::*;
     use stick_slip::engine::Provenance;
     use stick_slip::scenario::Units;
@@ -265,6 +256,8 @@ mod tests {
 
     #[test]
     fn the_table_says_how_long_and_where() {
+        let short = remarks(&summary(), &info(), false);
+        assert_eq!(short.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["drift", "paths", "file"]);
         let table = table(&summary(), &info());
         assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running (censored)"), "{table}");
@@ -338,12 +331,10 @@ mod tests {
     }
 
     #[test]
-    fn a_drift_from_few_periods_or_of_a_motion_that_has_not_settled_is_said_to_be_one() {
+    fn a_drift_of_a_motion_that_has_not_settled_is_said_to_be_one() {
         let mut summary = summary();
         let reported = |summary: &Summary| unbroken(&table(summary, &info()));
-        assert!(reported(&summary).contains("of 1 whole period; below 3 it may be a transient"));
         summary.periods.time = vec![25.1, 50.3, 75.4, 100.5];
-        assert!(!reported(&summary).contains("whole period"));
         // Both estimates are 1 +- 0.01.
         let line = "drift   x has not settled: drift_velocity (0 in the long run) and diffusion_coefficient (0 in the long run) differ";
         assert!(reported(&summary).contains(&unbroken(line)), "{}", reported(&summary));
@@ -360,10 +351,6 @@ mod tests {
         );
         put(&mut summary, Statistic::DriftVelocity, 0.028);
         assert!(!reported(&summary).contains("settled"), "{}", reported(&summary));
-        // The end of the burn-in leaves two periods of four.
-        let displacement = Measurement { estimate: 0.0, standard_error: 0.0, low: 0.0, high: 0.0 };
-        summary.transient = Some(Transient { end: 50.3, sticks: 0, slips: 0, displacement });
-        assert!(reported(&summary).contains("of 2 whole periods; below 3"), "{}", reported(&summary));
     }
 
     #[test]
@@ -375,9 +362,9 @@ mod tests {
         assert!(table.contains("4720, ...") && !table.contains("4721"), "{table}");
         summary.diverged = (0..10_000).collect();
         set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
-        assert!(super::super::table(&summary, &info()).contains("every path diverged"));
+        assert!(super::super::sample::table(&summary, &info()).contains("every path diverged"));
         let without_step = RunInfo { provenance: Provenance { step: None, ..info().provenance }, ..info() };
-        let table = super::super::table(&summary, &without_step);
+        let table = super::super::sample::table(&summary, &without_step);
         assert!(
             table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),
             "{table}"

@@ -1,6 +1,6 @@
 //! A made-up run for the tests of the report.
 
-use super::RunInfo;
+use super::{Chosen, RunInfo};
 use ndarray::Array2;
 use stick_slip::engine::{Provenance, Status};
 use stick_slip::scenario::{Scenario, Units};
@@ -94,6 +94,7 @@ pub fn info() -> RunInfo {
         seconds: Some(0.6),
         bias_seconds: Some(0.0),
         no_bias: None,
+        period: None,
         steps_per_path: Some(6_000),
         file: "rho025.h5".into(),
         status: Status::Complete,
@@ -104,6 +105,11 @@ pub fn info() -> RunInfo {
 /// The same run with other units.
 pub fn info_in(units: Units) -> RunInfo {
     RunInfo { provenance: Provenance { units, ..info().provenance }, ..info() }
+}
+
+/// The table with everything in it.
+pub fn table(summary: &Summary, info: &RunInfo) -> String {
+    super::table(summary, info, Chosen::All, true)
 }
 
 pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {

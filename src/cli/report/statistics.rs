@@ -1,26 +1,58 @@
 //! The table of statistics: a row for each, with its interval, its bias and its unit.
 
 use super::bias::{bias_cells, corrected_cell};
-use crate::cli::numbers::{Digits, wrapped};
+use crate::cli::numbers::{Digits, significant, wrapped};
 use crate::cli::table::{TableRow, aligned};
 use crate::cli::terminal::columns;
-use stick_slip::scenario::Units;
-use stick_slip::stats::{Estimate, Summary};
+use stick_slip::scenario::{Period, PeriodSource, Units};
+use stick_slip::scheme::Timeline;
+use stick_slip::stats::{Estimate, Statistic, Summary};
 
-/// The rows of all statistics, headings first. What does not exist has the reason.
-pub fn all_rows(summary: &Summary, units: &Units) -> Vec<TableRow> {
-    table(summary, units, |_| true).into_iter().map(StatisticLine::with_reason).collect()
+/// The statistics that a table has.
+#[derive(Clone, Copy, Debug)]
+pub enum Chosen<'a> {
+    /// What the paper asks: sticks, slips, sub-phases, the share of time at rest, displacement and
+    /// drift.
+    First,
+    /// Everything that the run has measured.
+    All,
+    /// These, in this order.
+    These(&'a [Statistic]),
 }
 
-/// The rows of the statistics that exist, headings first.
-pub fn rows(summary: &Summary, units: &Units) -> Vec<TableRow> {
-    table(summary, units, exists).into_iter().map(StatisticLine::with_reason).collect()
+/// What the paper asks.
+const FIRST: [Statistic; 9] = [
+    Statistic::StickDurationMean,
+    Statistic::SticksPerPath,
+    Statistic::SlipsPerPath,
+    Statistic::SubPhasesMean,
+    Statistic::SubPhasesMultipleShare,
+    Statistic::StickingFraction,
+    Statistic::DisplacementEndMean,
+    Statistic::DisplacementEndSd,
+    Statistic::DriftVelocity,
+];
+
+impl<'a> Chosen<'a> {
+    /// The statistics, of those that the run has measured.
+    pub fn of(self, summary: &'a Summary) -> &'a [Statistic] {
+        match self {
+            Chosen::First => &FIRST,
+            Chosen::All => &summary.asked,
+            Chosen::These(statistics) => statistics,
+        }
+    }
 }
 
-/// The table as text, at most as wide as the terminal. Statistics that do not exist are left out
-/// ([`absent`]), and so are standard errors, which intervals show.
-pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
-    let lines = shown(summary, units);
+/// The rows of the table, headings first. What does not exist has the reason.
+pub fn rows(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> Vec<TableRow> {
+    table(summary, units, chosen, period).into_iter().map(StatisticLine::with_reason).collect()
+}
+
+/// The table as text, at most as wide as the terminal, without standard errors, which intervals
+/// show.
+pub(super) fn statistics(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> String {
+    let lines = shown(summary, units, chosen, period);
     let columns = columns();
     let full: Vec<TableRow> = lines.iter().cloned().map(StatisticLine::with_reason).collect();
     let is_narrow = columns.is_some_and(|columns| columns < width(&full));
@@ -32,33 +64,19 @@ pub(super) fn statistics(summary: &Summary, units: &Units) -> String {
 }
 
 /// The lines that the text has, without standard errors.
-fn shown(summary: &Summary, units: &Units) -> Vec<StatisticLine> {
-    let mut lines = table(summary, units, exists);
+fn shown(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> Vec<StatisticLine> {
+    let mut lines = table(summary, units, chosen, period);
     for line in &mut lines {
         line.row.cells.remove(STANDARD_ERROR);
     }
     lines
 }
 
-/// The statistics that do not exist, in groups with the reason of each.
-pub(super) fn absent(summary: &Summary) -> Option<String> {
-    let mut groups: Vec<(&str, Vec<&str>)> = Vec::new();
-    for e in summary.reported().filter(|e| !exists(e)) {
-        let reason = summary.absence(e).unwrap_or_default();
-        match groups.iter_mut().find(|(known, _)| *known == reason) {
-            Some((_, names)) => names.push(e.statistic.name()),
-            None => groups.push((reason, vec![e.statistic.name()])),
-        }
-    }
-    let words = groups.iter().map(|(reason, names)| format!("{} ({reason})", names.join(", ")));
-    (!groups.is_empty()).then(|| words.collect::<Vec<_>>().join("; "))
-}
-
 /// A row whose note is a unit, and the reason why a number in it is missing.
 #[derive(Clone)]
 struct StatisticLine {
     row: TableRow,
-    reason: Option<&'static str>,
+    reason: Option<String>,
 }
 
 impl StatisticLine {
@@ -70,24 +88,24 @@ impl StatisticLine {
 
     fn with_reason(mut self) -> TableRow {
         match self.reason.take() {
-            Some(reason) => self.with(reason),
+            Some(reason) => self.with(&reason),
             None => self.row,
         }
     }
 }
 
 /// The rows with letters in the place of reasons, and each reason once as a footnote. A reason that
-/// only one row has stays in its row, unless the terminal is too narrow.
+/// only one row has stays in its row, unless it is long or the terminal is too narrow.
 fn footnotes(lines: Vec<StatisticLine>, is_narrow: bool) -> (Vec<TableRow>, String) {
-    let all: Vec<&str> = lines.iter().filter_map(|line| line.reason).collect();
-    let is_shared = |reason: &str| all.iter().filter(|other| **other == reason).count() > 1;
-    let mut below: Vec<&str> = Vec::new();
-    let mut row = |line: StatisticLine| match line.reason {
-        Some(reason) if is_narrow || is_shared(reason) => {
-            if !below.contains(&reason) {
-                below.push(reason);
+    let all: Vec<String> = lines.iter().filter_map(|line| line.reason.clone()).collect();
+    let is_shared = |reason: &String| all.iter().filter(|other| *other == reason).count() > 1;
+    let mut below: Vec<String> = Vec::new();
+    let mut row = |line: StatisticLine| match &line.reason {
+        Some(reason) if is_narrow || reason.len() > LONG || is_shared(reason) => {
+            if !below.contains(reason) {
+                below.push(reason.clone());
             }
-            let number = below.iter().position(|known| *known == reason).unwrap_or_default();
+            let number = below.iter().position(|known| known == reason).unwrap_or_default();
             line.with(&mark(number).to_string())
         }
         _ => line.with_reason(),
@@ -96,6 +114,9 @@ fn footnotes(lines: Vec<StatisticLine>, is_narrow: bool) -> (Vec<TableRow>, Stri
     let numbered = below.iter().enumerate();
     (rows, numbered.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect())
 }
+
+/// A reason of more letters than this has no room in its row.
+const LONG: usize = 40;
 
 /// The mark of a footnote: a, b, c, ... There are fewer reasons than letters.
 fn mark(number: usize) -> char {
@@ -138,20 +159,33 @@ fn narrowed(mut table: Vec<TableRow>, columns: usize) -> String {
     aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&note, "") }
 }
 
-/// Whether there is such a number.
-fn exists(e: &Estimate) -> bool {
-    !e.estimate.is_nan()
-}
-
-/// The lines of the statistics that are `shown`, headings first.
-fn table(summary: &Summary, units: &Units, shown: impl Fn(&Estimate) -> bool) -> Vec<StatisticLine> {
+/// The lines of the statistics, headings first.
+fn table(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> Vec<StatisticLine> {
     let has_bias = summary.has_bias();
-    let estimates = || summary.reported().filter(|e| shown(e));
+    let estimates = || chosen.of(summary).iter().map(|statistic| summary.estimate(*statistic));
     let labels: Vec<String> = estimates().map(|e| e.statistic.dimension().label(units)).collect();
     let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note)| StatisticLine { row: row(e, has_bias).noted(note), reason: summary.absence(e) };
+    let of = |(e, note): (&Estimate, String)| {
+        let reason = summary.absence(e).map(String::from).or_else(|| of_period(summary, e.statistic, period));
+        StatisticLine { row: row(e, has_bias).noted(note), reason }
+    };
     let lines = estimates().zip(labels).map(of);
     std::iter::once(StatisticLine { row: headings, reason: None }).chain(lines).collect()
+}
+
+/// What the period is from which the numbers at its ends follow, where no forcing sets it or the run
+/// has few of them.
+fn of_period(summary: &Summary, statistic: Statistic, period: Option<Period>) -> Option<String> {
+    let is_of_periods = matches!(statistic, Statistic::DriftVelocity | Statistic::DiffusionCoefficient);
+    let Period { length, source } = period.filter(|_| is_of_periods)?;
+    let counted = summary.counted_periods();
+    if (1..Timeline::FEWEST_PERIODS).contains(&counted) {
+        let plural = if counted == 1 { "" } else { "s" };
+        let least = Timeline::FEWEST_PERIODS;
+        return Some(format!("of {counted} whole period{plural}; below {least} it may be a transient"));
+    }
+    let is_preset = source == PeriodSource::Share;
+    is_preset.then(|| format!("from the ends of periods P = {}, {}", significant(length, 4), source.words()))
 }
 
 /// The headings.
@@ -178,9 +212,10 @@ fn row(e: &Estimate, has_bias: bool) -> TableRow {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{info, info_in, reason, row, set, summary};
-    use super::super::table;
-    use stick_slip::scenario::Units;
+    use super::super::RunInfo;
+    use super::super::sample::{info, info_in, reason, row, set, summary, table};
+    use super::Chosen;
+    use stick_slip::scenario::{Period, PeriodSource, Units};
     use stick_slip::stats::{Bias, Estimate, Statistic};
 
     #[test]
@@ -215,7 +250,7 @@ mod tests {
     fn a_narrow_terminal_leaves_out_what_follows_from_the_rest() {
         let mut summary = summary();
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
-        let (rows, _) = super::footnotes(super::shown(&summary, &Units::default()), true);
+        let (rows, _) = super::footnotes(super::shown(&summary, &Units::default(), Chosen::All, None), true);
         let wide = super::narrowed(rows.clone(), 200);
         assert_eq!(wide, super::aligned(&rows, super::GAP));
         let narrow = super::narrowed(rows, 70);
@@ -237,7 +272,7 @@ mod tests {
         assert_eq!(unit("friction_work_mean"), "N m");
         // A label of a unit may contain brackets, which are not the brackets of a reason.
         let units = Units { length: "(mm)".to_string(), ..Units::default() };
-        assert!(row(&super::super::table(&self::summary(), &info_in(units)), "jump_mean").ends_with("(mm)"));
+        assert!(row(&super::super::sample::table(&self::summary(), &info_in(units)), "jump_mean").ends_with("(mm)"));
     }
 
     #[test]
@@ -256,11 +291,41 @@ mod tests {
             (Statistic::PeriodDisplacementCorrelation, "needs the ends of three periods"),
         ] {
             set(&mut summary, statistic, f64::NAN);
-            assert_eq!(super::absent(&summary).as_deref().map(|words| words.contains(why)), Some(true));
             let table = table(&summary, &info());
-            assert!(table.lines().any(|line| line.starts_with("none ")), "{table}");
-            assert!(!table.lines().any(|line| line.starts_with(statistic.name())), "{table}");
+            assert!(
+                row(&table, statistic.name()).contains(" none") && reason(&table, statistic.name()) == why,
+                "{table}"
+            );
         }
+    }
+
+    /// The first table has what the paper asks, and a table of chosen statistics these in their order.
+    #[test]
+    fn a_table_has_the_statistics_that_are_asked_for() {
+        let chosen = [Statistic::JumpMean, Statistic::StickDurationMean];
+        let names = |chosen| -> Vec<String> {
+            let rows = super::rows(&summary(), &Units::default(), chosen, None);
+            rows.into_iter().skip(1).map(|row| row.cells[0].clone()).collect()
+        };
+        assert_eq!(names(Chosen::These(&chosen)), ["jump_mean", "stick_duration_mean"]);
+        assert_eq!((names(Chosen::First).len(), names(Chosen::All).len()), (9, summary().asked.len()));
+    }
+
+    /// A drift says of how few periods it is, or that nothing but the length of the run sets P.
+    #[test]
+    fn a_drift_says_what_its_periods_are() {
+        let drift = |count: usize, source| {
+            let mut summary = summary();
+            summary.periods.time = (1..=count).map(|n| 25.0 * n as f64).collect();
+            let info = RunInfo { period: Some(Period { length: 25.0, source }), ..info() };
+            reason(&table(&summary, &info), "drift_velocity").to_string()
+        };
+        assert_eq!(drift(2, PeriodSource::Forcing), "of 1 whole period; below 3 it may be a transient");
+        assert_eq!(drift(4, PeriodSource::Forcing), "");
+        assert_eq!(
+            drift(10, PeriodSource::Share),
+            "from the ends of periods P = 25, a tenth of the time that is counted"
+        );
     }
 
     #[test]
