@@ -358,6 +358,7 @@ fn weather<'py>(py: Python<'py>, fit: &WeatherFit, start: Option<String>) -> PyR
     fields.set_item("harmonics", fit.cycles().iter().map(cycle).collect::<PyResult<Vec<_>>>()?)?;
     fields.set_item("processes", fit.processes().iter().map(process).collect::<PyResult<Vec<_>>>()?)?;
     fields.set_item("sensor_sd", fit.white)?;
+    fields.set_item("smoothing", fit.smoothing().map(|(tau, _)| tau))?;
     fields.set_item("log_likelihood", fit.log_likelihood)?;
     fields.set_item("start", start)?;
     fields.set_item("toml", config::temperature_part(&temperature))?;

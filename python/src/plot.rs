@@ -37,8 +37,9 @@ impl Picture {
 }
 
 /// How a picture is drawn: the name of its only figure or panel (none for all figures), whether it is dark,
-/// the width of a figure in millimetres, and whether vertical axes are logarithmic.
-type Drawn = (Option<String>, bool, f64, bool);
+/// the width of a figure in millimetres, whether vertical axes are logarithmic, the heading, and
+/// words for keys and statistics of a sweep.
+type Drawn = (Option<String>, bool, f64, bool, Option<String>, Vec<(String, String)>);
 
 /// Draws a path of a scenario; or data sets with their names: a run of this scenario, a trade, a
 /// calibration, or sweeps over the same key.
@@ -78,6 +79,12 @@ pub fn plot(
                 |(name, sweep): &(String, Dataset)| Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?));
             let sweeps = sweeps.iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
             let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
+            let known: Vec<&str> = named.iter().flat_map(|(_, sweep)| sweep.question.design.names()).collect();
+            let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
+            if let Some((name, _)) = drawn.5.iter().find(|(name, _)| !is_known(name)) {
+                let remedy = format!("name a statistic, or one of {}", known.join(", "));
+                return Err(errors::of_argument(py, "labels", name, "the sweep has no such key", &remedy));
+            }
             let statistics: Vec<Statistic> = of.into_iter().collect();
             draw(py, &Subject::Sweep { sweeps: &named, statistics: &statistics }, drawn)
         }
@@ -103,7 +110,7 @@ fn draw(py: Python<'_>, subject: &Subject, drawn: Drawn) -> PyResult<Picture> {
     errors::guarded(py, || drawn_as(py, subject, drawn))
 }
 
-fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) -> PyResult<Picture> {
+fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, labels): Drawn) -> PyResult<Picture> {
     if !(60.0..=400.0).contains(&width) {
         let value = width.to_string();
         return Err(errors::of_argument(
@@ -114,7 +121,8 @@ fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log): Drawn) 
             "give 60 to 400 millimetres",
         ));
     }
-    let style = Style { theme: if dark { Theme::Dark } else { Theme::Light }, width, log, ..Style::default() };
+    let theme = if dark { Theme::Dark } else { Theme::Light };
+    let style = Style { theme, width, log, title: title.as_deref(), labels: &labels };
     let refused = |name: &str, absent: Absent| {
         let remedy = match absent {
             Absent::Panel(..) => "choose one of them, or leave the letter out for all",

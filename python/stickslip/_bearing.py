@@ -238,6 +238,8 @@ class Weather:
             `sd_relative_error` and `relaxation_rate_relative_error`.
         sensor_sd: standard deviation of the white noise of the thermometer, in K; 0 where the data
             show none.
+        smoothing: time constant of the low pass that smooths the processes, in s; None if none
+            does.
         log_likelihood: logarithm of the restricted likelihood of the fit.
         start: the date of the first sample, if the times of a file or a DataFrame are dates.
         toml: the temperature as TOML text, to be appended to a scenario without a temperature.
@@ -250,6 +252,7 @@ class Weather:
     harmonics: list[dict[str, float]]
     processes: list[dict[str, float]]
     sensor_sd: float
+    smoothing: float | None
     log_likelihood: float
     start: str | None
     toml: str
@@ -465,10 +468,10 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
         return _table(given)
     problem = "the temperatures come without displacements"
     require(displacement is not None, "displacement", None, problem, "give both")
-    of_files = ("temperature_file", "temperature_layout", *_LAYOUT, *_COLUMNS)
-    for name in of_files:
+    of_arrays = ("displacement", "outliers", "averaged")
+    for name in ("temperature_file", *_LAYOUT, *_COLUMNS):
         require(
-            not given[name] or name in ("displacement", "outliers", "averaged", "temperature_layout"),
+            name in of_arrays or not given[name],
             name,
             given[name],
             "it is about files, and these data are arrays",

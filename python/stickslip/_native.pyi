@@ -41,7 +41,7 @@ def shipped(name: str) -> str | None: ...
 Handed = tuple[dict[str, Any], list[tuple[str, list[str], npt.NDArray[Any], dict[str, Any]]]]
 # How a picture is drawn: the name of its only figure (None for all figures), whether it is dark,
 # the width of a figure in millimetres, and whether vertical axes are logarithmic.
-Drawn = tuple[str | None, bool, float, bool]
+Drawn = tuple[str | None, bool, float, bool, str | None, list[tuple[str, str]]]
 
 class Picture:
     @property

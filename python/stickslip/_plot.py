@@ -81,6 +81,8 @@ def plot(
     theme: str = "light",
     width: float = _COLUMN,
     log: bool = False,
+    title: str | None = None,
+    labels: Mapping[str, str] | None = None,
     set: Settings | None = None,
 ) -> Picture:
     """Draw a path of a scenario, a run, a trade, sweeps or a calibration, like `mc plot`.
@@ -104,6 +106,8 @@ def plot(
         theme: "light" or "dark".
         width: width of one figure in millimetres, from 60 to 400; a page is two figures wide.
         log: whether densities and shares have logarithmic vertical axes.
+        title: the heading of a page; by default that of the subject.
+        labels: words for keys and statistics at the axes of sweeps, by name.
         set: further keys of a scenario with their values, as for `run`. It has no effect on a data
             set.
 
@@ -118,17 +122,23 @@ def plot(
     checked(plot, locals())
     is_known = theme in ("light", "dark")
     require(is_known, "theme", theme, "there is no such theme", "write light or dark")
-    drawn = (only, theme == "dark", float(width), log)
+    drawn = (only, theme == "dark", float(width), log, title, [*(labels or {}).items()])
     given: Any = subject
     data: Mapping[str, Any] = {"sweep": given}
     scenario = None
     if not _is_data(given):
         data = given if isinstance(given, Mapping) and all(map(_is_data, given.values())) else {}
         scenario = None if data else parse({"scenario": given, "set": set, "until": until})
-    elif given.attrs.get("format_name") not in STUDIES:
+    elif _kind(given) not in STUDIES:
         scenario = of_run(given)
+    is_sweep = scenario is None and {*map(_kind, data.values())} == {"stick-slip sweep"}
+    require(is_sweep or not labels, "labels", labels, "the subject is no sweep", "leave it out")
     handed = [(str(name), raw(one)) for name, one in data.items()]
     return Picture(_native.plot(scenario, handed, path, statistic, drawn))
+
+
+def _kind(data: Any) -> Any:
+    return data.attrs.get("format_name")
 
 
 def _is_data(subject: object) -> bool:

@@ -57,6 +57,19 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
             ss.calibrate(BRIDGE, TWIN, **arguments)
 
 
+def test_means_are_told_by_an_argument(mc, tmp_path):
+    mc("calibrate", BRIDGE, TWIN, "--averaged", "10min", "--method", "slips", "-o", "fit.h5")
+    means = ss.calibrate(BRIDGE, TWIN, averaged="10min", method="slips")
+    same(means, ss.load(tmp_path / "fit.h5"))
+    samples = ss.calibrate(BRIDGE, TWIN, averaged=0, method="slips")
+    same(samples, ss.calibrate(BRIDGE, TWIN, method="slips"))
+    # The extremes of an instant are farther apart than those of means.
+    f_s = "friction.static"
+    assert means.estimate.sel(parameter=f_s) > 1.01 * samples.estimate.sel(parameter=f_s)
+    with pytest.raises(ss.ArgumentError, match="averaged"):
+        ss.calibrate(BRIDGE, TWIN, averaged="an hour")
+
+
 def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
     pandas = pytest.importorskip("pandas")
     frame = pandas.read_csv(TWIN)

@@ -53,6 +53,11 @@ def test_sweep(name, mc, tmp_path):
     mc("plot", "sweep.h5", "-o", "sweep.svg")
     drawn = (tmp_path / "sweep.svg").read_text()
     assert ss.plot(mine).svg == ss.plot(file).svg == drawn
+    mc("plot", "sweep.h5", "--title", "Mine", "--label", f"{STATIC}=Grip", "-o", "named.svg")
+    named = ss.plot(mine, title="Mine", labels={STATIC: "Grip"}).svg
+    assert named == (tmp_path / "named.svg").read_text() != drawn
+    with pytest.raises(ss.ArgumentError, match="friction.static"):
+        ss.plot(mine, labels={"grip": "Grip"})
 
 
 def test_a_sweep_that_cannot_be_is_refused():
@@ -114,6 +119,8 @@ def test_pictures_of_a_run_and_of_a_scenario_are_those_of_the_command(mc, tmp_pa
     )
     with pytest.raises(ss.ArgumentError, match="no such figure"):
         ss.plot("shaw", only="fann")
+    with pytest.raises(ss.ArgumentError, match="no sweep"):
+        ss.plot("shaw", labels={STATIC: "Grip"})
     with pytest.raises(ss.ArgumentError, match="no panel C, but A to B"):
         ss.plot(run, only="sticks.C")
     with pytest.raises(ss.ArgumentError, match="only = trade"):

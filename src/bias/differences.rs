@@ -35,6 +35,9 @@ const GROUPS: usize = 16;
 /// 26.10).
 const STUDENT: f64 = 2.131;
 
+/// The values at one step over all paths, and without each group.
+type LevelValues = (GroupValues, Vec<GroupValues>);
+
 /// The steps, in units of h.
 const LEVELS: [usize; 3] = [1, 2, 4];
 
@@ -111,7 +114,7 @@ impl Differences {
         // A median is expensive, so it is not computed where it would not be used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
         let levels = self.simulate(threads, stop)?.map(|groups| self.values(&groups, is_wanted));
-        let at = |of: &dyn Fn(&(GroupValues, Vec<GroupValues>)) -> f64| Levels(levels.each_ref().map(of));
+        let at = |of: &dyn Fn(&LevelValues) -> f64| Levels(levels.each_ref().map(of));
         let sticks = levels[0].0[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|(all, _)| all[i]);
@@ -171,7 +174,7 @@ impl Differences {
     }
 
     /// The wanted statistics of all paths, and without each group; NaN in the place of the others.
-    fn values(&self, groups: &[Totals], is_wanted: impl Fn(Statistic) -> bool) -> (GroupValues, Vec<GroupValues>) {
+    fn values(&self, groups: &[Totals], is_wanted: impl Fn(Statistic) -> bool) -> LevelValues {
         jackknife::leaving_one_out(&self.empty(), groups, |totals| totals.values(&is_wanted))
     }
 

@@ -11,7 +11,7 @@ use stick_slip::figure::{self, Absent, COLUMN, Drawing, DrawnPath, NoPage, Only,
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
 use stick_slip::store::{self, FileKind, Stored};
-use stick_slip::study::sweep::{Design, Sweep};
+use stick_slip::study::sweep::Sweep;
 
 /// Arguments of `mc plot`.
 #[derive(Debug, clap::Args)]
@@ -141,13 +141,7 @@ impl Arguments {
         let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
         let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
         let statistics: Vec<Statistic> = self.statistic.into_iter().collect();
-        let designs = || sweeps.iter().map(|(_, sweep)| &sweep.question.design);
-        let axes = designs().flat_map(|design| design.axes()).flat_map(|axis| [axis.name.as_str(), &axis.key]);
-        let keys = designs().flat_map(|design| match design {
-            Design::Star { keys, .. } => keys.as_slice(),
-            _ => &[],
-        });
-        let known: Vec<&str> = axes.chain(keys.map(|(key, _)| key.as_str())).collect();
+        let known: Vec<&str> = sweeps.iter().flat_map(|(_, sweep)| sweep.question.design.names()).collect();
         let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
         if let Some((name, _)) = self.label.iter().find(|(name, _)| !is_known(name)) {
             let problem = format!("--label {name}=...: the sweep has no such key, and there is no such statistic");

@@ -217,7 +217,7 @@ fn series(model: &Model, end: f64) -> Option<Misfit> {
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
 /// sample.
 fn pinned(temperature: &Temperature) -> Option<Misfit> {
-    let Some(noise) = temperature.noise.filter(|_| temperature.is_pinned) else { return None };
+    let noise = temperature.noise.filter(|_| temperature.is_pinned)?;
     let (problem, remedy) = if temperature.series.is_none() {
         ("and there is no [temperature.series] to pin the noise to", "remove it, or give a series")
     } else if temperature.second_noise.is_some() {

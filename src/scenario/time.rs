@@ -16,7 +16,7 @@ pub struct Time {
 
 /// Check that `end` is a whole number of steps, and not too many to count, if the scheme has steps.
 pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
-    let Some(h) = scheme.step() else { return None };
+    let h = scheme.step()?;
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
     if ratio > MAX_STEPS {

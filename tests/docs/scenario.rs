@@ -58,10 +58,11 @@ fn every_key_is_listed_and_every_listed_key_exists() {
     let given = given.map(|set| Override::set(set).expect("well formed"));
     let measured = shipped("bridge").expect("shipped").parse(&given).expect("sound").to_toml();
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
-    // A body on a belt, and a force of the user's own with parameters.
+    // A body on a belt, and a force of the user's own with parameters; both with a load on friction.
     for name in ["belt", "stribeck-belt"] {
-        let thrown = [Override::set("initial.velocity=1").expect("well formed")];
-        let resolved = shipped(name).expect("shipped").parse(&thrown).expect("sound").to_toml();
+        let given = ["initial.velocity=1", "friction.load=\"c\"", "friction.parameters={c=1}"];
+        let given = given.map(|set| Override::set(set).expect("well formed"));
+        let resolved = shipped(name).expect("shipped").parse(&given).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
     // A run has no use for displacements, so its resolved scenario has none of their keys.

@@ -162,6 +162,14 @@ impl Design {
         }
     }
 
+    /// What a user may call an axis by: its name and its key, or the keys of a star.
+    pub fn names(&self) -> Vec<&str> {
+        match self {
+            Design::Star { keys, .. } => keys.iter().map(|(key, _)| key.as_str()).collect(),
+            _ => self.axes().iter().flat_map(|axis| [axis.name.as_str(), &axis.key]).collect(),
+        }
+    }
+
     /// Length of each dimension, slowest first. A star and a zip have one dimension.
     pub fn shape(&self) -> Vec<usize> {
         match self {
