@@ -497,8 +497,8 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
 def _layout(given: Mapping[str, Any]) -> _native.LaidOut:
     layout: Any = {name: given.get(name) for name in _LAYOUT}
     layout["missing"] = [str(mark) for mark in given.get("missing", ())]
-    if layout["averaged"] is not None:
-        layout["averaged"] = _seconds("averaged", layout["averaged"])
+    averaged = layout["averaged"]
+    layout["averaged"] = _seconds("averaged", averaged) if averaged else averaged
     laid: _native.LaidOut = layout
     return laid
 

@@ -65,7 +65,7 @@ def test_means_are_told_by_an_argument(mc, tmp_path):
     same(samples, ss.calibrate(BRIDGE, TWIN, method="slips"))
     # The extremes of an instant are farther apart than those of means.
     f_s = "friction.static"
-    assert means.estimate.sel(parameter=f_s) > 1.01 * samples.estimate.sel(parameter=f_s)
+    assert means.estimate.sel(quantity=f_s) > 1.01 * samples.estimate.sel(quantity=f_s)
     with pytest.raises(ss.ArgumentError, match="averaged"):
         ss.calibrate(BRIDGE, TWIN, averaged="an hour")
 

@@ -15,13 +15,13 @@ fn first_column(page: &Page, heading: &str) -> BTreeSet<String> {
     page.rows(heading).iter().flat_map(|row| names(&row[0])).collect()
 }
 
-/// The dotted keys of a resolved scenario. The array of harmonics is a key of its own, and so is the
+/// The dotted keys of a resolved scenario. The array of harmonics is a key of its own, and so is a
 /// table of parameters, whose keys are names of the user's own.
 fn keys(table: &toml::Table, path: &str, into: &mut BTreeSet<String>) {
     for (name, value) in table {
         let key = if path.is_empty() { name.clone() } else { format!("{path}.{name}") };
         match value {
-            toml::Value::Table(table) if key != "force.parameters" => keys(table, &key, into),
+            toml::Value::Table(table) if name != "parameters" => keys(table, &key, into),
             toml::Value::Array(tables) => {
                 tables.iter().filter_map(toml::Value::as_table).for_each(|table| keys(table, &key, into));
                 into.insert(key);
