@@ -73,6 +73,21 @@ fn means_and_clocks_are_known_for_what_they_are() {
     }
 }
 
+/// Of ten records each, those with thermometer noise of 0.3 K were off by more than their intervals,
+/// and so were hourly ones of weather that remembers two hours; see [`table`].
+#[test]
+fn what_hides_the_temperature_of_a_slip_is_said() {
+    let noisy = Logger { noise: 0.3, ..PLAIN };
+    let sparse = Logger { every: 60, memory: 2.0, ..PLAIN };
+    let hourly = Logger { every: 60, ..PLAIN };
+    for (logger, expected) in [(PLAIN, None), (hourly, None), (noisy, Some(0)), (sparse, Some(1))] {
+        let (fit, _) = calibrated(&logger, 904);
+        for (i, name) in ["noisy_thermometer", "sparse_samples"].into_iter().enumerate() {
+            assert_eq!(warns(&fit, name), expected == Some(i), "{logger:?}: {:?}", fit.warnings);
+        }
+    }
+}
+
 /// What f_s and f_d are off by on average, and how many intervals of 90 % hold the truth.
 #[test]
 #[ignore = "minutes; prints a table"]

@@ -213,10 +213,15 @@ impl<'a> ProcessSearch<'a> {
         }
         let exact = self.lowest(&start, held.is_some(), &self.left, AFAR)?;
         // The search for white noise starts from a hundredth of the variance that the fastest
-        // process gains per step. It is kept wherever it raises the likelihood, however little,
+        // process gains per step and, because strong noise has taken the place of that process, from
+        // half of it where all searches start. It is kept wherever it raises the likelihood, however little,
         // because its error then is part of the errors of all other numbers.
-        let white = 0.02 * libm::exp(exact.point[0]) * interval;
-        let noisy = self.lowest(&[&exact.point[..], &[white]].concat(), held.is_some(), &self.left, AFAR);
+        let with_noise = |point: &[f64], share: f64| {
+            let white = 2.0 * share * libm::exp(point[0]) * interval;
+            self.lowest(&[point, &[white]].concat(), held.is_some(), &self.left, AFAR)
+        };
+        let noisy = [with_noise(&exact.point, 0.01), with_noise(&start, 0.5)];
+        let noisy = noisy.into_iter().flatten().min_by(|a, b| a.deviance.total_cmp(&b.deviance));
         let is_told =
             |noisy: &Peak| noisy.deviance < exact.deviance && noisy.point[noisy.point.len() - 1] > LEAST_WHITE;
         Some(noisy.filter(is_told).unwrap_or(exact))
