@@ -71,7 +71,7 @@ fn fit(
     if let Some((quantity, value)) = calibration.response.impossible(question.shear_stiffness) {
         return Err(CalibrationError::NoBearing { quantity, value });
     }
-    calibration.warnings = warnings(&calibration, evidence, steel.noise);
+    calibration.warnings = warnings(&calibration, evidence);
     Ok(calibration)
 }
 

@@ -23,8 +23,6 @@ pub struct Steel {
     /// By how many kelvin the friction seems to hold less, because temperatures between samples are
     /// overlooked.
     pub overlooked: f64,
-    /// The standard deviation of the noise of the thermometer, in kelvin, where it matters.
-    pub noise: f64,
     /// The slips; `None` if too few are seen.
     pub around: Option<AroundLag>,
 }
@@ -89,8 +87,7 @@ impl Steel {
         let thermometer =
             around.as_ref().map_or_else(|| Thermometer::of(&record), |around| around.here.thermometer.clone());
         let (roughness, overlooked) = (thermometer.roughness, thermometer.overlooked());
-        let noise = imagined.map_or(0.0, |of| of.white);
-        Steel { record, lag: used, profile, roughness, overlooked, noise, around }
+        Steel { record, lag: used, profile, roughness, overlooked, around }
     }
 }
 

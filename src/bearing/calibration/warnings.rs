@@ -14,8 +14,6 @@ use super::warning::CalibrationWarning;
 struct Case<'a> {
     calibration: &'a Calibration,
     evidence: Option<&'a Evidence>,
-    /// The noise of the thermometer, in kelvin.
-    noise: f64,
 }
 
 /// Says a warning in a sentence or two, if it is due.
@@ -27,7 +25,6 @@ const ALL: &[(&str, Says)] = &[
     ("no_slips", no_slips),
     ("gap_not_identified", gap_not_identified),
     ("few_slips", few_slips),
-    ("noisy_thermometer", noisy_thermometer),
     ("sparse_samples", sparse_samples),
     ("scatter", scatter),
     ("lag", lag),
@@ -40,10 +37,9 @@ const ALL: &[(&str, Says)] = &[
     ("mirrored", mirrored),
 ];
 
-/// The warnings of a calibration. `evidence` is given if slips were seen, and `noise` is that of the
-/// thermometer.
-pub(super) fn warnings(calibration: &Calibration, evidence: Option<&Evidence>, noise: f64) -> Vec<CalibrationWarning> {
-    let case = Case { calibration, evidence, noise };
+/// The warnings of a calibration. `evidence` is given if slips were seen.
+pub(super) fn warnings(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<CalibrationWarning> {
+    let case = Case { calibration, evidence };
     ALL.iter().filter_map(|(name, says)| Some(CalibrationWarning { name, text: says(&case)? })).collect()
 }
 
@@ -98,22 +94,9 @@ fn few_slips(case: &Case) -> Option<String> {
     ))
 }
 
-/// What the noise of a thermometer, and the temperature between two samples, may be of the jump G.
-/// Beyond, estimates were off by one to two per cent.
-const NOISE: f64 = 0.1;
+/// What the temperature may move between two samples, as a share of the jump G. Beyond, estimates were
+/// off by one per cent.
 const SPARSE: f64 = 0.9;
-
-/// The thermometer hides the temperature at which slips begin.
-fn noisy_thermometer(case: &Case) -> Option<String> {
-    let jump = case.evidence.map(|_| case.estimate(Quantity::Jump).estimate)?;
-    (case.noise > NOISE * jump).then(|| {
-        format!(
-            "the thermometer has noise, or steps, of {:.2} K, where a slip releases {jump:.2} K: f_s and f_d may be off \
-             by 2 %, which is not in their intervals",
-            case.noise
-        )
-    })
-}
 
 /// The temperature moves far between two samples.
 fn sparse_samples(case: &Case) -> Option<String> {
@@ -286,7 +269,7 @@ mod tests {
             let mut is_identified = |error: f64| {
                 let [low, high] = [1.0 - quantile * error, 1.0 + quantile * error];
                 calibration.estimates[Quantity::Jump as usize] = ParameterEstimate { estimate: 1.0, low, high };
-                warnings(&calibration, None, 0.0).iter().all(|warning| warning.name() != "gap_not_identified")
+                warnings(&calibration, None).iter().all(|warning| warning.name() != "gap_not_identified")
             };
             assert_eq!([0.2, 0.3].map(&mut is_identified), [true, false], "{level}");
         }
