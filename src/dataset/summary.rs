@@ -232,18 +232,8 @@ fn walk_distributions(walk: &mut Walk, mut laws: Vec<&mut Distribution>) -> Walk
     walk_ragged(walk, &layout::LAW_UPPER, upper.iter_mut())?;
     walk_ragged(walk, &layout::LAW_COUNT, laws.iter_mut().map(|law| &mut law.histogram.counts))?;
     walk_ragged(walk, &layout::LAW_CENSORED_COUNT, laws.iter_mut().map(|law| &mut law.censored_counts))?;
-    walk_ragged(walk, &layout::LAW_SURVIVAL.value, laws.iter_mut().map(|law| &mut law.survival))?;
-    walk_ragged(
-        walk,
-        &layout::LAW_SURVIVAL.interval,
-        lows_and_highs(laws.iter_mut().map(|law| &mut law.survival_ends)),
-    )?;
-    walk_ragged(walk, &layout::LAW_QUANTILE.value, laws.iter_mut().map(|law| &mut law.quantiles))?;
-    walk_ragged(
-        walk,
-        &layout::LAW_QUANTILE.interval,
-        lows_and_highs(laws.iter_mut().map(|law| &mut law.quantile_ends)),
-    )?;
+    walk_curves(walk, &layout::LAW_SURVIVAL, &mut laws, |law| (&mut law.survival, &mut law.survival_ends))?;
+    walk_curves(walk, &layout::LAW_QUANTILE, &mut laws, |law| (&mut law.quantiles, &mut law.quantile_ends))?;
     for ((law, lower), upper) in laws.iter_mut().zip(lower).zip(upper) {
         let bins = upper.iter().take_while(|edge| !edge.is_nan()).count();
         law.histogram.edges = lower.into_iter().take(bins).chain(bins.checked_sub(1).map(|last| upper[last])).collect();
@@ -261,10 +251,17 @@ fn walk_distributions(walk: &mut Walk, mut laws: Vec<&mut Distribution>) -> Walk
     Ok(())
 }
 
-/// The lower ends of all, and then the upper ones.
-fn lows_and_highs<'a>(all: impl Iterator<Item = &'a mut Ends>) -> impl Iterator<Item = &'a mut Vec<f64>> {
-    let (low, high): (Vec<_>, Vec<_>) = all.map(|ends| (&mut ends.low, &mut ends.high)).unzip();
-    low.into_iter().chain(high)
+/// Walk over a curve of each law, and over its intervals: all lower ends, then all upper ones.
+fn walk_curves(
+    walk: &mut Walk,
+    of: &layout::WithInterval,
+    laws: &mut [&mut Distribution],
+    parts: fn(&mut Distribution) -> (&mut Vec<f64>, &mut Ends),
+) -> Walked {
+    walk_ragged(walk, &of.value, laws.iter_mut().map(|law| parts(law).0))?;
+    let ends = laws.iter_mut().map(|law| parts(law).1);
+    let (low, high): (Vec<_>, Vec<_>) = ends.map(|ends| (&mut ends.low, &mut ends.high)).unzip();
+    walk_ragged(walk, &of.interval, low.into_iter().chain(high))
 }
 
 /// Walk over rows that are filled up to the longest of them.

@@ -63,10 +63,7 @@ fn state(glide: &Glide, part: f64, sign: f64, model: &Model) -> StateAt {
     // The polynomial may turn by its rounding before the sub-phase does.
     let velocity = sign * (sign * velocity).max(0.0);
     let spring = match glide.along {
-        Along::Step { temperature } => {
-            let moved = if model.force.is_some() { velocity } else { 0.0 };
-            model.total_force(glide.start, temperature, glide.displacement, moved)
-        }
+        Along::Step { temperature } => shown(model, glide.start, temperature, [glide.displacement, velocity]),
         Along::Smooth { .. } => {
             let (time, x) = (glide.start + part * glide.length, glide.displacement + way);
             let friction = model.sliding_friction(Sign::of(sign), time, x, velocity);
@@ -75,6 +72,11 @@ fn state(glide: &Glide, part: f64, sign: f64, model: &Model) -> StateAt {
         }
     };
     StateAt { time: glide.start + part * glide.length, displacement: glide.displacement + way, velocity, spring }
+}
+
+/// The force of the spring or, where there is a force of the user's own, the whole of b.
+fn shown(model: &Model, time: f64, temperature: f64, [x, velocity]: [f64; 2]) -> f64 {
+    model.total_force(time, temperature, x, if model.force.is_some() { velocity } else { 0.0 })
 }
 
 /// An event of the cascade: tau_j, tau_{j+1/2} or tau_j^k.
@@ -137,9 +139,7 @@ impl PathTrace {
         let time = replay.scenario.timeline().output_times();
         let row = |i: usize| {
             let (displacement, velocity) = (rows.displacement[i], rows.velocity[i]);
-            // Where there is a force of the user's own, the whole of b is shown.
-            let moved = if model.force.is_some() { velocity } else { 0.0 };
-            let spring = model.total_force(time[i], rows.temperature[i], displacement, moved);
+            let spring = shown(model, time[i], rows.temperature[i], [displacement, velocity]);
             StateAt { time: time[i], displacement, velocity, spring }
         };
         let end = time.len().min(rows.displacement.len());

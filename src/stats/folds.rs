@@ -69,10 +69,9 @@ impl PathFolds {
                 Instant::End => end(lane, path.end(seen.time, x)),
                 Instant::Output(_) | Instant::Period(_) => return,
             }
+            path.friction_work = self.model.friction.dynamic_force * path.travel;
             if let Some(motion) = &mut self.motion {
                 motion[lane].at(&self.model, instant, [x, seen.velocity[lane]], path);
-            } else {
-                path.friction_work = self.model.friction.dynamic_force * path.travel;
             }
         }
     }

@@ -37,7 +37,7 @@ pub enum PhaseLaw {
 
 impl PhaseLaw {
     /// All laws, in the order in which runs keep them.
-    pub(super) const ALL: [PhaseLaw; 6] = [
+    pub const ALL: [PhaseLaw; 6] = [
         PhaseLaw::Stick,
         PhaseLaw::Slip,
         PhaseLaw::Jump,

@@ -132,8 +132,8 @@ impl MotionFold {
         };
     }
 
-    /// Add the state (x, x') of a path at an instant. At the end the path is told the work of
-    /// friction.
+    /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
+    /// without a load, and is told that with one.
     pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
         match instant {
             Instant::Counting => self.works = Works { stored: [stored(model, x, v); 2], ..Works::default() },
@@ -141,10 +141,11 @@ impl MotionFold {
                 self.event(x);
                 self.works.stored[1] = stored(model, x, v);
                 self.travel = path.travel;
-                if !model.has_load() {
-                    self.works.friction = model.friction.dynamic_force * path.travel;
+                if model.has_load() {
+                    path.friction_work = self.works.friction;
+                } else {
+                    self.works.friction = path.friction_work;
                 }
-                path.friction_work = self.works.friction;
             }
             Instant::Output(_) | Instant::Period(_) => {}
         }

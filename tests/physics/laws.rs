@@ -43,15 +43,6 @@ fn values(dataset: &Dataset) -> [Vec<f64>; 6] {
     laws
 }
 
-const LAWS: [PhaseLaw; 6] = [
-    PhaseLaw::Stick,
-    PhaseLaw::Slip,
-    PhaseLaw::Jump,
-    PhaseLaw::JumpForward,
-    PhaseLaw::JumpBackward,
-    PhaseLaw::Recurrence,
-];
-
 fn measured(static_force: f64, scheme: Scheme, paths: u64) -> (Summary, [Vec<f64>; 6]) {
     let mut scene = Scenario::shipped("rho025").expect("shipped");
     scene.model.friction.static_force = static_force;
@@ -77,7 +68,7 @@ fn more_paths_do_not_spoil_quantiles_over_decades() {
     for static_force in [1.0, 1.05, 1.1, 1.2] {
         for paths in [50, 500, 2000] {
             let (summary, values) = measured(static_force, EventDriven { tolerance: 1e-3 }.into(), paths);
-            for (name, sorted) in LAWS.into_iter().zip(&values) {
+            for (name, sorted) in PhaseLaw::ALL.into_iter().zip(&values) {
                 let found = law(&summary, name);
                 assert_eq!(found.completed, sorted.len() as u64, "{}", name.name());
                 for (i, p) in QUANTILE_LEVELS.into_iter().enumerate() {
@@ -107,7 +98,7 @@ fn quantiles_of_whole_steps_are_exact() {
     for (static_force, paths) in [(1.05, 2000), (1.2, 50), (1.2, 500)] {
         let (summary, values) = measured(static_force, CorrectedVi { step: h }.into(), paths);
         for (name, sorted) in
-            LAWS.into_iter().zip(&values).filter(|(law, _)| matches!(law, PhaseLaw::Stick | PhaseLaw::Slip))
+            PhaseLaw::ALL.into_iter().zip(&values).filter(|(law, _)| matches!(law, PhaseLaw::Stick | PhaseLaw::Slip))
         {
             for (i, p) in QUANTILE_LEVELS.into_iter().enumerate() {
                 let rank = (p * sorted.len() as f64 * (1.0 - 1e-15)).ceil().max(1.0) as usize;

@@ -42,6 +42,7 @@ impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: b
         let regimes = [c.regime(L::splat(0.0)); TOGETHER / NARROWEST];
         let mut room = Room { regimes, chi: [[0.0; TOGETHER]; DRAWN], g: [[0.0; TOGETHER]; 4] };
         let (lanes, steps) = (self.work.paths.noise.len(), self.work.forcing.len() - 1);
+        let has_load = self.kernel.own.as_ref().is_some_and(|own| own.sides().is_some());
         for lane in (0..lanes).step_by(TOGETHER) {
             let group = lane..lanes.min(lane + TOGETHER);
             let velocities = self.work.paths.velocity[group.clone()].chunks_exact(L::WIDTH);
@@ -52,7 +53,6 @@ impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: b
                 if NOISE && n % DRAWN == 0 {
                     self.draw::<L>(group.clone(), &mut room.chi[..DRAWN.min(steps - n)]);
                 }
-                let has_load = self.kernel.own.as_ref().is_some_and(|own| own.sides().is_some());
                 self.compute(group.clone(), n, &mut room.g);
                 if has_load {
                     self.step::<L, true>(&c, group.clone(), n, &mut room);

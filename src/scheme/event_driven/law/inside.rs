@@ -233,8 +233,8 @@ impl<L: Lanes> Bridge<L> {
     }
 
     /// A draw where the threshold on this side, 1 or -1, is met at the end of the piece for the
-    /// first time. `f_s` is that at the instant. The distance of b from it ends at zero, and is the length of a three-dimensional
-    /// vector whose components are bridges.
+    /// first time. `f_s` is that at the instant. The distance of b from it ends at zero, and is the
+    /// length of a three-dimensional vector whose components are bridges.
     #[inline(always)]
     pub fn before_exit(&self, f_s: L, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
         let along = f_s - side * (self.rest + self.mean) + self.sd * one;
