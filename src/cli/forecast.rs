@@ -7,12 +7,12 @@ use super::html::{self, page::Section};
 use super::measurements::Source;
 use super::numbers::{Digits, grouped, parse_share_in, percent, wrapped};
 use super::overrides::settings;
-use super::{Failure, TableRow, Threads, aligned, calibrate, note, print, stop_on_signals, warn, writable};
+use super::{Failure, TableRow, Threads, aligned, calibrate, note, print, warn, writable};
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::AtomicBool;
 use stick_slip::bearing::calibration::{self, Calibration, CalibrationMethod};
 use stick_slip::bearing::forecast::{Forecast, ForecastQuantity, ForecastQuestion, forecast};
 use stick_slip::bearing::weather::{PERIODS, WeatherFit, fit};
@@ -74,7 +74,8 @@ impl Arguments {
             writable(output, self.force, self.source.inputs(&self.scenario, &set))?;
         }
         let threads = self.threads.ready("this forecast", STUDY_BYTES)?;
-        let stop = stop_on_signals()?;
+        // Nothing that took long would be lost, so a signal ends the process at once.
+        let stop = AtomicBool::new(false);
         let calibration = self.calibration(&scene, threads, &stop)?;
         calibration.warnings.iter().for_each(warn);
         let too_short = "measure for at least half a year: a forecast needs to know the seasons";
@@ -104,7 +105,7 @@ impl Arguments {
             let has = if is_page(output) { "is the page" } else { "has all years" };
             note(&format!("{} {has}", output.display()));
         }
-        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+        Ok(())
     }
 
     /// Calibrates from the slips, because only that method gives errors of the parameters to draw

@@ -6,8 +6,10 @@ use super::numbers::{Digits, duration, grouped, percent, significant};
 use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 use std::io::{self, IsTerminal as _};
 use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread;
 use std::time::{Duration, Instant};
-use stick_slip::ensemble::check_threads;
+use stick_slip::ensemble::{BLOCK_SIZE, check_threads};
 use stick_slip::stats::{Estimate, Statistic};
 use stick_slip::study::trade::Limits;
 
@@ -15,6 +17,8 @@ use stick_slip::study::trade::Limits;
 pub struct Progress {
     place: ShownAs,
     watched: Option<Watched>,
+    /// How many paths have ended, and since when it is so many.
+    ended: Arc<Mutex<(u64, Instant)>>,
 }
 
 /// Where the progress is shown.
@@ -43,7 +47,11 @@ impl Progress {
         } else {
             ShownAs::Lines(Lines::new(paths), Instant::now())
         };
-        Progress { place, watched }
+        let ended = Arc::new(Mutex::new((0, Instant::now())));
+        if !quiet {
+            tell_long_paths(&ended);
+        }
+        Progress { place, watched, ended }
     }
 
     /// The run is over: removes the bar. Lines stay.
@@ -57,6 +65,7 @@ impl Progress {
 impl stick_slip::engine::Progress for Progress {
     // This is called once for each block and not for each path, because every call takes a lock.
     fn paths(&mut self, done: u64, expected: u64) {
+        *self.ended.lock().unwrap_or_else(PoisonError::into_inner) = (done, Instant::now());
         match &mut self.place {
             ShownAs::Bar(bar) => {
                 bar.set_position(done);
@@ -99,6 +108,28 @@ impl stick_slip::engine::Progress for Progress {
             ShownAs::Lines(..) | ShownAs::Nowhere => {}
         }
     }
+}
+
+/// Says from time to time, until the progress is dropped, that a block of paths takes long.
+fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>) {
+    let ended = Arc::downgrade(ended);
+    let tell = move || {
+        let mut next = LONG;
+        loop {
+            thread::sleep(TICK);
+            let Some(ended) = ended.upgrade() else { return };
+            let (done, since) = *ended.lock().unwrap_or_else(PoisonError::into_inner);
+            if since.elapsed() < LONG {
+                next = LONG;
+            } else if since.elapsed() >= next {
+                next *= 2;
+                let (time, done) = (duration(since.elapsed().as_secs_f64()), grouped(done));
+                note(&format!("after {done} paths, the next {BLOCK_SIZE} have taken {time} so far"));
+            }
+        }
+    };
+    // Without a thread the run is only silent.
+    let _ = thread::Builder::new().spawn(tell);
 }
 
 /// The running estimate of a statistic.
@@ -153,6 +184,8 @@ pub fn measuring<T>(budget: Duration, quiet: bool, stop: &AtomicBool, measure: i
 
 /// The time between two updates of the elapsed time.
 const TICK: Duration = Duration::from_millis(250);
+/// The time after which a block of paths that has not ended is told.
+const LONG: Duration = Duration::from_secs(20);
 /// The time between two lines of a log.
 const PERIOD: Duration = Duration::from_secs(30);
 /// A run that takes less than this prints no lines.

@@ -163,6 +163,8 @@ keys! {
         SENSOR_DECIMAL = DECIMAL;
     }
     "temperature.noise" {
+        NOISE_KIND = other("kind", "\"ornstein-uhlenbeck\", or \"white\"");
+        STRENGTH = number("strength", "D", "of white noise sqrt(2 D) xi(t)", Positive);
         INTENSITY = number("intensity", "rho", "weight of v in T", NonNegative);
         RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Positive);
         DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", NonNegative);

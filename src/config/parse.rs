@@ -22,9 +22,14 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
-    let Physics { model, measured, is_balanced, written_force } = physics(sources, &root);
+    let Physics { mut model, measured, is_balanced, white_noise, written_force } = physics(sources, &root);
     let bearing = bearing(&root);
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &model);
+    match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
+        None => {}
+        Some(Ok(noise)) => model.temperature.noise = Some(noise),
+        Some(Err(misfit)) => report_misfit(sources, &root, misfit),
+    }
     // `abs` turns -0.0 into 0.0.
     let statistics = root.table("statistics");
     let levels = PassageLevels::of(&statistics.list(keys::LEVELS, PassageLevels::MOST));
@@ -45,6 +50,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
         model,
         measured,
         is_balanced,
+        white_noise,
         written_force,
         bearing,
         time: output_step.map_or_else(|| Time::with_default_rows(end, scheme), |output_step| Time { end, output_step }),

@@ -6,7 +6,7 @@ use super::keys;
 use super::series;
 use super::source::Sources;
 use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
-use crate::scenario::{Measured, SensorBearing, WrittenForce};
+use crate::scenario::{Measured, SensorBearing, WhiteNoise, WrittenForce};
 
 /// The model, and where parts of it come from.
 pub(super) struct Physics {
@@ -14,6 +14,8 @@ pub(super) struct Physics {
     pub measured: Option<Measured>,
     /// Whether x(0) is given as "balanced": where no spring force acts.
     pub is_balanced: bool,
+    /// White noise, in whose place the model has none as yet.
+    pub white_noise: Option<WhiteNoise>,
     /// The force of the user's own as it is written.
     pub written_force: Option<WrittenForce>,
 }
@@ -44,7 +46,8 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
         sources.report(third.fault_of_table("is one noise too many; two are simulated at most", remedy));
     }
-    let read: Vec<Noise> = noises.iter().map(noise).collect();
+    let white_noise = white_noise(sources, &noises);
+    let read: Vec<Noise> = if white_noise.is_some() { Vec::new() } else { noises.iter().map(noise).collect() };
     let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
     // Only a calibration reads this table, but mistakes in it are reported by every command.
@@ -66,7 +69,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
     let [friction, _] = friction;
     let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
-    Physics { model, measured, is_balanced, written_force }
+    Physics { model, measured, is_balanced, white_noise, written_force }
 }
 
 /// The rest position at this temperature, which a body without a spring does not have.
@@ -112,3 +115,24 @@ fn noise(table: &Fields<'_>) -> Noise {
         },
     }
 }
+
+/// White noise, if one of the noises is white. It has no other keys of its own, and is alone.
+fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNoise> {
+    let table = noises.iter().find(|of| of.word(keys::NOISE_KIND, &["ornstein-uhlenbeck", WHITE]) == Some(WHITE))?;
+    if noises.len() > 1 {
+        let remedy = "keep it alone, or write it as a noise with `relaxation_rate` = `diffusion` = theta, a fast one, \
+                      and `intensity` = sqrt(2 D)";
+        sources.report(table.fault_of_table("is white, and there is another noise", remedy));
+    }
+    for key in [keys::INTENSITY, keys::DIFFUSION, keys::INITIAL_NOISE, keys::PINNED] {
+        if let Some(place) = table.place_of(key.name) {
+            let problem = format!("`temperature.noise.{}` has no meaning for white noise", key.name);
+            sources.report(sources.fault(Some(place), problem, "leave it out: `strength` is D of sqrt(2 D) xi(t)"));
+        }
+    }
+    let relaxation_rate = table.number_if_present(keys::RELAXATION_RATE).map(|read| read.value);
+    Some(WhiteNoise { strength: table.number(keys::STRENGTH), relaxation_rate })
+}
+
+/// The kind of a noise without memory.
+const WHITE: &str = "white";

@@ -709,3 +709,37 @@ fn a_parameter_of_the_force_is_a_key_by_itself_and_numbers_may_begin_with_a_poin
     assert_eq!(with(&["k3=-.5"]).number_at("k3"), Some(-0.5));
     assert!(Scenario::parse("x", text, &[Override::set("nothing=.5").unwrap()]).is_err());
 }
+
+/// The memory 1/theta of a noise in place of white noise is the tolerance as a share of the
+/// shortest memory of the body: here c^2 D/f_d^2 = 2.25, sqrt(m/K) = 2, and m/(2 alpha) = 1.
+#[test]
+fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked() {
+    let body = "initial.displacement = 0\ntime = { end = 60, step = 0.01 }\nfriction = { static = 1, dynamic = 1 }\n\
+                oscillator = { mass = 4, stiffness = 1, damping = 2, force_per_temperature = 3 }\n";
+    let read = |noise: &str, set: &[&str]| {
+        let set: Vec<Override> = set.iter().map(|text| Override::set(text).unwrap()).collect();
+        Scenario::parse("white", &format!("{body}temperature.noise = {{ kind = \"white\", {noise} }}"), &set)
+    };
+    let event_driven = "scheme.kind=event-driven";
+    for (tolerance, theta) in [(1e-3, 1e3), (1e-2, 1e2)] {
+        let set = [event_driven, &format!("scheme.tolerance={tolerance}")];
+        let scenario = read("strength = 0.25", &set).unwrap();
+        let noise = scenario.model.temperature.noise.unwrap();
+        assert!((noise.relaxation_rate / theta - 1.0).abs() < 1e-12, "{noise:?}");
+        // The integral of the covariance of rho v is rho^2 sigma^2/theta^2 = 2 D.
+        let twice = (noise.intensity * noise.diffusion / noise.relaxation_rate).powi(2);
+        assert!((twice - 0.5).abs() < 1e-12);
+        assert_eq!(Scenario::parse("white", &scenario.to_toml(), &[]).unwrap(), scenario);
+    }
+    for (noise, set, says) in [
+        ("strength = 1", "friction.static=1.1", "would act at no time"),
+        ("strength = 1", "scheme.kind=corrected-vi", "has no tolerance"),
+        ("strength = 1, intensity = 1", "time.end=9", "has no meaning for white noise"),
+        ("relaxation_rate = 1", "time.end=9", "missing key `temperature.noise.strength`"),
+    ] {
+        let message = read(noise, &[event_driven, set]).unwrap_err().to_string();
+        assert!(message.contains(says) && message.contains("fix: "), "{set}: {message}");
+    }
+    let theta = |set| read("strength = 1, relaxation_rate = 7", &[set]).map(|s| s.model.temperature.noise.unwrap());
+    assert_eq!(theta(event_driven).unwrap().relaxation_rate, 7.0);
+}

@@ -3,7 +3,7 @@
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
 use crate::model::{Drive, Expression, Force, Friction, InitialNoise, Model, Noise, Series, Sides, Temperature};
-use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WrittenForce};
+use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise, WrittenForce};
 use crate::stats::Record;
 use std::fmt::{Display, Write as _};
 
@@ -141,7 +141,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
     text.table("friction");
     friction(text, model, written_force.as_ref());
-    temperature(text, &model.temperature, measured.as_ref());
+    temperature(text, &model.temperature, measured.as_ref(), scenario.white_noise);
     if let Some(WrittenForce { expression, .. }) = written_force {
         force(text, expression);
     }
@@ -198,11 +198,11 @@ fn parameters(text: &mut Written, name: &str, all: &[(String, f64)]) {
 /// The tables of a temperature alone, harmonics and noises, to be inserted into a scenario.
 pub(super) fn of_temperature(temperature: &Temperature) -> String {
     let mut text = Written(String::new());
-    self::temperature(&mut text, temperature, None);
+    self::temperature(&mut text, temperature, None, None);
     text.0
 }
 
-fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>) {
+fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>, white: Option<WhiteNoise>) {
     if of.has_line() || of.harmonics.is_empty() {
         text.table("temperature");
     }
@@ -227,7 +227,10 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
         (None, _) => text.plain("\n# no [temperature.noise]: rho = 0"),
         (Some(only), None) => {
             text.table("temperature.noise");
-            noise(text, only);
+            match white {
+                Some(white) => white_noise(text, white, only),
+                None => noise(text, only),
+            }
             if of.is_pinned {
                 text.other(keys::PINNED, "true");
             }
@@ -250,6 +253,15 @@ fn noise(text: &mut Written, Noise { intensity, relaxation_rate, diffusion, init
         InitialNoise::Stationary => {
             text.line(keys::INITIAL_NOISE.name, "\"stationary\"", "v(0) ~ N(0, sigma^2 / (2 theta))")
         }
+    }
+}
+
+fn white_noise(text: &mut Written, white: WhiteNoise, simulated: &Noise) {
+    text.other(keys::NOISE_KIND, string("white"));
+    text.number(keys::STRENGTH, white.strength);
+    match white.relaxation_rate {
+        Some(theta) => text.number(keys::RELAXATION_RATE, theta),
+        None => text.plain(format!("# no relaxation_rate, so theta is {:?}", simulated.relaxation_rate)),
     }
 }
 

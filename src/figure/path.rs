@@ -30,6 +30,9 @@ const MOST_SHARED: usize = 32;
 const MOST_LED: usize = 70;
 /// With more events than this, no marks are drawn, because they would merge to a line.
 const MOST_MARKED: usize = 150;
+/// With more events than this, velocity and forces are not drawn over time, because they would fill
+/// their panels.
+const MOST_DRAWN: usize = 400;
 /// The space at both ends of the axis of time, as a share of it.
 const MARGIN: f64 = 0.025;
 /// Curves whose sizes differ by more than this factor do not share an axis.
@@ -62,6 +65,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         panel.line(dry.clone(), force.clone());
         panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
     };
+    let is_crowded = trace.moments.len() > MOST_DRAWN;
     let mut middle = Vec::new();
     if is_shared {
         let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
@@ -69,7 +73,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         forces(&mut panel);
         velocities(&trace, palette, &mut panel);
         middle.push(panel);
-    } else {
+    } else if !is_crowded {
         let seen = trace.samples().map(|s| s.velocity);
         let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), &velocity_unit), 76.0);
         velocities(&trace, palette, &mut panel);
@@ -94,17 +98,21 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     legend.extend(
         (0..3).filter(|k| occurring[*k]).map(|k| LegendEntry::line(solid(of_sub_phase(k + 1, palette)), names[k])),
     );
-    legend.push(LegendEntry::line(spring, name));
-    legend.push(LegendEntry::line(force, "friction *F*"));
+    if !is_crowded {
+        legend.push(LegendEntry::line(spring, name));
+        legend.push(LegendEntry::line(force, "friction *F*"));
+    }
     if trace.moments.len() > MOST_MARKED {
-        let words = format!("{} events, too close to be marked", grouped(trace.moments.len() as u64));
+        let done = if is_crowded { "for velocity and forces" } else { "to be marked" };
+        let words = format!("{} events, too close {done}", grouped(trace.moments.len() as u64));
         legend.push(LegendEntry::words(Label::verbatim(&words)));
     }
     let plane = match in_full(&trace).len() < trace.pieces.len() {
         true => plane.keyed([LegendEntry::words(Label::verbatim("the longest slip in full, the others thin"))]),
         false => plane,
     };
-    let panels: Vec<Panel> = [vec![displacement.above_another()], middle, vec![plane]].concat();
+    let displacement = if is_crowded { displacement } else { displacement.above_another() };
+    let panels: Vec<Panel> = [vec![displacement], middle, vec![plane]].concat();
     Ok(sheet(&format!("Path {number}: {}", scenario.title), legend, panels))
 }
 

@@ -23,6 +23,7 @@ impl Scenario {
         let mut found: Vec<Misfit> = Vec::new();
         found.extend(friction(model));
         found.extend([first, second].into_iter().flatten().filter_map(noise));
+        found.extend(self.white_noise.and_then(|noise| noise.misfit(model)));
         found.extend(pinned(&model.temperature));
         if found.is_empty() {
             found.extend(forces(model, time.end));

@@ -24,6 +24,7 @@ mod limits;
 mod measured;
 mod plan;
 pub(crate) mod time;
+mod white;
 mod written;
 
 pub use bridge::BridgeScene;
@@ -31,6 +32,7 @@ pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRA
 pub use measured::{Measured, SensorBearing};
 pub use plan::{Period, PeriodSource};
 pub use time::Time;
+pub use white::WhiteNoise;
 pub use written::WrittenForce;
 
 pub use crate::stats::Units;
@@ -51,6 +53,8 @@ pub struct Scenario {
     pub measured: Option<Measured>,
     /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
     pub is_balanced: bool,
+    /// White noise, if the scenario asks for it; the model has a fast noise in its place.
+    pub white_noise: Option<WhiteNoise>,
     /// The force of the user's own as it is written, if there is one. A linear one is in the
     /// stiffness and the damping of the model.
     pub written_force: Option<WrittenForce>,

@@ -19,3 +19,4 @@ mod quasi_static;
 mod series;
 mod thrown;
 mod two_noises;
+mod white;

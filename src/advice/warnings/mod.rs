@@ -65,7 +65,7 @@ const fn rows(name: &'static str, class: Class, says: fn(&Case) -> Vec<String>) 
 }
 
 /// All warnings, the most serious first.
-const ALL: [WarningRow; 28] = [
+const ALL: &[WarningRow] = &[
     row("step-unstable", Class::Growth, step::unstable),
     row("amplitude-above-critical", Class::Growth, step::amplitude_above_critical),
     row("runs-away", Class::Growth, step::runs_away),
@@ -78,6 +78,7 @@ const ALL: [WarningRow; 28] = [
     row("equal-friction", Class::Other, noise::equal_friction),
     row("stick-exit-bias", Class::Bias, noise::stick_exit_bias),
     row("corrected-bias", Class::Bias, noise::corrected_bias),
+    row("white-noise", Class::Other, noise::white),
     row("micro-slips", Class::Other, noise::micro_slips),
     row("resolution", Class::Other, noise::unresolved),
     row("never-moves", Class::Approximation, quasi_static::never_moves),

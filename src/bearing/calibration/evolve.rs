@@ -37,8 +37,8 @@ type Box<const N: usize> = [[f64; 2]; N];
 /// A point, and the value of the function there.
 type Found<const N: usize> = ([f64; N], f64);
 
-/// The lowest point found in a box, with its value. The number `start` determines the random
-/// numbers.
+/// The lowest point found in a box, with its value; `None` if the search was stopped. The number
+/// `start` determines the random numbers.
 ///
 /// `leap` takes a point and a number from -1 to 1, and returns another point where the function may
 /// be as low. It is needed for minima that lie side by side, because mixing the points of one of
@@ -48,9 +48,10 @@ pub fn lowest<const N: usize>(
     start: u64,
     leap: impl Fn([f64; N], f64) -> [f64; N],
     f: impl Fn(&[f64; N]) -> f64,
-) -> Found<N> {
+    is_stopped: impl Fn() -> bool,
+) -> Option<Found<N>> {
     let mut random = Stream::new(SEED, start);
-    let mut best = population(bounds, &mut random, &leap, &f);
+    let mut best = population(bounds, &mut random, &leap, &f, &is_stopped)?;
     let mut in_vain = 0;
     for _ in 0..REPEATS {
         let near = std::array::from_fn(|k| {
@@ -58,7 +59,7 @@ pub fn lowest<const N: usize>(
             let half = 0.5 * REPEAT_WIDTH * (high - low);
             [(best.0[k] - half).max(low), (best.0[k] + half).min(high)]
         });
-        let next = population(&near, &mut random, &leap, &f);
+        let next = population(&near, &mut random, &leap, &f, &is_stopped)?;
         in_vain = if next.1 < best.1 * (1.0 - BETTER) { 0 } else { in_vain + 1 };
         if next.1 < best.1 {
             best = next;
@@ -67,7 +68,7 @@ pub fn lowest<const N: usize>(
             break;
         }
     }
-    best
+    Some(best)
 }
 
 /// One search in a box, until all points of the population are about equally low.
@@ -76,7 +77,8 @@ fn population<const N: usize>(
     random: &mut Stream,
     leap: &impl Fn([f64; N], f64) -> [f64; N],
     f: &impl Fn(&[f64; N]) -> f64,
-) -> Found<N> {
+    is_stopped: &impl Fn() -> bool,
+) -> Option<Found<N>> {
     let mut anywhere = || {
         let x = std::array::from_fn(|k| bounds[k][0] + (bounds[k][1] - bounds[k][0]) * random.uniform());
         (x, f(&x))
@@ -85,6 +87,9 @@ fn population<const N: usize>(
     let lower = |a: Found<N>, b: Found<N>| if b.1 < a.1 { b } else { a };
     let lowest = |all: &[Found<N>]| all.iter().copied().fold(all[0], lower);
     for _ in 0..GENERATIONS {
+        if is_stopped() {
+            return None;
+        }
         let best = lowest(&all);
         let worst = all.iter().map(|found| found.1).fold(best.1, f64::max);
         if worst - best.1 <= 0.1 * BETTER * best.1.abs() {
@@ -110,7 +115,7 @@ fn population<const N: usize>(
             }
         }
     }
-    lowest(&all)
+    Some(lowest(&all))
 }
 
 #[cfg(test)]
@@ -125,7 +130,7 @@ mod tests {
             1.0 + valley(x[0] - 0.3) + valley(x[1] + 0.7)
         };
         for start in 0..10 {
-            let (at, value) = lowest(&[[-5.0, 5.0]; 2], start, |x, _| x, rugged);
+            let (at, value) = lowest(&[[-5.0, 5.0]; 2], start, |x, _| x, rugged, || false).expect("not stopped");
             assert!((value - 1.0).abs() < 1e-3, "start {start}: {value} at {at:?}");
         }
     }

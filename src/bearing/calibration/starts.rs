@@ -10,7 +10,7 @@ use super::question::CalibrationQuestion;
 use crate::ensemble::in_order;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
-use std::sync::atomic::AtomicBool;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// The box in which A, G and xi(0) are searched: the interval of each.
 pub type Search = [[f64; 2]; 3];
@@ -43,7 +43,7 @@ pub struct SearchStart {
 }
 
 /// Run all starts of a question on these threads. Each is a search of its own, with its own random
-/// numbers.
+/// numbers. One that is stopped is left out.
 pub fn starts(
     misfit: &FitObjective,
     search: &Search,
@@ -77,13 +77,13 @@ pub fn starts(
     // bodies have slipped.
     let leap = |[reach, jump, start]: [f64; 3], direction: f64| [reach, jump, start + jump.copysign(direction)];
     let make = |number: u64| {
-        let (at, _) = evolve::lowest(search, number, leap, value);
+        let (at, _) = evolve::lowest(search, number, leap, value, || stop.load(Ordering::Relaxed))?;
         let (err, sensor) = best(&motion(at));
-        SearchStart { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } }
+        Some(SearchStart { err: err / misfit.duration(), response: Response { motion: motion(at), sensor } })
     };
     let mut all = Vec::new();
-    let deliver = |start: SearchStart| {
-        all.push(start);
+    let deliver = |start: Option<SearchStart>| {
+        all.extend(start);
         Ok::<_, Infallible>(ControlFlow::Continue(()))
     };
     let _ = in_order(question.starts.into(), threads, stop, make, deliver);

@@ -84,6 +84,7 @@ prop_compose! {
             model,
             measured: None,
             is_balanced: false,
+            white_noise: None,
             written_force: None,
             bearing: bearing.map(|(stiffness, offset)| SensorBearing { stiffness, offset }),
             time: Time { end: f64::from(steps) * step, output_step: f64::from(stride) * step },

@@ -1,0 +1,74 @@
+//! White noise of the temperature, which is simulated as a fast Ornstein-Uhlenbeck process.
+
+use crate::model::{Force, InitialNoise, Model, Noise, Sides};
+use crate::scheme::{Misfit, Scheme};
+
+/// White noise sqrt(2 D) xi(t) of the temperature, with xi of unit intensity.
+///
+/// In its place is simulated v with dv = theta (xi - v) dt, whose memory 1/theta is short against
+/// the memory of the body, and which has the same D.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct WhiteNoise {
+    /// D > 0, in the square of the unit of temperature times the unit of time.
+    pub strength: f64,
+    /// theta, if the scenario gives it.
+    pub relaxation_rate: Option<f64>,
+}
+
+impl WhiteNoise {
+    /// The noise that is simulated: with rho = sqrt(2 D) and sigma = theta, rho v has the strength D
+    /// at every theta. A theta that is not given is so large that its memory is the tolerance as a
+    /// share of the body's.
+    ///
+    /// # Errors
+    ///
+    /// If theta is not given, and the scheme has no tolerance to choose it by.
+    pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, Misfit> {
+        let chosen = || scheme.tolerance().map(|tolerance| 1.0 / (tolerance * self.memory_of_body(model).min(end)));
+        let Some(relaxation_rate) = self.relaxation_rate.or_else(chosen) else {
+            let problem = format!("is white noise, and the {} scheme has no tolerance to resolve it by", scheme.name());
+            let remedy = "choose `scheme.kind = \"event-driven\"`, or write how fast it forgets, e.g. \
+                          `relaxation_rate = 100`";
+            return Err(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy));
+        };
+        Ok(Noise {
+            intensity: (2.0 * self.strength).sqrt(),
+            relaxation_rate,
+            diffusion: relaxation_rate,
+            initial: InitialNoise::Stationary,
+        })
+    }
+
+    /// Under white noise the force on a body at rest passes every threshold at once.
+    pub(super) fn misfit(&self, model: &Model) -> Option<Misfit> {
+        let both = model.force.as_ref().and_then(Force::sides).map_or([model.friction; 2], Sides::friction);
+        let of = both.into_iter().find(|friction| friction.static_force > friction.dynamic_force)?;
+        let problem = format!(
+            "is white noise, which passes every static friction at once, so `friction.static` = {:?} above \
+             `friction.dynamic` = {:?} would act at no time",
+            of.static_force, of.dynamic_force
+        );
+        let remedy = "write `static` equal to `dynamic`, or a noise with a memory (`intensity`, `relaxation_rate`, \
+                      `diffusion`)";
+        Some(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy))
+    }
+
+    /// The memory of the noise as a share of the body's, which is how far statistics are from those
+    /// under white noise, in order of magnitude.
+    pub fn share(&self, model: &Model) -> Option<f64> {
+        Some(1.0 / (model.temperature.noise?.relaxation_rate * self.memory_of_body(model)))
+    }
+
+    /// The shortest time in which the body forgets its velocity: by friction, c^2 D/f_d^2; by the
+    /// spring, sqrt(m/K); by damping, m/(2 alpha). A force of the user's own is not in it.
+    fn memory_of_body(&self, model: &Model) -> f64 {
+        let oscillator = &model.oscillator;
+        let force = oscillator.force_per_temperature();
+        let times = [
+            force * force * self.strength / model.friction.dynamic_force.powi(2),
+            (oscillator.mass / oscillator.stiffness).sqrt(),
+            oscillator.mass / (2.0 * oscillator.damping.abs()),
+        ];
+        times.into_iter().fold(f64::INFINITY, f64::min)
+    }
+}
