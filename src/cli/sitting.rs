@@ -235,14 +235,14 @@ impl<'a> Sitting<'a> {
                 "every path diverged, so there are no statistics".to_string(),
                 "what the warnings of mc check say; a smaller step tells whether the step is the reason",
             ),
-            Some(why) => {
-                let remedy = match why {
+            Some(given_up) => {
+                let remedy = match given_up.why {
                     Unresolved::TooLong => {
                         "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
                     }
                     _ => "what the warnings of mc check say, or a shorter --until",
                 };
-                (format!("every path was given up, so there are no statistics; of the first, {why}"), remedy)
+                (format!("every path was given up, so there are no statistics; of the first, {given_up}"), remedy)
             }
         };
         format!("{lost}{cause}\n  fix: {remedy}")

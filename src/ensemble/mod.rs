@@ -22,6 +22,7 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::{Event, Model};
 use crate::noise;
+use crate::numbers::short;
 use crate::scheme::{Glide, Instant, Observer, Simulate as _, Simulation, Snapshot, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
@@ -85,6 +86,41 @@ impl Observer for PathMotion {
     }
 }
 
+/// Why a path is given up, and until where it was followed.
+#[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
+#[error("{why}, after t = {} at x = {}", short(*time), short(*displacement))]
+pub struct GivenUp {
+    /// The reason.
+    pub why: Unresolved,
+    /// The end of the last piece of its motion that was found, a time.
+    pub time: f64,
+    /// x there, a length.
+    pub displacement: f64,
+}
+
+/// Where a path was seen last, until a flag stops it.
+struct SeenLast<'a>([f64; 2], &'a AtomicBool);
+
+impl Observer for SeenLast<'_> {
+    fn event(&mut self, _: usize, event: Event) {
+        self.0 = [event.time, event.displacement];
+    }
+
+    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
+
+    fn follows(&self) -> bool {
+        true
+    }
+
+    fn glide(&mut self, _: usize, glide: &Glide) {
+        self.0 = [glide.end(), glide.displacement + glide.way];
+    }
+
+    fn is_stopped(&self) -> bool {
+        self.1.load(Ordering::Relaxed)
+    }
+}
+
 impl Plan {
     /// The model that is simulated.
     pub fn model(&self) -> &Model {
@@ -129,9 +165,12 @@ impl Plan {
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until
     /// `stop` is set; none if it is not, and where lost paths have diverged.
-    pub fn why_lost(&self, path: u64, mut stop: &AtomicBool) -> Option<Unresolved> {
+    pub fn why_lost(&self, path: u64, stop: &AtomicBool) -> Option<GivenUp> {
         let drawn = drawn(&[path], self.antithetic);
-        self.simulation.why_lost(self.seed, drawn[0], &mut stop)
+        let mut seen = SeenLast([0.0, self.model().initial_displacement], stop);
+        let why = self.simulation.why_lost(self.seed, drawn[0], &mut seen)?;
+        let [time, displacement] = seen.0;
+        Some(GivenUp { why, time, displacement })
     }
 
     /// Simulate the paths `first .. first + paths`. They may lie beyond the end of the ensemble.
