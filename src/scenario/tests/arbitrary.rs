@@ -82,7 +82,8 @@ prop_compose! {
         let mut scenario = Scenario {
             title,
             model,
-            measured: None,
+            measured: Vec::new(),
+            named: Vec::new(),
             is_balanced: false,
             written_force: None,
             bearing: bearing.map(|(stiffness, offset)| SensorBearing { stiffness, offset }),
