@@ -23,7 +23,7 @@ A length of time is a number of seconds, a text such as "10m", or a timedelta.
 
 #: Arguments that the page explains: those that are no flags of the command.
 EXPLAINED = {
-    "run": "scenario until set record temperature own progress",
+    "run": "scenario until set record temperature inputs own progress",
     "calibrate": "data displacement",
     "plot": "subject",
     "sweep": "vary",

@@ -18,7 +18,7 @@ fuzz_target!(|bytes: &[u8]| {
     let _ = match store::kind(&FILE) {
         Ok(Some(FileKind::Run)) => store::read(&FILE).map(|stored| {
             let header = &stored.header;
-            let _ = Scenario::parse_stored("fuzz", &header.scenario_text, &[], header.series.as_ref());
+            let _ = Scenario::parse_stored("fuzz", &header.scenario_text, &[], &header.samples);
         }),
         Ok(Some(FileKind::Sweep)) => store::read_sweep(&FILE).map(drop),
         Ok(Some(FileKind::Calibration)) => store::read_calibration(&FILE).map(drop),

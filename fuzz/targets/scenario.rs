@@ -9,7 +9,7 @@ use stick_slip::scenario::Scenario;
 fuzz_target!(|text: &str| {
     if let Ok(scenario) = Scenario::parse("fuzz", text, &[]) {
         let written = scenario.to_toml();
-        let again = Scenario::parse_stored("fuzz", &written, &[], scenario.model.temperature.series.as_ref());
+        let again = Scenario::parse_stored("fuzz", &written, &[], &scenario.samples());
         assert_eq!(again.expect("what was written is read").to_toml(), written);
     }
 });

@@ -173,7 +173,7 @@ pub fn repaired<'py>(
     values: PyReadonlyArray1<'py, f64>,
     outliers: Option<u64>,
 ) -> PyResult<Repaired<'py>> {
-    let quantities = [ColumnQuantity::Temperature, ColumnQuantity::Displacement];
+    let quantities = [ColumnQuantity::Temperature, ColumnQuantity::Displacement, ColumnQuantity::Input];
     let quantity = quantities.into_iter().find(|known| known.word() == quantity).unwrap_or(quantities[0]);
     let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());
     let layout = Layout { outliers, ..Layout::default() };

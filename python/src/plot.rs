@@ -93,11 +93,11 @@ pub fn plot(
 
 /// A sweep from a data set, with the scenarios of its points made again.
 fn whole(py: Python<'_>, stored: StoredSweep) -> PyResult<Sweep> {
-    let (text, series) = (stored.scenario_text.clone(), stored.series.clone());
+    let (text, samples) = (stored.scenario_text.clone(), stored.samples.clone());
     stored.whole(|settings| {
         let laid = |Setting { key, value }: &Setting| Override::number(key, key, *value);
         let own: Vec<Override> = settings.iter().map(laid).collect();
-        Checked::parse_stored("sweep", &text, &own, series.as_ref()).map_err(|error| errors::of_scenario(py, &error))
+        Checked::parse_stored("sweep", &text, &own, &samples).map_err(|error| errors::of_scenario(py, &error))
     })
 }
 

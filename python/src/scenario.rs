@@ -1,15 +1,14 @@
-//! Scenarios: a text or a file with overrides and samples of a measured temperature, checked by the
-//! parser of the command.
+//! Scenarios: a text or a file with overrides and measured values, checked by the parser of the
+//! command.
 
 use crate::errors;
 use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
-use std::sync::Arc;
 use stick_slip::advice::DerivedQuantity;
 use stick_slip::config::{self, Override, ScenarioError, Shipped};
-use stick_slip::model::Series;
+use stick_slip::model::{NamedSeries, Series};
 use stick_slip::scenario::Scenario as Checked;
 
 /// A checked scenario, and what it was read from.
@@ -19,28 +18,28 @@ pub struct Scenario {
     source: Source,
 }
 
-/// A text with overrides, and the samples of a measured temperature that belong to it. The flag is
-/// true if the samples are those that the text refers to, as in stored results, and false if they
-/// replace them.
+/// A text with overrides, and the measured values that belong to it, each by its table. The flag is
+/// true if they are those that the text refers to, as in stored results, and false if they replace
+/// them.
 #[derive(Clone)]
 struct Source {
     name: String,
     text: String,
     overrides: Vec<Override>,
-    samples: Option<(Arc<Series>, bool)>,
+    samples: Vec<NamedSeries>,
+    are_stored: bool,
     /// The shipped scenario that the text is, if it was not read from a file.
     shipped: Option<&'static Shipped>,
 }
 
 impl Source {
     fn parse(&self, more: &[Override]) -> Result<Checked, ScenarioError> {
-        let Source { name, text, overrides, samples, shipped } = self;
+        let Source { name, text, overrides, samples, are_stored, shipped } = self;
         let overrides = [overrides, more].concat();
-        match (samples, shipped) {
-            (None, Some(shipped)) => shipped.parse(&overrides),
-            (None, None) => Checked::parse(name, text, &overrides),
-            (Some((series, true)), _) => Checked::parse_stored(name, text, &overrides, Some(series)),
-            (Some((series, false)), _) => Checked::parse_measured(name, text, &overrides, series),
+        match shipped {
+            Some(shipped) if samples.is_empty() => shipped.parse(&overrides),
+            _ if *are_stored => Checked::parse_stored(name, text, &overrides, samples),
+            _ => Checked::parse_measured(name, text, &overrides, samples),
         }
     }
 }
@@ -110,16 +109,16 @@ impl Scenario {
 type Laid = (String, String, String);
 
 /// Reads and checks a scenario: the file with this name, or `text`, which has this name in
-/// messages. With `are_stored`, the samples of a measured temperature are those that the text
-/// refers to, as in stored results; otherwise they replace them.
+/// messages. `samples` are measured values, each by its table. With `are_stored`, they are those that
+/// the text refers to, as in stored results; otherwise they replace them.
 #[pyfunction]
-#[pyo3(signature = (name, text, overrides, samples = None, are_stored = false))]
+#[pyo3(signature = (name, text, overrides, samples = Vec::new(), are_stored = false))]
 pub fn parse(
     py: Python<'_>,
     name: &str,
     text: Option<&str>,
     overrides: Vec<Laid>,
-    samples: Option<(PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
+    samples: Vec<(String, PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)>,
     are_stored: bool,
 ) -> PyResult<Scenario> {
     let wrong = |error: ScenarioError| errors::of_scenario(py, &error);
@@ -129,14 +128,15 @@ pub fn parse(
         Some(text) => (name.to_string(), text.to_string()),
         None => config::text_of(Path::new(name)).map_err(wrong)?,
     };
-    let series = samples.map(|(times, values)| {
-        Series::new(times.as_array().to_vec(), values.as_array().to_vec()).map_err(|error| {
-            let remedy = "give finite temperatures at ascending times, at least two of them";
-            errors::of_argument(py, "temperature", "the samples", &error.to_string(), remedy)
-        })
-    });
-    let samples = series.transpose()?.map(|series| (Arc::new(series), are_stored));
-    let source = Source { name, text, overrides, samples, shipped };
+    let series = |(name, times, values): (String, PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)| {
+        let series = Series::new(times.as_array().to_vec(), values.as_array().to_vec()).map_err(|error| {
+            let remedy = "give finite values at ascending times, at least two of them";
+            errors::of_argument(py, &name, "the samples", &error.to_string(), remedy)
+        })?;
+        Ok(NamedSeries { name, series: series.into() })
+    };
+    let samples = samples.into_iter().map(series).collect::<PyResult<_>>()?;
+    let source = Source { name, text, overrides, samples, are_stored, shipped };
     let checked = errors::guarded(py, || source.parse(&[]).map_err(wrong))?;
     Ok(Scenario { checked, source })
 }

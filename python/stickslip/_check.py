@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,11 +41,12 @@ def check(
     until: float | None = None,
     set: Settings | None = None,
     temperature: Any = None,
+    inputs: Mapping[str, Any] | None = None,
 ) -> Check:
     """Check a scenario without running it, like `mc check`.
 
     Args:
-        scenario, paths, seed, scheme, step, tolerance, until, set, temperature: as for `run`;
+        scenario, paths, seed, scheme, step, tolerance, until, set, temperature, inputs: as for `run`;
             `until` is a time.
 
     Returns:
@@ -53,7 +55,7 @@ def check(
     Raises:
         ScenarioError: something in the scenario is wrong. The error says where, and what would be
             right.
-        ArgumentError: `temperature` is not a measurement.
+        ArgumentError: `temperature` or one of `inputs` is not a measurement.
     """
     given = locals()
     checked(check, given)

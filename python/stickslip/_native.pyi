@@ -32,7 +32,7 @@ def parse(
     name: str,
     text: str | None,
     overrides: Sequence[tuple[str, str, str]],
-    samples: tuple[npt.NDArray[np.float64], npt.NDArray[np.float64]] | None = None,
+    samples: Sequence[tuple[str, npt.NDArray[np.float64], npt.NDArray[np.float64]]] = (),
     are_stored: bool = False,
 ) -> Scenario: ...
 def shipped(name: str) -> str | None: ...

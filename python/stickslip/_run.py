@@ -45,6 +45,7 @@ def run(
     set: Settings | None = None,
     record: Record | None = None,
     temperature: Any = None,
+    inputs: Mapping[str, Any] | None = None,
     accuracy: float | None = None,
     statistic: str | Sequence[str] = (),
     max_time: Time | None = None,
@@ -95,6 +96,8 @@ def run(
             time, or a pair (times, values) of one-dimensional arrays of equal length. Times and
             values are in the units of the scenario. Times may also be dates; they become seconds
             since the first of them, and the unit of time of the scenario must be the second.
+        inputs: measured inputs by name, e.g. `{"ag": (times, accelerations)}`, in place of the
+            tables `[input.NAME]`. The first time is 0, and nothing is repaired.
         accuracy: a relative error from 1e-6 to 0.5, e.g. 0.01. Scheme, step or tolerance, and
             number of paths are then chosen for this error, after a pilot run of about 8 s. It
             cannot be given together with `paths`, `scheme`, `step`, `tolerance` or a goal. The
@@ -292,7 +295,7 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
 
 
 def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
-    """The scenario of the data set of a run, with its measured temperature. `paths` replaces its
+    """The scenario of the data set of a run, with what was measured. `paths` replaces its
     number of paths."""
     text = run.attrs.get("scenario")
     require(
@@ -302,9 +305,12 @@ def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
         "it is not the data set of a run",
         "give what run() returned, or load() of its file",
     )
-    stored = None
+    stored = []
     if "series_time" in run:
-        stored = (run.series_time.to_numpy().copy(), run.series_temperature.to_numpy().copy())
+        stored = [("temperature.series", run.series_time.values.copy(), run.series_temperature.values.copy())]
+    for i, name in enumerate(run.input.values) if "input" in run else ():
+        own = run.input_sample.values == i
+        stored.append((f"input.{name}", run.input_time.values[own], run.input_value.values[own]))
     laid = [] if paths is None else [("paths =", "ensemble.paths", str(paths))]
     return _native.parse("run", text, laid, stored, are_stored=True)
 

@@ -53,7 +53,6 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
     """Read the scenario among the arguments of a function, some of which may be replaced, and apply
     overrides: first `set`, then the arguments that replace a key."""
     arguments: dict[str, Any] = {**given, **replaced}
-    temperature = arguments.get("temperature")
     name, text = source(arguments["scenario"])
     # Messages quote the first of the three with the value behind it.
     laid = [(f"set {key} =", key, value) for key, value in written(arguments.get("set"))]
@@ -63,21 +62,32 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
             # A text has no quotation marks.
             bare = value if isinstance(value, str) else _toml.value(key, value)
             laid.append((f"{argument} =", key, bare))
-    times_and_values = first = None
-    if temperature is not None:
-        times, values, first = samples(temperature)
-        times, values, remarks = _native.repaired("temperature", "temperature", times, values, None)
+    measured, dated, has_dates = [], "temperature", False
+    for argument, table, quantity, given in _measurements(arguments):
+        times, values, first = samples(given, argument)
+        times, values, remarks = _native.repaired(argument, quantity, times, values, None)
         warn(remarks, level=4)
-        times_and_values = times, values
-    parsed = _native.parse(name, text, laid, times_and_values)
+        measured.append((table, times, values))
+        dated = dated if first is None else argument
+        has_dates = has_dates or first is not None
+    parsed = _native.parse(name, text, laid, measured)
     require(
-        first is None or parsed.time_unit in _SECONDS,
-        "temperature",
+        not has_dates or parsed.time_unit in _SECONDS,
+        dated,
         "a series with dates",
         f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
         'write the whole scenario in seconds, and `time = "s"` under [units]',
     )
     return parsed
+
+
+def _measurements(arguments: Mapping[str, Any]) -> Iterator[tuple[str, str, str, Any]]:
+    """Each measurement among the arguments: its argument, its table, its quantity, and itself."""
+    temperature, inputs = arguments.get("temperature"), arguments.get("inputs")
+    if temperature is not None:
+        yield "temperature", "temperature.series", "temperature", temperature
+    for name, given in (inputs or {}).items():
+        yield f"inputs.{name}", f"input.{name}", "input", given
 
 
 def written(settings: Settings | None) -> list[tuple[str, str]]:

@@ -36,6 +36,7 @@ def sweep(
     until: float | None = None,
     set: Settings | None = None,
     temperature: Any = None,
+    inputs: Mapping[str, Any] | None = None,
     bias: bool = True,
     threads: int | None = None,
     progress: Progress = None,
@@ -61,8 +62,8 @@ def sweep(
             from 1e-6 to 0.5.
         independent: give every point a seed of its own. The errors of the points are then
             independent, and differences between points are less precise.
-        paths, seed, scheme, step, tolerance, until, set, temperature, bias, threads, progress: as
-            for `run`, at every point; `until` is a time, not a goal.
+        paths, seed, scheme, step, tolerance, until, set, temperature, inputs, bias, threads,
+            progress: as for `run`, at every point; `until` is a time, not a goal.
 
     Returns:
         With `vary`: `estimate`, `standard_error`, `interval_low`, `interval_high`, `bias` and
@@ -108,6 +109,7 @@ def trade(
     seed: int | None = None,
     set: Settings | None = None,
     temperature: Any = None,
+    inputs: Mapping[str, Any] | None = None,
     threads: int | None = None,
 ) -> xr.Dataset:
     """Measure what accuracy costs on this machine, like `mc trade`.
@@ -117,7 +119,7 @@ def trade(
     returned with a `StickSlipWarning`.
 
     Args:
-        scenario, seed, set, temperature, threads: as for `run`.
+        scenario, seed, set, temperature, inputs, threads: as for `run`.
         budget: how long to measure, from 1 s to 7 d: seconds, a text such as "10m", or a timedelta.
 
     Returns:

@@ -123,6 +123,32 @@ def test_samples_in_memory_are_those_of_a_file(tmp_path):
     assert ss.replay(in_memory, 3).path_sticks.item() == in_memory.path_sticks.sel(path=3).item()
 
 
+BLOCK = {
+    "oscillator": {"mass": 1, "stiffness": 0, "dilatation": 0},
+    "friction": {"static": 2, "dynamic": 2},
+    "force": {"expression": "-ag"},
+    "initial": {"displacement": 0},
+    "time": {"end": 20},
+    "scheme": {"kind": "event-driven"},
+}
+
+
+def test_an_input_in_memory_is_that_of_a_file(tmp_path):
+    rows = (f"{t!r},{v!r}" for t, v in zip(TIMES.tolist(), VALUES.tolist()))
+    (tmp_path / "q.csv").write_text("time,ag\n" + "\n".join(rows) + "\n")
+    by_file = ss.run({**BLOCK, "input": {"ag": {"file": str(tmp_path / "q.csv")}}}, paths=1)
+    in_memory = ss.run(BLOCK, paths=1, inputs={"ag": (TIMES, VALUES)})
+    same(in_memory, by_file, but=["scenario"])
+    assert in_memory.input.values.tolist() == ["ag"]
+    assert in_memory.input_value.to_numpy().tobytes() == VALUES.tobytes()
+    assert ss.replay(in_memory, 0).path_slips.item() == in_memory.path_slips.item() > 0
+    with pytest.raises(ss.ScenarioError, match="is in no expression"):
+        ss.run(BLOCK, inputs={"ag": (TIMES, VALUES), "p": (TIMES, VALUES)})
+    with pytest.raises(ss.ArgumentError, match="is no number") as raised:
+        ss.run(BLOCK, inputs={"ag": ([0.0, 1.0], [1.0, float("nan")])})
+    assert raised.value.argument == "inputs.ag"
+
+
 def test_a_series_with_dates_is_in_seconds():
     pandas = pytest.importorskip("pandas")
     dates = pandas.Timestamp("2026-03-01") + pandas.to_timedelta(TIMES, unit="s")

@@ -70,7 +70,7 @@ fn rows_bytes(scenario: &Scenario, paths: f64) -> f64 {
 /// Estimated size of the output file in bytes, uncompressed.
 pub(super) fn output_bytes(scenario: &Scenario) -> f64 {
     let rows = scenario.timeline().rows() as f64;
-    let samples = scenario.model.temperature.series.as_ref().map_or(0, |series| series.times().len());
+    let samples: usize = scenario.measured.iter().map(|measured| measured.series.times().len()).sum();
     EMPTY_BYTES
         + rows * ROW_BYTES
         + rows_bytes(scenario, scenario.ensemble.paths as f64)

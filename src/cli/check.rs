@@ -6,9 +6,10 @@ use super::overrides::Overrides;
 use super::{Failure, cost, print_data};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use stick_slip::advice::{Derived, DerivedQuantity};
-use stick_slip::scenario::{Period, Scenario, WrittenForce};
+use stick_slip::data::input_unit;
+use stick_slip::scenario::{Measured, Period, Scenario, WrittenForce};
 use stick_slip::scheme::{Resolution, Stability};
 
 /// Arguments of `mc check`.
@@ -27,10 +28,10 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let mut scenario = self.overrides.scenario(&self.scenario)?;
-        // The printed scenario must run from the working directory, so its data file is named from
+        // The printed scenario must run from the working directory, so its data files are named from
         // there.
-        if let (Some(measured), Some(folder)) = (&mut scenario.measured, self.scenario.parent()) {
-            measured.file = folder.join(&measured.file).display().to_string();
+        for (measured, folder) in scenario.measured.iter_mut().zip(std::iter::repeat(self.scenario.parent())) {
+            measured.file = folder.unwrap_or(Path::new("")).join(&measured.file).display().to_string();
         }
         if self.json {
             return print_data(&json(&self.scenario.display().to_string(), &scenario));
@@ -46,10 +47,31 @@ impl Arguments {
 pub fn report(scenario: &Scenario) -> String {
     let mut text = scenario.to_toml();
     text.push_str("\n# What follows from it\n");
-    for (meaning, value) in derived(scenario) {
+    let inputs = scenario.measured.iter().filter_map(|measured| Some((measured.input()?, measured)));
+    let inputs = inputs.map(|(name, measured)| (format!("input {name}"), taken(measured)));
+    let derived = derived(scenario).into_iter().map(|(meaning, value)| (meaning.to_string(), value));
+    for (meaning, value) in inputs.chain(derived) {
         let _ = writeln!(text, "# {meaning:<46}{value}");
     }
     text
+}
+
+/// How an input is taken from its file.
+fn taken(measured: &Measured) -> String {
+    let Measured { series, unit, begin, .. } = measured;
+    let number = |x: f64| significant(x, DIGITS);
+    let unit = match unit.as_ref().and_then(|unit| Some((unit, input_unit(unit)?))) {
+        None => "as it is, because nothing says its unit".to_string(),
+        Some((_, (si, 1.0))) => format!("in {si}"),
+        Some((unit, (si, ratio))) => format!("from {unit} to {si}, times {ratio}"),
+    };
+    let shifted = if *begin == 0.0 { String::new() } else { format!(", whose time {} is t = 0", number(*begin)) };
+    let [low, high] = [series.range().0, series.range().1].map(number);
+    format!(
+        "{unit}: {low} to {high}, {} samples to t = {}{shifted}",
+        grouped(series.times().len() as u64),
+        number(series.end())
+    )
 }
 
 /// How long the run will take on this machine, as a comment.

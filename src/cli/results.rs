@@ -25,7 +25,7 @@ pub fn default_output(scenario: &Path, ending: &str) -> PathBuf {
 
 /// The scenario of a file of results, with its measured temperature, after these overrides.
 pub fn scenario(name: &str, stored: &Stored, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-    Scenario::parse_stored(name, &stored.header.scenario_text, overrides, stored.header.series.as_ref())
+    Scenario::parse_stored(name, &stored.header.scenario_text, overrides, &stored.header.samples)
 }
 
 /// Checks that the ensemble of a file has a path of this number. Any number names a path that can

@@ -107,7 +107,7 @@ impl Arguments {
         let (text, is_measured) = content.scenario();
         if is_measured {
             note(
-                "the measured temperature is in the file of results and not in the text: run it beside the CSV file that it names",
+                "measured values are in the file of results and not in the text: run it beside the data files that it names",
             );
         }
         print_data(&text)

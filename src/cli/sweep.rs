@@ -132,9 +132,9 @@ impl Arguments {
 
 /// A sweep read from a file, with the scenarios of its points made again.
 pub fn stored(path: &Path, stored: StoredSweep) -> Result<Sweep, Failure> {
-    let (name, text, series) = (path.display().to_string(), stored.scenario_text.clone(), stored.series.clone());
+    let (name, text, samples) = (path.display().to_string(), stored.scenario_text.clone(), stored.samples.clone());
     let point = |settings: &[Setting]| {
-        Scenario::parse_stored(&name, &text, &QuotedWords(Vec::new()).overrides(settings), series.as_ref())
+        Scenario::parse_stored(&name, &text, &QuotedWords(Vec::new()).overrides(settings), &samples)
     };
     Ok(stored.whole(point)?)
 }

@@ -6,7 +6,7 @@ use super::fields::Fields;
 use super::keys;
 use super::overrides::Override;
 use super::series::source;
-use super::source::Sources;
+use super::source::{MeasuredFrom, Sources};
 use super::{shipped_at, text_of, tree};
 use crate::scenario::BridgeScene;
 use std::path::Path;
@@ -23,7 +23,7 @@ impl BridgeScene {
 
     /// Read a text with the overrides applied; messages call the text `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        scene(&Sources::new(name, text, overrides, None))
+        scene(&Sources::new(name, text, overrides, MeasuredFrom::Files))
     }
 }
 
@@ -32,8 +32,9 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
     let root = Fields::root(sources, &tree);
     let (oscillator, friction) = (root.table("oscillator"), root.table("friction"));
     let bearing = root.table("bearing");
-    let temperature_source = source(&root.table("temperature").table("series"), None);
-    let displacement_source = source(&root.table("displacement").table("series"), Some(&temperature_source));
+    let temperature_source = source(&root.table("temperature").table("series"), keys::VALUE, None);
+    let displacement_source =
+        source(&root.table("displacement").table("series"), keys::VALUE, Some(&temperature_source));
     let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
     let initial = root.table("initial").number_or_word(keys::DISPLACEMENT, &["balanced", "free"]);
     sources.outcome(BridgeScene {

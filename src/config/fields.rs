@@ -39,12 +39,22 @@ impl ValueAt<'_> {
         self.fault(format!("is {}; it must be {expected}", self.node.value.kind()), remedy)
     }
 
-    /// A number, checked.
+    /// A number or the name of a parameter, checked.
     fn number(&self, key: Key) -> Result<f64, Box<Fault>> {
+        let named = match &self.node.value {
+            Value::Text(name) => self.sources.named(&self.path, name).map(Some),
+            _ => Ok(None),
+        };
         let allowed = key.range.words();
         let symbol = if key.symbol.is_empty() { String::new() } else { format!("{}, ", key.symbol) };
         let remedy = format!("give {allowed} ({symbol}{})", key.meaning);
-        let Some(value) = float(self.node) else { return Err(self.wrong_kind(allowed, remedy)) };
+        let known = named.as_ref().err().filter(|known| !known.is_empty());
+        if let Some(known) = known {
+            let problem = format!("is no number, and no parameter; it must be {allowed}");
+            return Err(self.fault(problem, format!("{remedy}, or name a parameter: {}", known.join(", "))));
+        }
+        let value = self.node.number().or(named.ok().flatten());
+        let Some(value) = value else { return Err(self.wrong_kind(allowed, remedy)) };
         let problem = match value {
             x if x.is_nan() => "is not a number".to_string(),
             x if x.is_infinite() => "is not finite".to_string(),
@@ -207,6 +217,25 @@ impl<'a> Fields<'a> {
         items.iter().enumerate().map(|(i, item)| Self::open(sources, path, format!("{path}.{i}"), item)).collect()
     }
 
+    /// The tables of a table whose keys are free names, with these; none if it is missing.
+    pub fn named_tables(&self, name: &str) -> Vec<(&'a str, Fields<'a>)> {
+        let Some(at) = self.value(name) else { return Vec::new() };
+        let Value::Table(entries) = &at.node.value else {
+            let remedy = format!("write a table [{name}.NAME] with the keys {}", keys::of_table(name).join(", "));
+            self.sources.report(at.wrong_kind("a table", remedy));
+            return Vec::new();
+        };
+        let open = |KeyValue { key, node, .. }: &'a KeyValue| {
+            (key.as_str(), Self::open(self.sources, name, format!("{name}.{key}"), node))
+        };
+        entries.iter().map(open).collect()
+    }
+
+    /// The place of this table.
+    pub fn place(&self) -> Option<Place> {
+        self.place
+    }
+
     /// The tables of a key that may hold one table or an array of tables.
     pub fn one_or_more(&self, name: &str) -> Vec<Fields<'a>> {
         match self.node(name) {
@@ -224,7 +253,11 @@ impl<'a> Fields<'a> {
             };
             let read = |KeyValue { key, key_place, node }: &'a KeyValue| {
                 let inside = ValueAt { path: format!("{}.{key}", at.path), node, ..*at };
-                (key.clone(), self.sources.or_report(inside.number(free)).unwrap_or(1.0), Some(*key_place))
+                let value = match node.value {
+                    Value::Text(_) => Err(inside.wrong_kind(free.range.words(), "write a number")),
+                    _ => inside.number(free),
+                };
+                (key.clone(), self.sources.or_report(value).unwrap_or(1.0), Some(*key_place))
             };
             Ok(entries.iter().map(read).collect())
         };
@@ -305,7 +338,8 @@ impl<'a> Fields<'a> {
     /// A number or a word from a list, if it is there: `Ok(number)` or `Err(word)`.
     pub fn number_or_word(&self, key: Key, words: &[&'static str]) -> Option<Result<f64, &'static str>> {
         let at = self.value(key.name)?;
-        if !matches!(at.node.value, Value::Text(_)) {
+        let is_name = |text: &str| !words.contains(&text) && self.sources.named(&at.path, text).is_ok();
+        if !matches!(&at.node.value, Value::Text(text) if !is_name(text)) {
             return Some(Ok(self.number(key)));
         }
         let word = at.word(words, &format!("{} or one of", key.range.words()));
@@ -350,7 +384,7 @@ impl<'a> Fields<'a> {
             let items = if let Value::Array(items) = &at.node.value { items } else { std::slice::from_ref(at.node) };
             let text = |item: &Node| match &item.value {
                 Value::Text(text) => Some(text.clone()),
-                _ => float(item).map(|number| number.to_string()),
+                _ => item.number().map(|number| number.to_string()),
             };
             let texts: Option<Vec<String>> = items.iter().map(text).collect();
             texts.ok_or_else(|| at.wrong_kind("numbers and texts", "write e.g. [-9999, \"no data\"]"))
@@ -393,16 +427,6 @@ fn count(text: &str) -> Option<i128> {
 
 /// 2^53: above it, not every whole number is a double.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
-
-/// The number in a node. A whole number is accepted as well.
-fn float(node: &Node) -> Option<f64> {
-    match &node.value {
-        Value::Float(text) => text.parse().ok(),
-        Value::Integer { digits, radix: 10 } => digits.parse().ok(),
-        Value::Integer { digits, radix } => i128::from_str_radix(digits, *radix).ok().map(|n| n as f64),
-        _ => None,
-    }
-}
 
 /// The place of a value below a table, by its dotted key.
 fn place_in(entries: &[KeyValue], dotted: &str) -> Option<Place> {

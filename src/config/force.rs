@@ -5,8 +5,8 @@ use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{Place, Sources};
 use crate::excerpt::underlined;
-use crate::model::{Drive, Expression, ExpressionError, Force, Friction, Linear, Oscillator};
-use crate::scenario::WrittenForce;
+use crate::model::{Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator};
+use crate::scenario::{INPUT, Measured, WrittenForce};
 
 /// What `[force]` makes of a body.
 pub(super) struct Forced {
@@ -16,6 +16,14 @@ pub(super) struct Forced {
     pub force: Option<Force>,
     /// The force as it is written, and the body without it.
     pub written: Option<WrittenForce>,
+    /// For each parameter that no expression contains, the fault if no number names it either.
+    pub unused: Vec<(String, Box<Fault>)>,
+}
+
+/// The names that an expression may contain.
+struct Known<'a> {
+    parameters: &'a [Parameter],
+    inputs: &'a [(NamedSeries, Option<Place>)],
 }
 
 /// A number in a table whose keys are free: its name, value and place.
@@ -28,28 +36,46 @@ pub(super) fn force(
     root: &Fields<'_>,
     oscillator: Oscillator,
     friction: [Friction; 2],
+    inputs: &[(Measured, Option<Place>)],
 ) -> Forced {
     let (table, dry) = (root.table_if_present("force"), root.table("friction"));
     let of_force = table.as_ref().map_or(Vec::new(), |table| table.numbers(keys::PARAMETERS));
     let of_load = dry.numbers(keys::LOAD_PARAMETERS);
     let has_load = dry.place_of(keys::LOAD.name).is_some();
     let all: Vec<Parameter> = of_force.iter().chain(&of_load).cloned().collect();
-    let load = has_load.then(|| expression(sources, &dry, (keys::LOAD, "friction.load"), &all)).flatten();
+    let named = |(of, place): &(Measured, Option<Place>)| {
+        Some((NamedSeries { name: of.input()?.to_string(), series: of.series.clone() }, *place))
+    };
+    let inputs: Vec<_> = inputs.iter().filter_map(named).collect();
+    let known = |parameters| Known { parameters, inputs: &inputs };
+    let load = has_load.then(|| expression(sources, &dry, (keys::LOAD, "friction.load"), known(&all))).flatten();
     let own = table.as_ref().and_then(|table| {
         if table.place_of(keys::EXPRESSION.name).is_none() {
             let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), which is added to b";
             sources.report(table.missing_text(keys::EXPRESSION, remedy));
         }
-        expression(sources, table, (keys::EXPRESSION, "force.expression"), &of_force)
+        expression(sources, table, (keys::EXPRESSION, "force.expression"), known(&of_force))
     });
-    let is_used = |name: &str| load.as_ref().is_some_and(|load| load.unused_parameters().all(|other| other != name));
-    if let Some(own) = &own {
-        let unused = own.unused_parameters().filter(|name| !is_used(name));
+    let uses = |of: &Option<Expression>, name: &str| of.as_ref().is_some_and(|of| of.unused_names().all(|n| n != name));
+    let (is_in_load, is_used) = (|name: &str| uses(&load, name), |name: &str| uses(&own, name) || uses(&load, name));
+    let mut unused = Vec::new();
+    if own.is_some() {
         let place = table.as_ref().and_then(|table| table.place_of(keys::EXPRESSION.name));
-        unused.for_each(|name| unused_parameter(sources, ("force.expression", place), name, &of_force));
+        let names = of_force.iter().filter(|(name, ..)| !is_used(name));
+        unused.extend(names.map(|(name, ..)| unused_parameter(sources, ("force.expression", place), name, &of_force)));
     }
-    for (name, ..) in of_load.iter().filter(|(name, ..)| (load.is_some() || !has_load) && !is_used(name)) {
-        unused_parameter(sources, ("friction.load", dry.place_of(keys::LOAD.name)), name, &of_load);
+    if load.is_some() || !has_load {
+        let place = dry.place_of(keys::LOAD.name);
+        let names = of_load.iter().filter(|(name, ..)| !is_in_load(name));
+        let faults = names.map(|(name, ..)| unused_parameter(sources, ("friction.load", place), name, &of_load));
+        // Without a load, there is no expression beside which they would be kept.
+        if has_load { unused.extend(faults) } else { faults.for_each(|(_, fault)| sources.report(fault)) }
+    }
+    if own.is_some() == table.is_some() && load.is_some() == has_load {
+        for (NamedSeries { name, .. }, place) in inputs.iter().filter(|(input, _)| !is_used(&input.name)) {
+            let remedy = format!("write `{name}` in `force.expression` or `friction.load`, or remove it");
+            sources.report(sources.fault(*place, format!("`{INPUT}{name}` is in no expression"), remedy));
+        }
     }
     let absorbed = own.as_ref().and_then(Expression::linear).and_then(|linear| with(oscillator, linear));
     let written = own.clone().map(|expression| WrittenForce { expression, without: absorbed.map(|_| oscillator) });
@@ -62,7 +88,7 @@ pub(super) fn force(
     } else {
         own.map(Force::new)
     };
-    Forced { oscillator, force, written }
+    Forced { oscillator, force, written, unused }
 }
 
 /// An expression forwards and backwards.
@@ -76,18 +102,21 @@ fn expression(
     sources: &Sources<'_>,
     table: &Fields<'_>,
     (key, name): (Key, &'static str),
-    parameters: &[Parameter],
+    Known { parameters, inputs }: Known<'_>,
 ) -> Option<Expression> {
     let place = table.place_of(key.name)?;
     let text = table.lines_if_sound(key)?;
     // Line breaks and tabs are spaces, each in the same place.
     let line = text.replace(['\n', '\r', '\t'], " ");
     let named: Vec<(String, f64)> = parameters.iter().map(|(name, value, _)| (name.clone(), *value)).collect();
-    match Expression::parse(line.trim_end(), &named) {
+    let measured: Vec<NamedSeries> = inputs.iter().map(|(input, _)| input.clone()).collect();
+    match Expression::with_inputs(line.trim_end(), &named, &measured) {
         Ok(expression) => Some(expression),
-        Err(ExpressionError { parameter: Some(parameter), problem, remedy, .. }) => {
-            let fault = sources.fault(place_of(&parameter, parameters), problem, remedy);
-            sources.report(fault.of(&format!("{}.parameters", home(name))));
+        Err(ExpressionError { parameter: Some(wrong), problem, remedy, .. }) => {
+            let input = inputs.iter().find(|(input, _)| input.name == wrong);
+            let parameter = || (place_of(&wrong, parameters), format!("{}.parameters", home(name)));
+            let (place, key) = input.map_or_else(parameter, |(_, place)| (*place, keys::INPUT.name.to_string()));
+            sources.report(sources.fault(place, problem, remedy).of(&key));
             None
         }
         Err(error) => {
@@ -106,8 +135,13 @@ fn place_of(name: &str, parameters: &[Parameter]) -> Option<Place> {
     parameters.iter().rev().find(|(other, ..)| other == name).and_then(|(_, _, place)| *place)
 }
 
-/// Report a parameter that the expression of this key at this place does not contain.
-fn unused_parameter(sources: &Sources<'_>, (key, place): (&str, Option<Place>), name: &str, parameters: &[Parameter]) {
+/// The fault for a parameter that the expression of this key at this place does not contain.
+fn unused_parameter(
+    sources: &Sources<'_>,
+    (key, place): (&str, Option<Place>),
+    name: &str,
+    parameters: &[Parameter],
+) -> (String, Box<Fault>) {
     let home = home(key);
     let all = if sources.is_override(place) {
         format!(", or all with `--set '{home}.parameters={{}}'`")
@@ -116,7 +150,7 @@ fn unused_parameter(sources: &Sources<'_>, (key, place): (&str, Option<Place>), 
     };
     let problem = format!("`{home}.parameters.{name}` is not in the expression");
     let remedy = format!("write `{name}` in `{key}`, or remove it{all}");
-    sources.report(sources.fault(place_of(name, parameters), problem, remedy));
+    (name.to_string(), sources.fault(place_of(name, parameters), problem, remedy))
 }
 
 /// The body with a linear force in its stiffness and its damping; none if the stiffness would be

@@ -94,6 +94,7 @@ keys! {
         FRICTION = table("friction");
         TEMPERATURE = table("temperature");
         SENSOR = table("displacement");
+        INPUT = table("input");
         FORCE = table("force");
         INITIAL = table("initial");
         BEARING = table("bearing");
@@ -170,6 +171,18 @@ keys! {
         DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", NonNegative);
         INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Any);
         PINNED = other("pinned", "v is zero at every sample of the series");
+    }
+    "input" {
+        INPUT_FILE = FILE;
+        INPUT_TIME = SERIES_TIME;
+        COLUMN = other("column", "its column of values");
+        INPUT_UNIT = UNIT;
+        INPUT_ZONE = ZONE;
+        INPUT_DATES = DATES;
+        INPUT_SKIP = SKIP;
+        INPUT_DECIMAL = DECIMAL;
+        INPUT_START = START;
+        INPUT_HASH = HASH;
     }
     "force" {
         EXPRESSION = other("expression", "g(x, xdot, t), which is added to b");

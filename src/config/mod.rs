@@ -6,7 +6,7 @@
 //!        -> fields    a table read key by key: unknown keys, types, ranges (keys lists them all)
 //!             -> parse     the whole scenario (physics and time are files of their own)
 //!                  -> a checked Scenario, or the Faults with their places (blame, error)
-//! series    the file of a measured temperature
+//! series    the files of a measured temperature and of inputs
 //! bridge    reads only what a calibration needs, from the same tree: a BridgeScene
 //! text      a Scenario as TOML with every default; reading it again gives the same Scenario
 //! shipped   the scenarios that come with the program
@@ -35,12 +35,12 @@ pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
 
-use crate::model::{Series, Temperature};
+use crate::model::{NamedSeries, Temperature};
 use crate::scenario::Scenario;
-use source::{GivenSamples, Sources};
+use source::{MeasuredFrom, Sources};
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::{Mutex, PoisonError};
 
 /// The key of a scenario that a word probably stands for, such as its symbol.
 pub fn key_meant(word: &str) -> Option<String> {
@@ -62,11 +62,12 @@ pub fn symbol_and_meaning(key: &str) -> Option<(&'static str, &'static str)> {
 }
 
 /// Every key of a scenario, dotted, in the order in which `mc check` prints them. Of the harmonics
-/// only the first is listed.
+/// only the first is listed, and `NAME` stands for that of an input.
 pub fn keys() -> Vec<String> {
     let dotted = |table: &str, name: &str| match table {
         "" => name.to_string(),
         "temperature.harmonics" => format!("{table}.0.{name}"),
+        "input" => format!("{table}.NAME.{name}"),
         table => format!("{table}.{name}"),
     };
     let is_table = |key: &String| keys::TABLES.iter().any(|(table, _)| table == key);
@@ -158,7 +159,7 @@ pub fn input_files(path: &Path, overrides: &[Override]) -> Vec<PathBuf> {
     let shipped = shipped_at(path);
     let read = || shipped.map(|found| (found.name.into(), found.text.into())).or_else(|| text_of(path).ok());
     let Some((name, text)) = read() else { return vec![path.to_owned()] };
-    let sources = Sources::new(&name, &text, overrides, None);
+    let sources = Sources::new(&name, &text, overrides, MeasuredFrom::Files);
     let sources = shipped.into_iter().fold(sources, Sources::of_shipped);
     // A text that cannot be read has its faults reported by whoever reads the scenario.
     let tree = tree::read(&sources).ok();
@@ -172,7 +173,7 @@ impl Shipped {
     /// The scenario with the overrides applied, checked. The data files that its text names are
     /// those that are built into the program; only a file that an override names is read.
     pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-        parsed(&Sources::new(self.name, self.text, overrides, None).of_shipped(self))
+        parsed(&Sources::new(self.name, self.text, overrides, MeasuredFrom::Files).of_shipped(self))
     }
 }
 
@@ -205,30 +206,30 @@ impl Scenario {
     /// the stem of `name` is the default title. A data file that the text names is looked for in
     /// the folder of `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, None))
+        parsed(&Sources::new(name, text, overrides, MeasuredFrom::Files))
     }
 
-    /// The same for a text whose samples of a measured temperature are stored beside it, as in the
-    /// file of a run. No other file is read unless an override names one.
+    /// The same for a text whose measured values are stored beside it, as in the file of a run, each
+    /// named by the table that describes it. No other file is read unless an override names one.
     pub fn parse_stored(
         name: &str,
         text: &str,
         overrides: &[Override],
-        stored: Option<&Arc<Series>>,
+        stored: &[NamedSeries],
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, stored.map(GivenSamples::Stored)))
+        parsed(&Sources::new(name, text, overrides, MeasuredFrom::Stored(stored)))
     }
 
-    /// The same with given samples of a measured temperature in place of `[temperature.series]`,
-    /// which may be missing. The file of a run keeps these samples beside the text, like those of a
-    /// data file.
+    /// The same with given values in place of the tables by whose names they are called, such as
+    /// `temperature.series` or `input.ag`. These may be missing. The file of a run keeps the values
+    /// beside the text, like those of a data file.
     pub fn parse_measured(
         name: &str,
         text: &str,
         overrides: &[Override],
-        samples: &Arc<Series>,
+        samples: &[NamedSeries],
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, Some(GivenSamples::Given(samples))))
+        parsed(&Sources::new(name, text, overrides, MeasuredFrom::Given(samples)))
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.
@@ -249,12 +250,17 @@ impl Scenario {
                 toml::Value::Array(items) => items.get(segment.parse::<usize>().ok()?),
                 _ => None,
             })?;
-            spot.as_float().or_else(|| spot.as_integer().map(|whole| whole as f64))
+            Some(spot.clone())
         };
-        // A parameter is a key by itself, as in an override.
-        let in_table = |home: &str| at(&format!("{home}.{key}")).filter(|_| whole.get(key).is_none());
-        let parameter = || tree::PARAMETERS.into_iter().find_map(in_table);
-        at(key).or_else(parameter)
+        let number = |at: toml::Value| at.as_float().or_else(|| at.as_integer().map(|whole| whole as f64));
+        let parameter =
+            |name: &str| tree::PARAMETERS.into_iter().find_map(|home| number(at(&format!("{home}.{name}"))?));
+        match at(key) {
+            // A parameter is a key by itself, as in an override.
+            None => parameter(key),
+            Some(toml::Value::String(name)) => parameter(&name),
+            Some(found) => number(found),
+        }
     }
 
     /// The whole scenario as TOML that is meant to be edited: every default is written, every key

@@ -22,9 +22,9 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
-    let Physics { mut model, measured, is_balanced, white_noise, written_force } = physics(sources, &root);
+    let Physics { mut model, measured, is_balanced, white_noise, written_force, unused } = physics(sources, &root);
     let bearing = bearing(&root);
-    let (scheme, end, output_step) = scheme_and_time(sources, &root, &model);
+    let (scheme, end, output_step) = scheme_and_time(sources, &root, &measured);
     match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
         None => {}
         Some(Ok(noise)) => model.temperature.noise = Some(noise),
@@ -45,10 +45,11 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     };
     let record = root.table("record");
     let units = root.table("units");
-    let scenario = Scenario {
+    let mut scenario = Scenario {
         title: root.line_or(keys::TITLE, default_title),
         model,
         measured,
+        named: Vec::new(),
         is_balanced,
         white_noise,
         written_force,
@@ -74,13 +75,17 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
             temperature: units.line_or(keys::TEMPERATURE_LABEL, ""),
         },
     };
+    scenario.named = sources.all_named();
+    let is_named = |name: &str| scenario.named.iter().any(|(_, named)| named == name);
+    unused.into_iter().filter(|(name, _)| !is_named(name)).for_each(|(_, fault)| sources.report(fault));
     scenario.misfits().into_iter().for_each(|misfit| report_misfit(sources, &root, misfit));
     sources.outcome(scenario)
 }
 
 /// Open every table, even one that is not read below, so that its unknown keys are reported.
 fn report_unknown_keys(root: &Fields<'_>) {
-    for name in keys::of_table("").iter().filter(|name| !keys::of_table(name).is_empty()) {
+    let tables = keys::of_table("").into_iter().filter(|name| !keys::of_table(name).is_empty());
+    for name in tables.filter(|name| *name != keys::INPUT.name) {
         root.table(name);
     }
     let temperature = root.table("temperature");

@@ -1,5 +1,6 @@
 //! The model from the tables that describe the physics.
 
+use super::error::Fault;
 use super::fields::Fields;
 use super::force::{Forced, force};
 use super::keys;
@@ -11,13 +12,16 @@ use crate::scenario::{Measured, SensorBearing, WhiteNoise, WrittenForce};
 /// The model, and where parts of it come from.
 pub(super) struct Physics {
     pub model: Model,
-    pub measured: Option<Measured>,
+    /// The measured temperature, if there is one, and then the inputs.
+    pub measured: Vec<Measured>,
     /// Whether x(0) is given as "balanced": where no spring force acts.
     pub is_balanced: bool,
     /// White noise, in whose place the model has none as yet.
     pub white_noise: Option<WhiteNoise>,
     /// The force of the user's own as it is written.
     pub written_force: Option<WrittenForce>,
+    /// For each parameter that no expression contains, the fault if no number names it either.
+    pub unused: Vec<(String, Box<Fault>)>,
 }
 
 /// Read `[oscillator]`, `[friction]`, `[temperature]`, `[force]` and `[initial]`.
@@ -51,8 +55,11 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
     // Only a calibration reads this table, but mistakes in it are reported by every command.
-    series::source(&root.table("displacement").table("series"), None);
-    let (series, measured) = sources.or_report(series::series(sources, root)).flatten().unzip();
+    series::source(&root.table("displacement").table("series"), keys::VALUE, None);
+    let mut measured: Vec<Measured> =
+        sources.or_report(series::temperature(sources, root)).flatten().into_iter().collect();
+    let series = measured.first().map(|measured| measured.series.clone());
+    let inputs = series::inputs(sources, root, &measured);
     let is_pinned = noises.iter().fold(false, |is_pinned, of| is_pinned | of.flag_or(keys::PINNED, false));
     let (offset, trend) = (table.number_or(keys::TEMPERATURE_OFFSET, 0.0), table.number_or(keys::TREND, 0.0));
     let temperature = Temperature { offset, trend, harmonics, series, is_pinned, noise, second_noise };
@@ -65,11 +72,13 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         Some(Err(_balanced)) => balanced(sources, &table, &oscillator, temperature.mean(0.0)),
         None => table.number(keys::DISPLACEMENT),
     };
-    let Forced { oscillator, force, written: written_force } = force(sources, root, oscillator, friction);
+    let Forced { oscillator, force, written: written_force, unused } =
+        force(sources, root, oscillator, friction, &inputs);
+    measured.extend(inputs.into_iter().map(|(input, _)| input));
     let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
     let [friction, _] = friction;
     let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
-    Physics { model, measured, is_balanced, white_noise, written_force }
+    Physics { model, measured, is_balanced, white_noise, written_force, unused }
 }
 
 /// The rest position at this temperature, which a body without a spring does not have.

@@ -1,63 +1,63 @@
-//! The samples of `[temperature.series]`, from the file that it names or from where they are
-//! stored.
+//! The samples of `[temperature.series]` and of `[input]`, from the file that a table names or from
+//! where they are stored.
 
 use super::error::Fault;
 use super::fields::Fields;
-use super::keys;
-use super::source::{GivenSamples, Sources};
-use crate::data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted};
+use super::keys::{self, Key};
+use super::source::{MeasuredFrom, Place, Sources};
+use crate::data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted, input_unit};
 use crate::model::Series;
-use crate::scenario::Measured;
+use crate::scenario::{INPUT, Measured, TEMPERATURE_SERIES};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// The longest time between two samples, in seconds, if a scenario gives none: six hours.
+/// The longest time between two temperatures, in seconds, if a scenario gives none: six hours.
 const DEFAULT_MAX_GAP: f64 = 21_600.0;
 
 /// The labels of `units.time` that mean seconds.
 const SECONDS: [&str; 5] = ["", "s", "sec", "second", "seconds"];
 
 /// Read `[temperature.series]`, if it is there.
-pub(super) fn series(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<(Arc<Series>, Measured)>, Box<Fault>> {
-    if let Some(GivenSamples::Given(samples)) = sources.samples {
-        return Ok(Some((samples.clone(), in_memory())));
+pub(super) fn temperature(sources: &Sources<'_>, root: &Fields<'_>) -> Result<Option<Measured>, Box<Fault>> {
+    let place = root.table("temperature").table_if_present("series");
+    let reader = Reader { sources, root, name: TEMPERATURE_SERIES.into(), quantity: ColumnQuantity::Temperature };
+    match (reader.given(), place) {
+        (Some(given), _) => Ok(Some(given)),
+        (None, Some(table)) => reader.measured(&table).map(Some),
+        (None, None) => Ok(None),
     }
-    let Some(table) = root.table("temperature").table_if_present("series") else { return Ok(None) };
-    let ColumnSource { file, column, unit, layout } = source(&table, None);
-    let mut measured = Measured {
-        file: file.unwrap_or_default(),
-        value: column.unwrap_or_default(),
-        unit,
-        layout,
-        max_gap: table.span_if_present(keys::MAX_GAP),
-        // If the samples are read from a file, this is overwritten with their first stamp.
-        start: table.line_if_present(keys::START),
-        repairs: Vec::new(),
-    };
-    let place = table.place_of("file");
-    if measured.file.is_empty() {
-        let remedy = "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures";
-        return Err(table.missing_text(keys::FILE, remedy));
+}
+
+/// Read the tables of `[input]`, each with its place. `others` are measured as well.
+pub(super) fn inputs(sources: &Sources<'_>, root: &Fields<'_>, others: &[Measured]) -> Vec<(Measured, Option<Place>)> {
+    let reader = |name: String| Reader { sources, root, name, quantity: ColumnQuantity::Input };
+    let mut found: Vec<(Measured, Option<Place>)> = Vec::new();
+    for (name, table) in root.named_tables(keys::INPUT.name) {
+        let reader = reader(format!("{INPUT}{name}"));
+        let read = reader.given().map_or_else(|| reader.measured(&table), Ok);
+        let measured = sources.or_report(read).unwrap_or_else(|| reader.in_memory(Arc::new(Series::nothing())));
+        let starts = others.iter().chain(found.iter().map(|(other, _)| other));
+        let start_of = |of: &Measured| of.start.clone().filter(|_| of.start != measured.start);
+        let other = starts.filter(|_| measured.start.is_some()).find_map(|of| Some((start_of(of)?, &of.table)));
+        if let (Some((other, table_of)), Some(start)) = (other, &measured.start) {
+            let problem = format!("begins at {start}, and `{table_of}` at {other}: t = 0 would be two instants");
+            sources.report(
+                sources.fault(table.place(), problem, "cut the files so that they begin together").of(&reader.name),
+            );
+        }
+        found.push((measured, table.place()));
     }
-    let hash = table.line_or(keys::HASH, "");
-    let is_override = sources.is_override(place);
-    let series = match sources.samples {
-        Some(GivenSamples::Stored(stored)) if !is_override => stored.clone(),
-        _ => Arc::new(read(sources, root, &table, &mut measured)?),
-    };
-    let found = format!("{:016x}", series.fingerprint());
-    if !hash.is_empty() && !is_override && hash != found {
-        let problem =
-            format!("the samples are others than those of `temperature.series.hash` = \"{hash}\" (now {found})");
-        let remedy = "give the file as it was, or remove the line `hash` to take it as it is";
-        return Err(sources.fault(table.place_of("hash"), problem, remedy));
+    if let MeasuredFrom::Given(given) = sources.measured_from {
+        let is_new = |name: &str| name.starts_with(INPUT) && found.iter().all(|(other, _)| other.table != name);
+        let new: Vec<_> = given.iter().filter(|given| is_new(&given.name)).collect();
+        found.extend(new.into_iter().map(|given| (reader(given.name.clone()).in_memory(given.series.clone()), None)));
     }
-    Ok(Some((series, measured)))
+    found
 }
 
 /// Where values are measured, as a table says; what it does not say of the layout is as in another
 /// place, if there is one.
-pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> ColumnSource {
+pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource>) -> ColumnSource {
     let given = Layout {
         time: table.line_if_present(keys::SERIES_TIME),
         zone: table.line_if_present(keys::ZONE),
@@ -71,77 +71,166 @@ pub(super) fn source(table: &Fields<'_>, other: Option<&ColumnSource>) -> Column
     };
     ColumnSource {
         file: table.line_if_present(keys::FILE),
-        column: table.line_if_present(keys::VALUE),
+        column: table.line_if_present(value),
         unit: table.line_if_present(keys::UNIT),
         layout: other.map_or(given.clone(), |other| given.over(&other.layout)),
     }
 }
 
-/// The description of samples that come from memory and not from a file.
-fn in_memory() -> Measured {
-    Measured {
-        file: "memory".into(),
-        value: "temperature".into(),
-        unit: None,
-        layout: Layout::timed("time"),
-        max_gap: None,
-        start: None,
-        repairs: Vec::new(),
-    }
+/// Reads one table.
+struct Reader<'a> {
+    sources: &'a Sources<'a>,
+    root: &'a Fields<'a>,
+    /// The dotted name of the table.
+    name: String,
+    quantity: ColumnQuantity,
 }
 
-/// Read the samples from the file, and complete their description.
-fn read(
-    sources: &Sources<'_>,
-    root: &Fields<'_>,
-    table: &Fields<'_>,
-    measured: &mut Measured,
-) -> Result<Series, Box<Fault>> {
-    let fault = |problem: String, remedy: String| {
-        let fault = sources.fault(table.place_of("file"), problem, remedy);
-        fault.of("temperature.series.file").value(format!("\"{}\"", measured.file))
-    };
-    let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
-    let wanted = Wanted::of(ColumnQuantity::Temperature, column, measured.unit.as_deref());
-    let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
-        let wanted = [Wanted { max_gap, ..wanted }];
-        match sources.data(&measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
-            Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
-            None => Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted),
+impl Reader<'_> {
+    fn is_input(&self) -> bool {
+        self.quantity == ColumnQuantity::Input
+    }
+
+    /// What a column is called that is given no name: the quantity, or the input.
+    fn word(&self) -> &str {
+        self.name.strip_prefix(INPUT).unwrap_or(self.quantity.word())
+    }
+
+    /// The values that replace those of the table, if there are any.
+    fn given(&self) -> Option<Measured> {
+        let MeasuredFrom::Given(given) = self.sources.measured_from else { return None };
+        let given = given.iter().find(|given| given.name == self.name)?;
+        Some(self.in_memory(given.series.clone()))
+    }
+
+    /// The description of values that come from memory and not from a file.
+    fn in_memory(&self, series: Arc<Series>) -> Measured {
+        Measured {
+            table: self.name.clone(),
+            series,
+            file: "memory".into(),
+            value: self.word().into(),
+            unit: None,
+            begin: 0.0,
+            layout: Layout::timed("time"),
+            max_gap: None,
+            start: None,
+            repairs: Vec::new(),
         }
-    };
-    let cannot = |error: DataError| {
-        let remedy = error.remedy.clone();
-        let reported = DataError { remedy: String::new(), ..error }.to_string();
-        fault(format!("cannot be used: {}", reported.lines().next().unwrap_or_default()), remedy)
-    };
-    let mut max_gap = measured.max_gap;
-    let mut found = columns(max_gap).map_err(cannot)?;
-    if max_gap.is_none() && found.in_seconds {
-        // It is known only now that times are in seconds. The file is read again with the default
-        // limit, so that a longer gap is an error with its line.
-        max_gap = Some(DEFAULT_MAX_GAP);
-        found = columns(max_gap).map_err(cannot)?;
     }
-    let unit = root.table("units").line_or(keys::TIME_LABEL, "");
-    if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
-        let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
-        return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));
+
+    /// Read the table.
+    fn measured(&self, table: &Fields<'_>) -> Result<Measured, Box<Fault>> {
+        let sources = self.sources;
+        let (value, example) = match self.is_input() {
+            true => {
+                (keys::COLUMN, "add `file = \"quake.csv\"`: a CSV file with columns of times and of values, or AT2")
+            }
+            false => (keys::VALUE, "add `file = \"t.csv\"`: a CSV file with a column of times and one of temperatures"),
+        };
+        let ColumnSource { file, column, unit, layout } = source(table, value, None);
+        let mut measured = Measured {
+            file: file.unwrap_or_default(),
+            value: column.unwrap_or_default(),
+            unit,
+            layout,
+            max_gap: if self.is_input() { None } else { table.span_if_present(keys::MAX_GAP) },
+            // If the samples are read from a file, this is overwritten with their first stamp.
+            start: table.line_if_present(keys::START),
+            ..self.in_memory(Arc::new(Series::nothing()))
+        };
+        let place = table.place_of("file");
+        if measured.file.is_empty() {
+            return Err(table.missing_text(keys::FILE, example));
+        }
+        let hash = table.line_or(keys::HASH, "");
+        let is_override = sources.is_override(place);
+        let stored = match sources.measured_from {
+            MeasuredFrom::Stored(stored) if !is_override => stored.iter().find(|stored| stored.name == self.name),
+            _ => None,
+        };
+        match stored {
+            Some(stored) => measured.series = stored.series.clone(),
+            None => self.read(table, &mut measured)?,
+        }
+        let found = format!("{:016x}", measured.series.fingerprint());
+        if !hash.is_empty() && !is_override && hash != found {
+            let problem =
+                format!("the samples are others than those of `{}.hash` = \"{hash}\" (now {found})", self.name);
+            let remedy = "give the file as it was, or remove the line `hash` to take it as it is";
+            return Err(sources.fault(table.place_of("hash"), problem, remedy));
+        }
+        Ok(measured)
     }
-    let Table { start, time, columns, repairs, .. } = found;
-    let Some(column) = columns.into_iter().next() else {
-        return Err(fault("has no column of temperatures".into(), "name one as `value`".into()));
-    };
-    let series = Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "mend the file".into()))?;
-    *measured = Measured {
-        value: column.name,
-        layout: Layout { time: Some(time), ..measured.layout.clone() },
-        max_gap,
-        start: start.map(|start| start.to_string()),
-        repairs: repairs.sentences(),
-        ..measured.clone()
-    };
-    Ok(series)
+
+    /// Read the samples from the file, and complete their description.
+    fn read(&self, table: &Fields<'_>, measured: &mut Measured) -> Result<(), Box<Fault>> {
+        let Reader { sources, root, .. } = self;
+        let fault = |problem: String, remedy: String| {
+            let fault = sources.fault(table.place_of("file"), problem, remedy);
+            fault.of(&format!("{}.file", self.name)).value(format!("\"{}\"", measured.file))
+        };
+        let column = Some(measured.value.as_str()).filter(|name| !name.is_empty());
+        let wanted = Wanted::called(self.quantity, column, self.word(), measured.unit.as_deref());
+        let columns = |max_gap: Option<f64>| -> Result<Table, DataError> {
+            let wanted = [Wanted { max_gap, ..wanted }];
+            match sources.data(&measured.file).filter(|_| !sources.is_override(table.place_of("file"))) {
+                Some(text) => Origin::Text(&measured.file, text).read(&measured.layout, &wanted),
+                None => Origin::File(&sources.path_of(&measured.file)).read(&measured.layout, &wanted),
+            }
+        };
+        let cannot = |error: DataError| {
+            let remedy = error.remedy.clone();
+            let reported = DataError { remedy: String::new(), ..error }.to_string();
+            fault(format!("cannot be used: {}", reported.lines().next().unwrap_or_default()), remedy)
+        };
+        let mut max_gap = measured.max_gap;
+        let mut found = columns(max_gap).map_err(cannot)?;
+        if max_gap.is_none() && found.in_seconds && !self.is_input() {
+            // It is known only now that times are in seconds. The file is read again with the default
+            // limit, so that a longer gap is an error with its line.
+            max_gap = Some(DEFAULT_MAX_GAP);
+            found = columns(max_gap).map_err(cannot)?;
+        }
+        let label = |key: Key| root.table("units").line_or(key, "");
+        let unit = label(keys::TIME_LABEL);
+        if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
+            let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
+            return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));
+        }
+        let Table { start, begin, time, columns, repairs, .. } = found;
+        let Some(column) = columns.into_iter().next() else {
+            return Err(fault(format!("has no column of {}s", self.quantity.word()), "name one".into()));
+        };
+        if let Some((si, _)) = input_unit(column.unit) {
+            let (key, base) = if si == "N" { (keys::FORCE_LABEL, "N") } else { (keys::LENGTH_LABEL, "m") };
+            let unit = label(key);
+            if !["", base].contains(&unit.as_str()) {
+                let problem = format!("is converted to {si}, and `units.{}` is \"{unit}\"", key.name);
+                let remedy =
+                    format!("write the whole scenario in SI units, and `{} = \"{base}\"` under [units]", key.name);
+                return Err(fault(problem, remedy));
+            }
+        }
+        let series =
+            Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "mend the file".into()))?;
+        *measured = Measured {
+            series: Arc::new(series),
+            value: column.name,
+            unit: if self.is_input() {
+                Some(column.unit.into()).filter(|unit: &String| !unit.is_empty())
+            } else {
+                measured.unit.clone()
+            },
+            begin,
+            layout: Layout { time: Some(time).filter(|name| !name.is_empty()), ..measured.layout.clone() },
+            max_gap,
+            start: start.map(|start| start.to_string()),
+            repairs: repairs.sentences(),
+            ..measured.clone()
+        };
+        Ok(())
+    }
 }
 
 impl Sources<'_> {

@@ -4,9 +4,8 @@ use super::Shipped;
 use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
 use crate::excerpt::{short, underlined};
-use crate::model::Series;
+use crate::model::NamedSeries;
 use std::cell::RefCell;
-use std::sync::Arc;
 
 /// A range of bytes in one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -37,12 +36,16 @@ pub(super) struct Sources<'a> {
     pub text: &'a str,
     /// The overrides that are applied to it.
     pub overrides: &'a [Override],
-    /// Samples of a measured temperature that come with the text, if any.
-    pub samples: Option<GivenSamples<'a>>,
+    /// Where measured values come from.
+    pub measured_from: MeasuredFrom<'a>,
     /// The shipped scenario whose text this is, with the data files that are built into the
     /// program. None for the text of a user, whose data files are read from the disk.
     shipped: Option<&'a Shipped>,
     faults: RefCell<Faults>,
+    /// The parameters of all expressions, which numbers may name.
+    parameters: RefCell<Vec<(String, f64)>>,
+    /// The keys whose numbers name a parameter, with its name.
+    named: RefCell<Vec<(String, String)>>,
 }
 
 /// The faults found so far.
@@ -53,18 +56,21 @@ struct Faults {
     has_stand_in: bool,
 }
 
-/// Samples of a measured temperature that come with a text.
+/// Where measured values come from, each by the name of the table that describes it.
 #[derive(Clone, Copy)]
-pub(super) enum GivenSamples<'a> {
-    /// The samples that its `[temperature.series]` describes, as stored in the file of a run.
-    Stored(&'a Arc<Series>),
-    /// Other samples, which replace its `[temperature.series]`.
-    Given(&'a Arc<Series>),
+pub(super) enum MeasuredFrom<'a> {
+    /// From the files that the text names.
+    Files,
+    /// These are those that the text describes, as stored in the file of a run.
+    Stored(&'a [NamedSeries]),
+    /// These replace those of the text.
+    Given(&'a [NamedSeries]),
 }
 
 impl<'a> Sources<'a> {
-    pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], samples: Option<GivenSamples<'a>>) -> Self {
-        Sources { name, text, overrides, samples, shipped: None, faults: RefCell::default() }
+    pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], measured_from: MeasuredFrom<'a>) -> Self {
+        let (faults, parameters, named) = Default::default();
+        Sources { name, text, overrides, measured_from, shipped: None, faults, parameters, named }
     }
 
     /// The same with the data files of a shipped scenario.
@@ -75,6 +81,31 @@ impl<'a> Sources<'a> {
     /// The text of the built-in data file of this name, if there is one.
     pub fn data(&self, file: &str) -> Option<&'static str> {
         self.shipped.and_then(|shipped| shipped.file(file))
+    }
+
+    /// Say which parameters there are.
+    pub fn set_parameters(&self, parameters: Vec<(String, f64)>) {
+        *self.parameters.borrow_mut() = parameters;
+    }
+
+    /// The value of the parameter that the number at a key names, which is kept in mind; or all
+    /// parameters, if it names none.
+    pub fn named(&self, key: &str, name: &str) -> Result<f64, Vec<String>> {
+        let parameters = self.parameters.borrow();
+        let Some((_, value)) = parameters.iter().find(|(known, _)| known == name) else {
+            return Err(parameters.iter().map(|(known, _)| format!("\"{known}\"")).collect());
+        };
+        let (mut named, here) = (self.named.borrow_mut(), (key.to_string(), name.to_string()));
+        // A key may be read more than once.
+        if !named.contains(&here) {
+            named.push(here);
+        }
+        Ok(*value)
+    }
+
+    /// The keys whose numbers name a parameter, with its name.
+    pub fn all_named(&self) -> Vec<(String, String)> {
+        self.named.borrow().clone()
     }
 
     /// Record that a value is missing or cannot be used; the reader goes on with another value.

@@ -2,28 +2,56 @@
 
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
-use crate::model::{Drive, Expression, Force, Friction, InitialNoise, Model, Noise, Series, Sides, Temperature};
+use crate::model::{Drive, Expression, Force, Friction, InitialNoise, Model, Noise, Sides, Temperature};
 use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise, WrittenForce};
 use crate::stats::Record;
 use std::fmt::{Display, Write as _};
 
 /// The lines of a scenario.
-struct Written(String);
+#[derive(Default)]
+struct Written<'a> {
+    lines: String,
+    /// The dotted name of the current table.
+    table: String,
+    /// The keys whose numbers name a parameter, and the values of parameters.
+    named: &'a [(String, String)],
+    parameters: &'a [(String, f64)],
+}
 
 /// Column at which comments start if the value is short enough.
 const COMMENT_COLUMN: usize = 32;
 
-impl Written {
+impl Written<'_> {
     fn plain(&mut self, line: impl Display) {
-        let _ = writeln!(self.0, "{line}");
+        let _ = writeln!(self.lines, "{line}");
     }
 
     fn table(&mut self, name: &str) {
         self.plain(format!("\n[{name}]"));
+        self.table = name.to_string();
+    }
+
+    /// The next table of an array, with a comment.
+    fn entry(&mut self, name: &str, index: usize, comment: &str) {
+        self.plain(format!("\n[[{name}]]  # {comment}"));
+        self.table = format!("{name}.{index}");
+    }
+
+    /// The parameter that the number at a key names, if it still has this value.
+    fn parameter(&self, name: &str, value: f64) -> Option<&str> {
+        let key = format!("{}.{name}", self.table);
+        let (_, parameter) = self.named.iter().find(|(known, _)| *known == key)?;
+        let (_, now) = self.parameters.iter().find(|(known, _)| known == parameter)?;
+        (*now == value).then_some(parameter)
+    }
+
+    /// A number, or the parameter that it is.
+    fn shown(&self, name: &str, value: f64) -> String {
+        self.parameter(name, value).map_or_else(|| format!("{value:?}"), string)
     }
 
     fn number(&mut self, key: Key, value: f64) {
-        self.other(key, format!("{value:?}"));
+        self.other(key, self.shown(key.name, value));
     }
 
     /// A line with the meaning of its key as a comment.
@@ -39,8 +67,12 @@ impl Written {
 
 /// The text of a scenario. Each number is the shortest decimal that reads back as the same double.
 pub(super) fn resolved(scenario: &Scenario) -> String {
-    let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, .. } = scenario;
-    let mut text = Written(format!("title = {}\n", string(title)));
+    let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, named, .. } = scenario;
+    let load = load(&scenario.model);
+    let force = scenario.written_force.as_ref().map(|force| &force.expression);
+    // Those of the load contain those of the force.
+    let parameters = load.or(force).map_or(&[][..], Expression::parameters);
+    let mut text = Written { lines: format!("title = {}\n", string(title)), named, parameters, ..Written::default() };
     physics(&mut text, scenario);
     if let Some(SensorBearing { stiffness, offset }) = *bearing {
         text.table("bearing");
@@ -100,7 +132,7 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
         text.other(key, string(label));
     }
-    text.0
+    text.lines
 }
 
 /// The text of a scenario that is meant to be edited: the resolved scenario without the keys that
@@ -141,7 +173,9 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
     text.table("friction");
     friction(text, model, written_force.as_ref());
-    temperature(text, &model.temperature, measured.as_ref(), scenario.white_noise);
+    let (inputs, series): (Vec<_>, Vec<_>) = measured.iter().partition(|measured| measured.input().is_some());
+    temperature(text, &model.temperature, series.first().copied(), scenario.white_noise);
+    inputs.into_iter().for_each(|input| series_of(text, input, keys::COLUMN));
     if let Some(WrittenForce { expression, .. }) = written_force {
         force(text, expression);
     }
@@ -161,19 +195,25 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
 }
 
+/// The load of friction, as it is written.
+fn load(model: &Model) -> Option<&Expression> {
+    model.force.as_ref().and_then(Force::sides).and_then(Sides::load).and_then(Force::expression)
+}
+
 fn friction(text: &mut Written, model: &Model, force: Option<&WrittenForce>) {
     let sides = model.force.as_ref().and_then(Force::sides);
     let both = sides.map_or([model.friction; 2], Sides::friction);
     let mut threshold = |key: Key, of: fn(&Friction) -> f64| match both.each_ref().map(of) {
         [forward, backward] if forward == backward => text.number(key, forward),
-        [forward, backward] => {
-            let [first, second] = DIRECTIONS;
-            text.other(key, format!("{{ {first} = {forward:?}, {second} = {backward:?} }}"));
+        both => {
+            let shown = |i: usize| text.shown(&format!("{}.{}", key.name, DIRECTIONS[i]), both[i]);
+            let [[first, second], [forward, backward]] = [DIRECTIONS.map(String::from), [0, 1].map(shown)];
+            text.other(key, format!("{{ {first} = {forward}, {second} = {backward} }}"));
         }
     };
     threshold(keys::STATIC, |friction| friction.static_force);
     threshold(keys::DYNAMIC, |friction| friction.dynamic_force);
-    let Some(load) = sides.and_then(Sides::load).and_then(Force::expression) else { return };
+    let Some(load) = load(model) else { return };
     text.other(keys::LOAD, string(load.text()));
     // Those of the force are written with it.
     let known = force.map_or(0, |force| force.expression.parameters().len());
@@ -197,9 +237,9 @@ fn parameters(text: &mut Written, name: &str, all: &[(String, f64)]) {
 
 /// The tables of a temperature alone, harmonics and noises, to be inserted into a scenario.
 pub(super) fn of_temperature(temperature: &Temperature) -> String {
-    let mut text = Written(String::new());
+    let mut text = Written::default();
     self::temperature(&mut text, temperature, None, None);
-    text.0
+    text.lines
 }
 
 fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>, white: Option<WhiteNoise>) {
@@ -214,14 +254,14 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
         let meaning = if of.has_line() { "no harmonics" } else { "no deterministic part" };
         text.line(keys::HARMONICS.name, "[]", meaning);
     }
-    for harmonic in &of.harmonics {
-        text.plain("\n[[temperature.harmonics]]  # a cos(w t + phi)");
+    for (i, harmonic) in of.harmonics.iter().enumerate() {
+        text.entry("temperature.harmonics", i, "a cos(w t + phi)");
         text.number(keys::AMPLITUDE, harmonic.amplitude);
         text.number(keys::ANGULAR_FREQUENCY, harmonic.angular_frequency);
         text.number(keys::PHASE, harmonic.phase);
     }
-    if let (Some(measured), Some(samples)) = (measured, &of.series) {
-        series(text, measured, samples);
+    if let Some(measured) = measured {
+        series_of(text, measured, keys::VALUE);
     }
     match (&of.noise, &of.second_noise) {
         (None, _) => text.plain("\n# no [temperature.noise]: rho = 0"),
@@ -236,8 +276,8 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
             }
         }
         (Some(first), Some(second)) => {
-            for each in [first, second] {
-                text.plain("\n[[temperature.noise]]  # rho v, one of two");
+            for (i, each) in [first, second].into_iter().enumerate() {
+                text.entry("temperature.noise", i, "rho v, one of two");
                 noise(text, each);
             }
         }
@@ -265,9 +305,10 @@ fn white_noise(text: &mut Written, white: WhiteNoise, simulated: &Noise) {
     }
 }
 
-fn series(text: &mut Written, measured: &Measured, samples: &Series) {
-    let Measured { file, value, unit, layout, max_gap, start, .. } = measured;
-    text.table("temperature.series");
+/// Where values are measured; this key names their column.
+fn series_of(text: &mut Written, measured: &Measured, column: Key) {
+    let Measured { table, series, file, value, unit, layout, max_gap, start, .. } = measured;
+    text.table(table);
     text.other(keys::FILE, string(file));
     let skip = layout.skip.map(|lines| lines.to_string());
     let decimal = layout.decimal.map(|mark| string(&mark.to_string()));
@@ -275,7 +316,7 @@ fn series(text: &mut Written, measured: &Measured, samples: &Series) {
     let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
     for (key, given) in [
         (keys::SERIES_TIME, layout.time.as_deref().map(string)),
-        (keys::VALUE, Some(string(value))),
+        (column, Some(string(value)).filter(|_| !value.is_empty())),
         (keys::UNIT, unit.as_deref().map(string)),
         (keys::ZONE, layout.zone.as_deref().map(string)),
         (keys::DATES, layout.dates.map(|order| string(order.word()))),
@@ -295,8 +336,8 @@ fn series(text: &mut Written, measured: &Measured, samples: &Series) {
     if let Some(start) = start {
         text.other(keys::START, string(start));
     }
-    let hash = format!("{:016x}", samples.fingerprint());
-    text.line(keys::HASH.name, string(&hash), &format!("of the {} samples", samples.times().len()));
+    let hash = format!("{:016x}", series.fingerprint());
+    text.line(keys::HASH.name, string(&hash), &format!("of the {} samples", series.times().len()));
 }
 
 fn string(text: &str) -> String {

@@ -5,12 +5,16 @@ use super::blame::report_misfit;
 use super::fields::Fields;
 use super::keys;
 use super::source::Sources;
-use crate::model::Model;
 use crate::numbers::tidy;
+use crate::scenario::Measured;
 use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
 
 /// Read `[scheme]` and `[time]`. An output step that is not given is none.
-pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &Model) -> (Scheme, f64, Option<f64>) {
+pub(super) fn scheme_and_time(
+    sources: &Sources<'_>,
+    root: &Fields<'_>,
+    measured: &[Measured],
+) -> (Scheme, f64, Option<f64>) {
     let (kind, tolerance) = kind(sources, root);
     let table = root.table("time");
     let scheme = kind.with(match kind.parameter() {
@@ -23,9 +27,9 @@ pub(super) fn scheme_and_time(sources: &Sources<'_>, root: &Fields<'_>, model: &
     // `abs` turns -0.0 into 0.0.
     let given = table.number_if_present(keys::END).map(|end| end.value.abs());
     let is_measured = root.table("temperature").table_if_present("series").is_some();
-    let end = match (given, &model.temperature.series) {
+    let end = match (given, measured.iter().map(|measured| measured.series.end()).reduce(f64::min)) {
         (Some(end), _) => end,
-        (None, Some(series)) => last_step(series.end(), scheme),
+        (None, Some(last)) => last_step(last, scheme),
         // The series could not be read, which is reported already.
         (None, None) if is_measured => 0.0,
         (None, None) => table.number(keys::END),

@@ -36,6 +36,24 @@ pub(super) struct KeyValue {
 }
 
 impl Node {
+    /// The node at this dotted key, if there is one.
+    fn at(&self, dotted: &str) -> Option<&Node> {
+        dotted.split('.').try_fold(self, |node, key| match &node.value {
+            Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
+            _ => None,
+        })
+    }
+
+    /// The number in it. A whole number is accepted as well.
+    pub fn number(&self) -> Option<f64> {
+        match &self.value {
+            Value::Float(text) => text.parse().ok(),
+            Value::Integer { digits, radix: 10 } => digits.parse().ok(),
+            Value::Integer { digits, radix } => i128::from_str_radix(digits, *radix).ok().map(|n| n as f64),
+            _ => None,
+        }
+    }
+
     /// The texts of this key, in whatever table it is, with their places.
     pub fn texts_at(&self, key: &str) -> Vec<(Place, &str)> {
         match &self.value {
@@ -82,7 +100,14 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
     for i in 0..sources.overrides.len() {
         lay_over(&mut root, sources, i)?;
     }
+    sources.set_parameters(PARAMETERS.into_iter().flat_map(|home| parameters(&root, home)).collect());
     Ok(root)
+}
+
+/// The parameters of a table that are numbers.
+fn parameters(root: &Node, home: &str) -> Vec<(String, f64)> {
+    let Some(Node { value: Value::Table(entries), .. }) = root.at(home) else { return Vec::new() };
+    entries.iter().filter_map(|entry| Some((entry.key.clone(), entry.node.number()?))).collect()
 }
 
 fn node(value: Spanned<DeValue<'_>>, text: usize) -> Node {
@@ -121,7 +146,8 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let wrong = |problem: String, remedy: &str| sources.fault(Some(place), problem, remedy);
 
     let is_table = keys::of_table("").contains(&this.key.as_str());
-    let home = PARAMETERS.into_iter().find(|home| !is_table && has_parameter(root, home, &this.key));
+    let has_parameter = |home: &&str| root.at(&format!("{home}.{}", this.key)).is_some();
+    let home = PARAMETERS.into_iter().find(|home| !is_table && has_parameter(home));
     let key = home.map_or(this.key.clone(), |home| format!("{home}.{}", this.key));
     let mut spot = root;
     let mut walked = String::new();
@@ -182,17 +208,7 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     Ok(())
 }
 
-/// Whether these parameters of a scenario have one of this name, which is then a key by itself.
-fn has_parameter(root: &Node, home: &str, name: &str) -> bool {
-    let mut path = home.split('.').chain([name]);
-    let innermost = path.try_fold(root, |node, key| match &node.value {
-        Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
-        _ => None,
-    });
-    innermost.is_some()
-}
-
-/// The tables of parameters.
+/// The tables of parameters, each of which is a key by itself.
 pub(super) const PARAMETERS: [&str; 2] = ["force.parameters", "friction.parameters"];
 
 /// A number such as .5 with the zero that TOML wants.

@@ -19,8 +19,12 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
     let mut columns = Vec::new();
     for (quantity, times, values) in arrays {
         let name = quantity.word();
-        let unit = if *quantity == ColumnQuantity::Temperature { "degC" } else { "m" };
-        let wanted = Wanted { averaged: layout.averaged, ..Wanted::of(*quantity, Some(name), Some(unit)) };
+        let unit = match quantity {
+            ColumnQuantity::Temperature => Some("degC"),
+            ColumnQuantity::Displacement => Some("m"),
+            ColumnQuantity::Input => None,
+        };
+        let wanted = Wanted { averaged: layout.averaged, ..Wanted::of(*quantity, Some(name), unit) };
         let whole = |(problem, remedy): (String, String)| DataError::file(name, problem, remedy);
         let mut column = Column::of(name, &wanted).map_err(whole)?;
         for (place, (time, value)) in times.iter().zip(*values).enumerate() {
@@ -29,7 +33,7 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
                 error.cell(name, format!("{value}").as_bytes())
             };
             if value.is_nan() {
-                column.miss();
+                column.miss().map_err(|(problem, remedy)| wrong(problem, remedy))?;
                 continue;
             }
             if time.is_nan() || time.abs() > LARGEST_MEASURED {

@@ -174,6 +174,11 @@ impl Clock {
         self.first.map(Start)
     }
 
+    /// The number in the first cell; 0 for dates.
+    pub fn begin(&self) -> f64 {
+        self.origin.filter(|_| self.first.is_none()).unwrap_or(0.0)
+    }
+
     /// The time of a cell since the first cell.
     pub fn read(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         let as_before = |what: &str| (format!("is not {what}, as the times before it are"), "mend the row".to_string());

@@ -16,8 +16,10 @@ pub struct DataColumn {
     /// Times from the earliest value of all columns that were wanted; each is later than the one
     /// before.
     pub times: Vec<f64>,
-    /// Values: temperatures in degrees, displacements in metres.
+    /// Values: temperatures in degrees, displacements in metres, inputs in SI units.
     pub values: Vec<f64>,
+    /// The unit of an input in the file; empty if nothing says it.
+    pub unit: &'static str,
     /// The time before its time over which each value is a mean; 0 if it is that of an instant.
     pub averaged: f64,
 }
@@ -97,6 +99,7 @@ impl<'a> Column<'a> {
     pub fn settle_unit(&mut self, wording: Wording) -> Result<(), ProblemAndRemedy> {
         match self.wanted.quantity {
             _ if self.is_known => Ok(()),
+            ColumnQuantity::Input => Ok(()),
             ColumnQuantity::Temperature => {
                 self.said.assumed_unit = Some("degrees Celsius or kelvin");
                 Ok(())
@@ -113,9 +116,18 @@ impl<'a> Column<'a> {
         }
     }
 
+    /// Whether nothing of it may be repaired.
+    fn is_strict(&self) -> bool {
+        self.wanted.quantity == ColumnQuantity::Input
+    }
+
     /// Count a cell without a value.
-    pub fn miss(&mut self) {
+    pub fn miss(&mut self) -> Result<(), (&'static str, &'static str)> {
+        if self.is_strict() {
+            return Err(("is no number", "give the cell its value: nothing of an input is mended or left out"));
+        }
         self.said.missing += 1;
+        Ok(())
     }
 
     /// Take the value of a row, unless it marks a missing one.
@@ -127,8 +139,7 @@ impl<'a> Column<'a> {
         marks: &Marks,
     ) -> Result<(), (&'static str, &'static str)> {
         if marks.is_number(value) {
-            self.miss();
-            return Ok(());
+            return self.miss();
         }
         if !value.is_finite() {
             return Err(("is not finite", "mend the cell; if it marks a missing value, give MARK"));
@@ -180,6 +191,7 @@ impl<'a> Column<'a> {
             times: self.samples.iter().map(|sample| sample.0 - begin).collect(),
             values: self.samples.iter().map(|sample| self.unit.of(sample.1)).collect(),
             averaged: self.averaged,
+            unit: self.unit.name,
         }
     }
 }
@@ -197,6 +209,14 @@ pub(super) fn sorted(
 ) -> Result<(), DataError> {
     let name = column.name.clone();
     let error = |problem: String, remedy: &str| DataError::file(file, problem, remedy);
+    if column.is_strict()
+        && let Some(pair) = column.samples.windows(2).find(|pair| pair[1].0 <= pair[0].0)
+    {
+        let [before, here] = [pair[0], pair[1]];
+        let problem = format!("`{name}` = {} is not later than {} in line {}", here.1, before.1, line(before.2));
+        let remedy = "put the rows in order, one for each time: nothing of an input is sorted or left out";
+        return Err(error(problem, remedy).line(line(here.2)));
+    }
     let samples = &mut column.samples;
     let mut latest = f64::NEG_INFINITY;
     let mut unsorted = 0;
@@ -218,7 +238,9 @@ pub(super) fn sorted(
     let all = samples.len();
     samples.dedup_by(|later, before| later.0 == before.0);
     repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
-    column.look_for_outliers(layout, line);
+    if !column.is_strict() {
+        column.look_for_outliers(layout, line);
+    }
     let samples = &column.samples;
     if samples.len() < 2 {
         let problem =

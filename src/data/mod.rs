@@ -1,4 +1,4 @@
-//! Reading measured data: named columns of a CSV file, or arrays. This is the only module that uses the crates `csv-core` and `jiff`.
+//! Reading measured data: named columns of a CSV file, records of ground motion, or arrays. This is the only module that uses the crates `csv-core` and `jiff`.
 //!
 //! ```text
 //! encoding  the bytes of a file -> UTF-8
@@ -14,6 +14,7 @@
 //! column    the samples of one column, checked, sorted and repaired
 //! repairs   what was repaired and assumed, in sentences
 //! table     the rows in order of time: a Table
+//! at2       a record of ground acceleration as a Table
 //! arrays    measurements in memory, with the same checks and repairs
 //! pair      temperatures and displacements of a bearing on one time axis, from one file or two
 //! span      "6h" as seconds
@@ -23,9 +24,10 @@
 //!
 //! Repairs are counted ([`Repairs`]): rows out of order are sorted, cells without a value are left
 //! out, and a repeated row is used once. Anything that could be read in two ways is an error with
-//! its line.
+//! its line. Of an input nothing is repaired: its rows and values must be sound.
 
 mod arrays;
+mod at2;
 mod clock;
 mod column;
 mod decimals;
@@ -58,7 +60,7 @@ pub use query::{DateOrder, Layout, Name, Wanted, Wording};
 pub use repairs::{ColumnRepairs, Repairs};
 pub use span::seconds;
 pub use table::Table;
-pub use unit::ColumnQuantity;
+pub use unit::{ColumnQuantity, input_unit};
 
 use std::io::Read as _;
 use std::path::Path;
@@ -119,6 +121,9 @@ pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -
     let Some((text, encoding)) = encoding::decoded(bytes) else {
         return Err(foreign("binary, or UTF-16 without a byte-order mark", "save it as CSV in UTF-8"));
     };
+    if let Some(record) = at2::record(name, &text, wanted) {
+        return record;
+    }
     let (rows, header) = header::open(name, &text, layout, wanted)?;
     let mut table = table::table(name, &header, rows, layout, wanted)?;
     table.repairs.encoding = encoding;

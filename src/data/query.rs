@@ -59,6 +59,7 @@ impl Wording {
     /// The option that names the column of a quantity.
     pub(super) fn column(self, quantity: ColumnQuantity, name: &str) -> String {
         match self {
+            Wording::Key if quantity == ColumnQuantity::Input => format!("`column = {}`", literal(name)),
             Wording::Key => format!("`value = {}`", literal(name)),
             Wording::Argument => format!("`{}={}`", quantity.word(), literal(name)),
             _ => format!("`--{} {}`", quantity.word(), shell(name)),
@@ -159,7 +160,12 @@ impl<'a> Wanted<'a> {
     /// The values of a quantity in the column of this name, or, without a name, in the one whose
     /// name begins with that of the quantity.
     pub fn of(quantity: ColumnQuantity, column: Option<&'a str>, unit: Option<&'a str>) -> Self {
-        let column = column.map_or(Name::Beginning(quantity.word()), Name::Exactly);
+        Wanted::called(quantity, column, quantity.word(), unit)
+    }
+
+    /// The same, where another word stands for the quantity in the name of a column.
+    pub fn called(quantity: ColumnQuantity, column: Option<&'a str>, word: &'a str, unit: Option<&'a str>) -> Self {
+        let column = column.map_or(Name::Beginning(word), Name::Exactly);
         Wanted { column, quantity, unit, max_gap: None, averaged: None }
     }
 }

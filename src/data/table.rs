@@ -19,6 +19,8 @@ use std::borrow::Cow;
 pub struct Table {
     /// The instant of time 0, if the file has stamps.
     pub start: Option<Start>,
+    /// The number that the column of times has in its first row; 0 for stamps.
+    pub begin: f64,
     /// Whether times are in seconds. If not, they are numbers in a column whose name gives no unit.
     pub in_seconds: bool,
     /// Number of rows read, including repeated ones and those without a value.
@@ -103,15 +105,15 @@ pub(super) fn table(
         }
         for (column, field) in columns.iter_mut().zip(&header.values) {
             let cell = rows.cell(*field);
-            if marks.is_word(cell) {
-                column.miss();
-                continue;
-            }
             let wrong = |(problem, remedy): (&str, &str)| {
                 let mark = layout.wording.option("missing", &quoted(cell));
                 let decimal = layout.wording.option("decimal", ",");
                 at(*field, (problem.into(), remedy.replace("MARK", &mark).replace("DECIMAL", &decimal)))
             };
+            if marks.is_word(cell) {
+                column.miss().map_err(wrong)?;
+                continue;
+            }
             let value = decimals.number(cell).map_err(wrong)?;
             if undecided.is_none() && !decimals.are_known() {
                 undecided = Some(wrong(THOUSANDS));
@@ -161,6 +163,7 @@ pub(super) fn table(
     }
     Ok(Table {
         start: clock.first().and_then(|first| first.after(begin)),
+        begin: clock.begin(),
         in_seconds: clock.in_seconds(),
         rows: count,
         time: time_name,

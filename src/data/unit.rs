@@ -11,6 +11,9 @@ pub enum ColumnQuantity {
     Temperature,
     /// Displacement, converted to metres. A column without a unit is an error.
     Displacement,
+    /// What acts on a body: an acceleration, a force or a length, converted to SI units. Without a
+    /// unit, values are kept as given. Nothing of it is repaired.
+    Input,
 }
 
 impl ColumnQuantity {
@@ -19,6 +22,7 @@ impl ColumnQuantity {
         match self {
             ColumnQuantity::Temperature => "temperature",
             ColumnQuantity::Displacement => "displacement",
+            ColumnQuantity::Input => "input",
         }
     }
 
@@ -27,6 +31,7 @@ impl ColumnQuantity {
         match self {
             ColumnQuantity::Temperature => "degC, K, degF or degR",
             ColumnQuantity::Displacement => "m, cm, mm or um",
+            ColumnQuantity::Input => "m/s2, g, cm/s2, gal, N, kN, m, cm or mm",
         }
     }
 
@@ -35,6 +40,7 @@ impl ColumnQuantity {
         match self {
             ColumnQuantity::Temperature => temperature(name),
             ColumnQuantity::Displacement => displacement(name),
+            ColumnQuantity::Input => input(name).map(|(unit, _)| unit),
         }
     }
 }
@@ -48,10 +54,13 @@ pub(super) struct InputUnit {
     origin: f64,
     /// The lowest value that a cell may hold: absolute zero for temperatures.
     pub least: f64,
+    /// What a unit of an input is called.
+    pub name: &'static str,
 }
 
 impl InputUnit {
-    pub const AS_GIVEN: InputUnit = InputUnit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY };
+    pub const AS_GIVEN: InputUnit =
+        InputUnit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY, name: "" };
 
     fn larger(times: f64) -> InputUnit {
         InputUnit { times, ..Self::AS_GIVEN }
@@ -94,7 +103,8 @@ fn temperature(name: &str) -> Option<InputUnit> {
     // (cell scale - origin) / over, with the scale taken into the origin and the ratio.
     let of_scale = scale.times / scale.over;
     let origin = unit.origin / of_scale;
-    Some(InputUnit { times: scale.times, over: unit.over * scale.over, origin, least: least / of_scale })
+    let (times, over) = (scale.times, unit.over * scale.over);
+    Some(InputUnit { times, over, origin, least: least / of_scale, ..InputUnit::AS_GIVEN })
 }
 
 fn displacement(name: &str) -> Option<InputUnit> {
@@ -107,6 +117,43 @@ fn displacement(name: &str) -> Option<InputUnit> {
         }
         _ => None,
     }
+}
+
+/// Standard gravity, in m/s2.
+const GRAVITY: f64 = 9.80665;
+
+/// The units of an input: what they are called, the SI unit, and the ratio of both.
+const INPUTS: [(&[&str], &str, [f64; 2]); 9] = [
+    (&["m/s2", "m/s/s", "ms2", "ms-2", "mss", "m/sec2", "m/sec/sec"], "m/s2", [1.0, 1.0]),
+    (&["g", "g's", "gs"], "m/s2", [GRAVITY, 1.0]),
+    (&["cm/s2", "cm/s/s", "cms2", "cms-2", "cmss", "cm/sec2", "cm/sec/sec"], "m/s2", [1.0, 1e2]),
+    (&["gal", "gals"], "m/s2", [1.0, 1e2]),
+    (&["N", "newton", "newtons"], "N", [1.0, 1.0]),
+    (&["kN"], "N", [1e3, 1.0]),
+    (&["m", "metre", "metres", "meter", "meters"], "m", [1.0, 1.0]),
+    (&["cm"], "m", [1.0, 1e2]),
+    (&["mm", "millimetre", "millimetres", "millimeter", "millimeters"], "m", [1.0, 1e3]),
+];
+
+/// A unit of an input, and the SI unit to which it is converted.
+fn input(name: &str) -> Option<(InputUnit, &'static str)> {
+    let bare: String = name.replace('\u{b2}', "2").chars().filter(|c| !" ^*\u{b7}".contains(*c)).collect();
+    let is_called = |names: &[&str]| names.iter().any(|known| known.eq_ignore_ascii_case(&bare));
+    let (names, si, [times, over]) = INPUTS.iter().find(|(names, ..)| is_called(names))?;
+    Some((InputUnit { times: *times, over: *over, name: names[0], ..InputUnit::AS_GIVEN }, si))
+}
+
+/// The unit of an input that is called so: the SI unit to which it is converted, and the value of one
+/// in that.
+///
+/// ```
+/// use stick_slip::data::input_unit;
+///
+/// assert_eq!(input_unit("g"), Some(("m/s2", 9.80665)));
+/// assert_eq!(input_unit("furlong"), None);
+/// ```
+pub fn input_unit(name: &str) -> Option<(&'static str, f64)> {
+    input(name).map(|(unit, si)| (si, unit.of(1.0)))
 }
 
 /// A unit of time, converted to seconds.

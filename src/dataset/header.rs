@@ -4,9 +4,8 @@
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, read_attribute};
 use crate::engine::{NoPart, Part, Provenance, Status};
-use crate::model::{PAPER, Series};
+use crate::model::{NamedSeries, PAPER};
 use crate::stats::Units;
-use std::sync::Arc;
 
 /// Name of a format, with its major and minor version. A new minor version only adds to it; a new
 /// major version may change or remove.
@@ -27,9 +26,9 @@ pub(super) fn write(to: &mut Dataset, header: &Provenance) {
     debug_assert_eq!(done, Ok(()));
 }
 
-/// The attributes of a run, given its output grid and the measured temperature.
-pub(crate) fn read(from: &dyn Source, time: Vec<f64>, series: Option<Arc<Series>>) -> Result<Provenance, String> {
-    let mut header = Provenance { time, series, ..Provenance::default() };
+/// The attributes of a run, given its output grid and what was measured.
+pub(crate) fn read(from: &dyn Source, time: Vec<f64>, samples: Vec<NamedSeries>) -> Result<Provenance, String> {
+    let mut header = Provenance { time, samples, ..Provenance::default() };
     walk(&mut Walk::Reading(from), &mut header)?;
     Ok(header)
 }
@@ -68,7 +67,7 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
         units: Units { time, length, force, temperature },
         // Coordinates and variables, and what only a scenario knows.
         time: _,
-        series: _,
+        samples: _,
         series_start: _,
         bearing: _,
     } = header;

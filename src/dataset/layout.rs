@@ -90,6 +90,11 @@ table! {
     SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
     SERIES_TEMPERATURE = variable("series_temperature", &["series_time"], Unit::TEMPERATURE, "measured temperature");
 
+    INPUT = variable("input", &["input"], Unit::None, "name of a measured input");
+    INPUT_SAMPLE = variable("input_sample", &["input_sample"], Unit::ONE, "number of the input of a sample, from 0");
+    INPUT_TIME = variable("input_time", &["input_sample"], Unit::TIME, "time of a sample");
+    INPUT_VALUE = variable("input_value", &["input_sample"], Unit::None, "measured value, in the unit of its input");
+
     VELOCITY_BIN = variable("velocity_bin", &["velocity_bin"], Unit::VELOCITY, "upper edge of the bin of the velocity");
     VELOCITY_BIN_LOWER = variable("velocity_bin_lower", &["velocity_bin"], Unit::VELOCITY,
         "lower edge of the bin of the velocity, itself inside the bin");

@@ -9,11 +9,10 @@ use super::sweep_layout as own;
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, columns_of, counted, read_variable, series, texts};
 use crate::engine::{Provenance, Status, other_program};
-use crate::model::Series;
+use crate::model::NamedSeries;
 use crate::scenario::Scenario;
 use crate::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
 use crate::study::sweep::{Design, DesignError, Paired, Point, Seeds, Setting, Sweep, SweepAxis, SweepQuestion};
-use std::sync::Arc;
 
 /// Name and version of the format.
 pub(crate) const SWEEP_FORMAT: Format = ("stick-slip sweep", (3, 0));
@@ -24,7 +23,7 @@ pub struct StoredSweep {
     /// The scenario that the points are variations of, as TOML.
     pub scenario_text: String,
     /// The measured temperature of the scenario, if there is one.
-    pub series: Option<Arc<Series>>,
+    pub samples: Vec<NamedSeries>,
     /// Version, commit, generator and block size of the program that wrote the sweep, in one line.
     pub program: String,
     /// The program that wrote the sweep, if it was another one.
@@ -310,7 +309,7 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     let Provenance { scenario_text, program_version, git_hash, generator, block_size, .. } = header;
     Ok(StoredSweep {
         scenario_text,
-        series: series::read(from)?,
+        samples: series::read(from)?,
         program: program(&program_version, &git_hash, &generator, block_size),
         other_program: other_program(&program_version, &git_hash),
         with_bias: about.bias == ESTIMATED,

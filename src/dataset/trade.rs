@@ -190,7 +190,7 @@ impl StoredTrade {
 /// Read a trade back.
 pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     let text: String = read_attribute(from, "scenario")?;
-    let scenario = Scenario::parse_stored("scenario", &text, &[], series::read(from)?.as_ref());
+    let scenario = Scenario::parse_stored("scenario", &text, &[], &series::read(from)?);
     let scenario = scenario.map_err(|error| error.to_string())?;
     let mut rungs = Vec::new();
     measured(&mut Walk::Reading(from), &mut rungs, Default::default())?;

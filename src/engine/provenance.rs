@@ -2,11 +2,11 @@
 //! itself.
 
 use crate::ensemble::BLOCK_SIZE;
-use crate::model::Series;
+use crate::model::NamedSeries;
 use crate::noise::GENERATOR;
-use crate::scenario::{Scenario, SensorBearing};
+use crate::scenario::{Scenario, SensorBearing, TEMPERATURE_SERIES};
 use crate::stats::Units;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// Version of the program.
 pub const PROGRAM_VERSION: &str = env!("CARGO_PKG_VERSION");
@@ -67,9 +67,9 @@ pub struct Provenance {
     pub units: Units,
     /// Times of the output grid.
     pub time: Vec<f64>,
-    /// The measured temperature of the scenario, if it has one.
-    pub series: Option<Arc<Series>>,
-    /// The time stamp of the first sample of that temperature, as it is written to a file.
+    /// The measured temperature and inputs of the scenario, each by its table.
+    pub samples: Vec<NamedSeries>,
+    /// The time stamp of the first sample of the temperature, as it is written to a file.
     pub series_start: Option<String>,
     /// The bearing at which a sensor observes the displacement of trajectories, as it is written
     /// to a file; none if the scenario names no bearing.
@@ -94,8 +94,11 @@ impl Provenance {
             git_hash: commit().to_string(),
             units: scenario.units.clone(),
             time: scenario.timeline().output_times(),
-            series: scenario.model.temperature.series.clone(),
-            series_start: scenario.measured.as_ref().and_then(|measured| measured.start.clone()),
+            samples: scenario.samples(),
+            series_start: {
+                let temperature = scenario.measured.iter().find(|measured| measured.table == TEMPERATURE_SERIES);
+                temperature.and_then(|measured| measured.start.clone())
+            },
             bearing: scenario.bearing,
         }
     }

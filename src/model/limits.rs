@@ -18,7 +18,7 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {
-    /// The largest |g(x0, 0, t)| up to `end`: that at many times, where g depends on time; 0 where
+    /// The largest |g(x0, 0, t)| up to `end`: that at many times and at all kinks, where g depends on time; 0 where
     /// there is no g or where it is not a number.
     pub fn own_force_at_start(&self, end: f64) -> f64 {
         self.largest_at_start(end).0
@@ -29,11 +29,10 @@ impl Model {
         const TIMES: u32 = 1000;
         let Some(own) = &self.force else { return (0.0, 0.0) };
         let times = if own.depends_on_time() { TIMES } else { 0 };
-        let at = |i: u32| {
-            let time = end * f64::from(i) / f64::from(TIMES);
-            (own.at(InstructionSet::detect(), self.initial_displacement, 0.0, time).abs(), time)
-        };
-        (0..=times).map(at).fold((0.0, 0.0), |largest, now| if now.0 > largest.0 { now } else { largest })
+        let times = (0..=times).map(|i| end * f64::from(i) / f64::from(TIMES));
+        let at = |time| (own.at(InstructionSet::detect(), self.initial_displacement, 0.0, time).abs(), time);
+        let kinks = own.kinks().iter().copied().filter(|time| *time <= end);
+        times.chain(kinks).map(at).fold((0.0, 0.0), |largest, now| if now.0 > largest.0 { now } else { largest })
     }
 
     /// The amplitude A beyond which a body with negative damping runs away, where `added` is taken

@@ -1,10 +1,21 @@
-//! A measured temperature: samples in order of time, and straight lines between them.
+//! Measured values: samples in order of time, and straight lines between them.
 
-/// T at the times t_0 = 0 < t_1 < ..., with straight lines in between.
+use std::sync::Arc;
+
+/// Values S at the times t_0 = 0 < t_1 < ..., with straight lines in between.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Series {
     times: Vec<f64>,
     values: Vec<f64>,
+}
+
+/// A series with a name: that by which expressions call it, or the table that describes it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct NamedSeries {
+    /// The name.
+    pub name: String,
+    /// The samples. Clones share them.
+    pub series: Arc<Series>,
 }
 
 /// The error for numbers that are not a valid series.
@@ -31,12 +42,17 @@ impl Series {
         if is_finite && is_ordered && is_long { Ok(Series { times, values }) } else { Err(NoSeries) }
     }
 
+    /// Zero at all times.
+    pub(crate) fn nothing() -> Self {
+        Series { times: vec![0.0, 1.0], values: vec![0.0; 2] }
+    }
+
     /// The times of the samples; the first is 0.
     pub fn times(&self) -> &[f64] {
         &self.times
     }
 
-    /// The temperatures of the samples.
+    /// The values of the samples.
     pub fn values(&self) -> &[f64] {
         &self.values
     }
@@ -52,48 +68,47 @@ impl Series {
         self.times.partition_point(|time| *time <= t).clamp(1, self.times.len() - 1) - 1
     }
 
-    /// T at a time in a piece. At the start of the piece it is exactly the sample.
+    /// S at a time in a piece. At the start of the piece it is exactly the sample.
     pub fn on(&self, piece: usize, t: f64) -> f64 {
         self.values[piece] + self.slope(piece) * (t - self.times[piece])
     }
 
-    /// T' in a piece.
+    /// S' in a piece.
     pub fn slope(&self, piece: usize) -> f64 {
         (self.values[piece + 1] - self.values[piece]) / (self.times[piece + 1] - self.times[piece])
     }
 
-    /// T at a time.
+    /// S at a time.
     pub fn at(&self, t: f64) -> f64 {
         self.on(self.piece(t), t)
     }
 
-    /// The largest |T|.
+    /// The largest |S|.
     pub fn bound(&self) -> f64 {
         self.values.iter().fold(0.0, |most, value| value.abs().max(most))
     }
 
-    /// The largest |T'|.
+    /// The largest |S'|.
     pub fn steepest(&self) -> f64 {
         (0..self.times.len() - 1).fold(0.0, |most, piece| self.slope(piece).abs().max(most))
     }
 
-    /// The smallest and the largest T.
+    /// The times of the smallest and of the largest S.
+    pub fn extremes(&self) -> [f64; 2] {
+        let (low, high) = self.range();
+        [low, high].map(|value| self.values.iter().position(|other| *other == value).map_or(0.0, |i| self.times[i]))
+    }
+
+    /// The smallest and the largest S.
     pub fn range(&self) -> (f64, f64) {
         self.values
             .iter()
             .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), &value| (value.min(low), value.max(high)))
     }
 
-    /// The total variation of T: the sum of |T(t_{i+1}) - T(t_i)|.
+    /// The total variation of S: the sum of |S(t_{i+1}) - S(t_i)|.
     pub fn variation(&self) -> f64 {
         self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
-    }
-
-    /// The median time between two samples; of two middle ones the longer.
-    pub fn usual_spacing(&self) -> f64 {
-        let mut spacings: Vec<f64> = self.times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-        let middle = spacings.len() / 2;
-        *spacings.select_nth_unstable_by(middle, f64::total_cmp).1
     }
 
     /// The longest time between two samples.
@@ -126,7 +141,7 @@ mod tests {
         }
         assert_eq!([0.0, 0.9, 1.0, 3.0, 4.0, 9.0].map(|t| series.piece(t)), [0, 0, 1, 2, 2, 2]);
         assert_eq!((series.bound(), series.steepest(), series.range()), (5.0, 3.0, (-1.0, 5.0)));
-        assert_eq!((series.variation(), series.usual_spacing(), series.end()), (9.0, 1.0, 4.0));
+        assert_eq!((series.variation(), series.end(), series.extremes()), (9.0, 4.0, [1.0, 3.0]));
     }
 
     #[test]

@@ -9,19 +9,18 @@ use super::checksum::checksum;
 use super::rows::Position;
 use crate::engine::{Asked, PROGRAM_VERSION, Part, Provenance, SoFar, commit};
 use crate::ensemble::{BLOCK_SIZE, Plan};
-use crate::model::Series;
+use crate::model::{NamedSeries, Series};
 use crate::noise::GENERATOR;
 use crate::scenario::Scenario;
 use crate::stats::{Bound, Goal, RunTotals, Statistic};
 use crate::sums::{Codec, Damaged, Reader};
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Duration;
 
 /// The first bytes of a state.
 pub(crate) const MAGIC: &[u8; 8] = b"sticksav";
 /// Version of the contents.
-const VERSION: u64 = 4;
+const VERSION: u64 = 5;
 
 /// What a run is asked to do. It is the same in every saved state of the run.
 #[derive(Clone, Debug, PartialEq)]
@@ -139,7 +138,9 @@ pub(crate) fn to_bytes(question: &RunQuestion, totals: &[u8], spent: Duration, r
     }
     program.block_size.write(&mut out);
     write_text(&scenario.to_toml(), &mut out);
-    write_series(scenario, &mut out);
+    let samples = scenario.samples();
+    (samples.len() as u64).write(&mut out);
+    samples.iter().for_each(|samples| write_series(samples, &mut out));
     asked.paths.write(&mut out);
     let (number, of) = asked.part.map_or((0, 0), |part| (part.number(), part.of()));
     number.write(&mut out);
@@ -206,8 +207,8 @@ fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
         return Err(ParseError::OtherProgram(Box::new([program, mine])));
     }
     let text = read_text(from)?;
-    let series = read_series(from)?;
-    let scenario = Scenario::parse_stored("state", &text, &[], series.as_ref()).map_err(|_| Damaged)?;
+    let samples = (0..from.length()?).map(|_| read_series(from)).collect::<Result<Vec<_>, _>>()?;
+    let scenario = Scenario::parse_stored("state", &text, &[], &samples).map_err(|_| Damaged)?;
     let paths = count(from)?;
     let (number, of) = (count(from)?, count(from)?);
     let part = if of == 0 { None } else { Some(Part::new(number, of).ok_or(Damaged)?) };
@@ -235,22 +236,19 @@ fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     }
 }
 
-/// Write the samples of a measured temperature: their number, all times, all values.
-fn write_series(scenario: &Scenario, out: &mut Vec<u8>) {
-    let series = scenario.model.temperature.series.as_deref();
-    let (times, values) = series.map_or((&[][..], &[][..]), |series| (series.times(), series.values()));
-    (times.len() as u64).write(out);
-    times.iter().chain(values).for_each(|number| number.write(out));
+/// Write what was measured: its table, the number of samples, all times, all values.
+fn write_series(NamedSeries { name, series }: &NamedSeries, out: &mut Vec<u8>) {
+    write_text(name, out);
+    (series.times().len() as u64).write(out);
+    series.times().iter().chain(series.values()).for_each(|number| number.write(out));
 }
 
-fn read_series(from: &mut Reader<'_>) -> Result<Option<Arc<Series>>, Damaged> {
-    let samples = from.length()?;
-    if samples == 0 {
-        return Ok(None);
-    }
+fn read_series(from: &mut Reader<'_>) -> Result<NamedSeries, Damaged> {
+    let (name, samples) = (read_text(from)?, from.length()?);
     let mut numbers = || (0..samples).map(|_| real(from)).collect::<Result<Vec<f64>, Damaged>>();
     let (times, values) = (numbers()?, numbers()?);
-    Series::new(times, values).map(|series| Some(Arc::new(series))).map_err(|_| Damaged)
+    let series = Series::new(times, values).map_err(|_| Damaged)?.into();
+    Ok(NamedSeries { name, series })
 }
 
 fn real(from: &mut Reader<'_>) -> Result<f64, Damaged> {

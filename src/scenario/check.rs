@@ -28,7 +28,7 @@ impl Scenario {
         if found.is_empty() {
             found.extend(forces(model, time.end));
         }
-        found.extend(series(model, time.end));
+        found.extend(self.series());
         found.extend(check_end(*scheme, time.end));
         // These use many values, so they mean something only if the values before them go together.
         if found.is_empty() {
@@ -39,6 +39,18 @@ impl Scenario {
         found.extend(statistics.check(time.end));
         found.extend(ensemble.check());
         found.into_iter().map(|misfit| self.as_written(misfit)).collect()
+    }
+
+    /// A measured temperature and every input has samples up to t_end.
+    fn series(&self) -> Option<Misfit> {
+        let end = self.time.end;
+        let temperature =
+            self.model.temperature.series.iter().map(|series| ("the measured temperature".into(), series));
+        let inputs = self.measured.iter().filter_map(|of| Some((format!("the input `{}`", of.input()?), &of.series)));
+        let (what, series) = temperature.chain(inputs).find(|(_, series)| end > series.end())?;
+        let problem = format!("`time.end` = {end:?} is beyond the last sample of {what}, at {:?}", series.end());
+        let remedy = "lower `time.end`, or leave it out to end with the series";
+        Some(Misfit::new(&[("time.end", end)], problem, remedy))
     }
 
     /// A misfit of the stiffness or the damping is one of a linear force, if that made it what it
@@ -201,18 +213,6 @@ fn phases(model: &Model, end: f64) -> Option<Misfit> {
 pub(crate) fn reduced(phase: f64) -> f64 {
     let (sin, cos) = libm::sincos(phase);
     libm::atan2(sin, cos)
-}
-
-/// A measured temperature has samples up to t_end.
-fn series(model: &Model, end: f64) -> Option<Misfit> {
-    let Some(series) = &model.temperature.series else { return None };
-    let last = series.end();
-    if end <= last {
-        return None;
-    }
-    let problem = format!("`time.end` = {end:?} is beyond the last sample of the measured temperature, at {last:?}");
-    let remedy = "lower `time.end`, or leave it out to end with the series";
-    Some(Misfit::new(&[("time.end", end)], problem, remedy))
 }
 
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first

@@ -1,18 +1,32 @@
-//! The measured parts of a scenario: where its temperature comes from, and how a sensor at the
-//! bearing sees the body.
+//! The measured parts of a scenario: its temperature and its inputs, and how a sensor at the bearing
+//! sees the body.
 
+use super::Scenario;
 use crate::data::Layout;
+use crate::model::{NamedSeries, Series};
+use std::sync::Arc;
 
-/// Where a measured temperature comes from, as the scenario states it. The samples themselves are
-/// in the model.
+/// The table of a measured temperature.
+pub const TEMPERATURE_SERIES: &str = "temperature.series";
+
+/// What comes before the name of an input in the name of its table.
+pub const INPUT: &str = "input.";
+
+/// Measured values, and where they come from, as the scenario states it.
 #[derive(Clone, Debug)]
 pub struct Measured {
+    /// The table that describes them, such as `temperature.series` or `input.ag`.
+    pub table: String,
+    /// The samples, which are also in the model.
+    pub series: Arc<Series>,
     /// The file as the scenario names it, relative to the folder of the scenario.
     pub file: String,
-    /// The name of the column of temperatures.
+    /// The name of the column of values; empty if the file has no columns.
     pub value: String,
-    /// The unit of the temperatures, if the scenario gives it.
+    /// The unit in the file: of temperatures if the scenario gives it, of an input if anything does.
     pub unit: Option<String>,
+    /// What a column of numbers has as its first time, which is t = 0.
+    pub begin: f64,
     /// How the file is laid out, with the name of the column of times.
     pub layout: Layout,
     /// The longest time allowed between two samples; `None` for no limit.
@@ -28,7 +42,23 @@ pub struct Measured {
 impl PartialEq for Measured {
     fn eq(&self, other: &Self) -> bool {
         let said = |m: &Self| (m.file.clone(), m.value.clone(), m.unit.clone(), m.layout.clone(), m.start.clone());
-        said(self) == said(other) && self.max_gap == other.max_gap
+        let are_same = self.table == other.table && self.series == other.series;
+        are_same && said(self) == said(other) && self.max_gap == other.max_gap
+    }
+}
+
+impl Measured {
+    /// The name of an input, if it is one.
+    pub fn input(&self) -> Option<&str> {
+        self.table.strip_prefix(INPUT)
+    }
+}
+
+impl Scenario {
+    /// All measured values, each by the table that describes it.
+    pub fn samples(&self) -> Vec<NamedSeries> {
+        let samples = |measured: &Measured| (measured.table.clone(), measured.series.clone());
+        self.measured.iter().map(samples).map(|(name, series)| NamedSeries { name, series }).collect()
     }
 }
 

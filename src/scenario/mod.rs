@@ -7,7 +7,7 @@
 //! check      whether all values go together
 //! plan       the ensemble of a scenario, and the simulations that estimate its discretisation bias
 //! written    a force as the user wrote it
-//! measured   where a measured temperature comes from, and how a sensor sees the body
+//! measured   measured temperatures and inputs with where they come from, and how a sensor sees the body
 //! bridge     the parts of a scenario that a calibration needs: a BridgeScene
 //! limits     the largest number of paths, rows, steps and periods
 //! ```
@@ -29,7 +29,7 @@ mod written;
 
 pub use bridge::BridgeScene;
 pub use limits::{MAX_PATHS, MAX_PERIODS, MAX_PHASE, MAX_ROWS, MAX_STEPS, MAX_TRAJECTORIES};
-pub use measured::{Measured, SensorBearing};
+pub use measured::{INPUT, Measured, SensorBearing, TEMPERATURE_SERIES};
 pub use plan::{Period, PeriodSource};
 pub use time::Time;
 pub use white::WhiteNoise;
@@ -49,8 +49,10 @@ pub struct Scenario {
     pub title: String,
     /// Oscillator, friction, temperature and x(0).
     pub model: Model,
-    /// Where the series of the temperature comes from, if there is one.
-    pub measured: Option<Measured>,
+    /// The measured temperature, if there is one, and then the inputs.
+    pub measured: Vec<Measured>,
+    /// The numbers that are written as the name of a parameter: the dotted key, and the name.
+    pub named: Vec<(String, String)>,
     /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.
     pub is_balanced: bool,
     /// White noise, if the scenario asks for it; the model has a fast noise in its place.

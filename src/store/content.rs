@@ -87,13 +87,13 @@ pub fn content(path: &Path) -> Result<Content, StoreError> {
 }
 
 impl Content {
-    /// The text of the scenario, and whether the file also holds the measured temperature that the
-    /// text names.
+    /// The text of the scenario, and whether the file also holds the measured values that the text
+    /// names.
     pub fn scenario(&self) -> (String, bool) {
         match self {
-            Content::Run(run) => (run.header.scenario_text.clone(), run.header.series.is_some()),
-            Content::Trade(stored) => (stored.scenario.to_toml(), stored.scenario.measured.is_some()),
-            Content::Sweep(sweep) => (sweep.scenario_text.clone(), sweep.series.is_some()),
+            Content::Run(run) => (run.header.scenario_text.clone(), !run.header.samples.is_empty()),
+            Content::Trade(stored) => (stored.scenario.to_toml(), !stored.scenario.measured.is_empty()),
+            Content::Sweep(sweep) => (sweep.scenario_text.clone(), !sweep.samples.is_empty()),
             Content::Calibration(calibration) => (calibration.scenario_text.clone(), false),
         }
     }

@@ -14,6 +14,7 @@ mod bounds;
 mod calibrate;
 mod cli;
 mod forecast;
+mod inputs;
 mod measured;
 mod mistakes;
 mod parts;

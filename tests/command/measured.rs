@@ -214,7 +214,7 @@ fn pinned_noise_without_a_series_is_refused_in_memory_as_well() {
 
 /// Where an acceleration that is straight between these samples, `step` seconds apart, takes a block
 /// that slides at a yield acceleration: by short steps, independent of the library.
-fn slid(samples: &[f64], step: f64, threshold: f64) -> f64 {
+pub fn slid(samples: &[f64], step: f64, threshold: f64) -> f64 {
     const PARTS: usize = 2000;
     let h = step / PARTS as f64;
     let (mut v, mut x) = (0.0f64, 0.0);

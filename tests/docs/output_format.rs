@@ -128,7 +128,7 @@ fn written(folder: &Path, name: &str, arguments: &[&str]) -> File {
 
 /// Files in which together everything occurs that a run can write: records, units, lost paths, a
 /// resolution, pairs, a part, a run that was ended, a measured temperature with a bearing, and the
-/// fewest paths for a bias of the step.
+/// fewest paths for a bias of the step, and an input.
 fn runs(folder: &Path) -> Vec<File> {
     let record = ["record.events=true", "record.trajectories=7"].map(|set| ["--set", set]).concat();
     let asked = ["laws", "density", "spectrum", "energy"].map(|name| format!("record.{name}=true"));
@@ -142,6 +142,10 @@ fn runs(folder: &Path) -> Vec<File> {
     let late = ["run", "scenarios/rho025.toml", "--paths", "2", "--set", "statistics.after=30"];
     let pairs = ["run", "scenarios/rho025.toml", "--paths", "4", "--set", "ensemble.antithetic=true"];
     let part = ["run", "scenarios/rho025.toml", "--paths", "600", "--part", "2/3"];
+    std::fs::write(folder.join("ag.csv"), "time_s,ag (g)\n0,0\n10,1\n").expect("written");
+    let shaken = "oscillator = { mass = 1, stiffness = 1, dilatation = 0 }\nfriction = { static = 1, dynamic = 1 }\n\
+                  input.ag.file = \"ag.csv\"\nforce.expression = \"ag\"\ninitial.displacement = 0\nscheme.kind = \"event-driven\"\n";
+    std::fs::write(folder.join("shaken.toml"), shaken).expect("written");
     let ended = ["run", "scenarios/rho025.toml", "--until", "stick_duration_mean < 20%"];
     vec![
         written(folder, "everything.h5", &everything),
@@ -153,6 +157,7 @@ fn runs(folder: &Path) -> Vec<File> {
         written(folder, "part.h5", &part),
         written(folder, "ended.h5", &ended),
         written(folder, "measured.h5", &["run", "scenarios/bridge.toml"]),
+        written(folder, "shaken.h5", &["run", "shaken.toml", "--paths", "1"]),
         written(folder, "biased.h5", &["run", "scenarios/rho025.toml", "--paths", "768"]),
     ]
 }

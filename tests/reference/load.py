@@ -1,9 +1,10 @@
-"""Cascades of noiseless scenes whose friction has a load, for tests/physics/load.rs.
+"""Cascades of noiseless scenes whose friction has a load, for tests/physics/load.rs, or whose force
+or load has an input, for tests/physics/inputs.rs.
 
     python3 tests/reference/load.py > tests/reference/load.csv
 
 Needs Python alone. The method differs from that of the engine: Gauss collocation of order 10 at a
-fixed step, and events by bisection of the last step. Each direction has its own equation, f_s and
+fixed step that also ends at kinks, and events by bisection of the last step. Each direction has its own equation, f_s and
 f_d times the load as they are defined. Halving the step changes the 12th digit. Columns: scene,
 kind (0 stick entered, 1 slip started, 2 sub-phase boundary), t, x, b.
 """
@@ -51,6 +52,18 @@ def driven(t, x, v, e):
     return 3 * cos(0.5 * t) - x
 
 
+# The coarse samples of an input.
+KNOTS = [
+    (0.0, 0.0), (1.3, 2.6), (2.1, -0.4), (3.7, -2.9), (4.4, 1.1), (6.2, 2.4), (7.7, -1.8),
+    (9.1, 2.2), (11.4, -2.7), (12.0, 0.3), (14.3, 3.1), (16.8, -2.2), (18.5, 1.9), (20.0, -0.6),
+]
+
+
+def lines(t):
+    (t0, a), (t1, b) = next((p, q) for p, q in zip(KNOTS, KNOTS[1:]) if t <= q[0] or q is KNOTS[-1])
+    return a + (b - a) * (t - t0) / (t1 - t0)
+
+
 SCENES = {
     "load in time": (driven, lambda t, x, v, e: 1 + 0.3 * cos(0.7 * t), (1.2, 1.2), (1.0, 1.0), 0.0, 60),
     "belt with patches": (
@@ -86,12 +99,23 @@ SCENES = {
         0.0,
         60,
     ),
+    "input in the force": (
+        lambda t, x, v, e: lines(t) - x, lambda t, x, v, e: 1.0, (1.2, 1.2), (1.0, 1.0), 0.0, 20,
+        [t for t, _ in KNOTS],
+    ),
+    "input in the load": (
+        driven, lambda t, x, v, e: 1 + 0.25 * lines(t), (1.2, 1.2), (1.0, 1.0), 0.0, 20,
+        [t for t, _ in KNOTS],
+    ),
 }
 H, FINE = 0.02, 1e-14
 
 
-def cascade(force, load, f_s, f_d, x, end):
+def cascade(force, load, f_s, f_d, x, end, kinks=()):
     of = {1: 0, -1: 1}
+
+    def to_kink(t, h):
+        return min([h] + [kink - t for kink in kinks if kink > t + 1e-12])
 
     def excess(t, x, e):
         return e * force(t, x, 0.0, e) - f_s[of[e]] * load(t, x, 0.0, e)
@@ -126,13 +150,14 @@ def cascade(force, load, f_s, f_d, x, end):
 
             v = 0.0
             while True:
-                y, w = step(push, t, x, v, H)
+                h = to_kink(t, H)
+                y, w = step(push, t, x, v, h)
                 if e * w <= 0:
                     break
-                t, x, v = t + H, y, w
+                t, x, v = t + h, y, w
                 if t > end:
                     return
-            low, high = 0.0, H
+            low, high = 0.0, h
             while high - low > FINE:
                 middle = (low + high) / 2
                 low, high = (middle, high) if e * step(push, t, x, v, middle)[1] > 0 else (low, middle)

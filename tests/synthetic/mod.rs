@@ -42,7 +42,7 @@ pub fn header(paths: u64) -> Provenance {
         git_hash: "0123456789abcdef".to_owned(),
         units: Units { time: "s".into(), length: "m".into(), force: "N".into(), temperature: "K".into() },
         time: (0..61).map(f64::from).collect(),
-        series: None,
+        samples: Vec::new(),
         series_start: None,
         bearing: None,
     }

@@ -89,7 +89,7 @@ const ALL: &[WarningRow] = &[
     row("identical-paths", Class::Other, question::identical_paths),
     row("no-dilatation", Class::Other, question::no_dilatation),
     row("weather-twice", Class::Other, series::noise_over_series),
-    row("repaired-series", Class::Other, series::repaired_series),
+    rows("repaired-series", Class::Other, series::repaired_series),
     row("few-periods", Class::Other, question::few_periods),
     row("many-periods", Class::Other, question::many_periods),
     row("no-common-period", Class::Other, question::no_common_period),

@@ -2,11 +2,10 @@
 
 use super::case::Case;
 
-/// The file of the series was not sound, and was repaired as it was read.
-pub(super) fn repaired_series(case: &Case) -> Option<String> {
-    let measured = case.scenario.measured.as_ref()?;
-    (!measured.repairs.is_empty())
-        .then(|| format!("{}, as it was read: {}", measured.file, measured.repairs.join("; ")))
+/// The file of a series was not sound, and was repaired as it was read.
+pub(super) fn repaired_series(case: &Case) -> Vec<String> {
+    let repaired = case.scenario.measured.iter().filter(|measured| !measured.repairs.is_empty());
+    repaired.map(|of| format!("{}, as it was read: {}", of.file, of.repairs.join("; "))).collect()
 }
 
 /// Noise is added to a measured temperature, which already contains the weather.

@@ -5,18 +5,23 @@ use super::law::ForceLaw;
 use super::parse::parse;
 use super::tape::Tape;
 use super::tree::{DIRECTION, Formula, TIME};
+use super::words::Names;
 use crate::excerpt::short;
 use crate::lanes::Lanes;
+use crate::model::NamedSeries;
 
 /// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
 ///
 /// The language has numbers, `pi`, the operators `+ - * / ^`, parentheses, and the functions abs,
 /// sign, min, max, sqrt, exp, log, sin, cos, tan, atan and tanh. The variable `direction`, in which
-/// the body slips or would slip, is 1 until the expression is [reversed](Expression::reversed).
+/// the body slips or would slip, is 1 until the expression is [reversed](Expression::reversed). An
+/// input is a measured function of t, with straight lines between its samples.
 #[derive(Clone, Debug)]
 pub struct Expression {
     text: String,
     parameters: Vec<(String, f64)>,
+    inputs: Vec<NamedSeries>,
+    /// Which parameters and then which inputs the text names.
     used: Vec<bool>,
     formula: Formula,
     tape: Tape,
@@ -36,10 +41,30 @@ pub struct Linear {
 impl Expression {
     /// Reads a text that may name the parameters.
     pub fn parse(text: &str, parameters: &[(String, f64)]) -> Result<Expression, ExpressionError> {
-        let (formula, used) = parse(text, parameters)?;
+        Expression::with_inputs(text, parameters, &[])
+    }
+
+    /// Reads a text that may name the parameters, and inputs.
+    ///
+    /// ```
+    /// use stick_slip::lanes::InstructionSet;
+    /// use stick_slip::model::{Expression, Force, NamedSeries, Series};
+    ///
+    /// let ag = NamedSeries { name: "ag".into(), series: Series::new(vec![0.0, 1.0], vec![0.0, 3.0])?.into() };
+    /// let force = Force::new(Expression::with_inputs("-m*ag", &[("m".into(), 2.0)], &[ag])?);
+    /// assert_eq!(force.at(InstructionSet::detect(), 0.0, 0.0, 0.5), -3.0);
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
+    pub fn with_inputs(
+        text: &str,
+        parameters: &[(String, f64)],
+        inputs: &[NamedSeries],
+    ) -> Result<Expression, ExpressionError> {
+        let (formula, used) = parse(text, Names { parameters, inputs })?;
         let tape = Tape::new(&formula, 1.0)?;
         let backwards = formula.uses(DIRECTION).then(|| Tape::new(&formula, -1.0)).transpose()?;
-        Ok(Expression { text: text.to_string(), parameters: parameters.to_vec(), used, formula, tape, backwards })
+        let (text, parameters, inputs) = (text.to_string(), parameters.to_vec(), inputs.to_vec());
+        Ok(Expression { text, parameters, inputs, used, formula, tape, backwards })
     }
 
     /// The text as it was written.
@@ -57,10 +82,11 @@ impl Expression {
         &self.parameters
     }
 
-    /// The parameters that the text does not name.
-    pub fn unused_parameters(&self) -> impl Iterator<Item = &str> {
-        let unused = self.parameters.iter().zip(&self.used).filter(|(_, is_used)| !**is_used);
-        unused.map(|((name, _), _)| name.as_str())
+    /// The parameters and inputs that the text does not name.
+    pub fn unused_names(&self) -> impl Iterator<Item = &str> {
+        let parameters = self.parameters.iter().map(|(name, _)| name.as_str());
+        let names = parameters.chain(self.inputs.iter().map(|input| input.name.as_str()));
+        names.zip(&self.used).filter(|(_, is_used)| !**is_used).map(|(name, _)| name)
     }
 
     /// The coefficients, if g = a x + b x' for all x, x' and t. This is found by algebra: it is
@@ -78,9 +104,9 @@ impl Expression {
         Some(Expression { tape: self.backwards.clone()?, ..self.clone() })
     }
 
-    /// Whether the text names t.
+    /// Whether the text names t, or an input.
     pub fn uses_time(&self) -> bool {
-        self.formula.uses(TIME)
+        self.formula.uses(TIME) || self.formula.used_inputs().next().is_some()
     }
 
     /// The operations.
@@ -89,10 +115,10 @@ impl Expression {
     }
 }
 
-/// Two expressions are equal if they have the same text and the same parameters.
+/// Two expressions are equal if they have the same text, the same parameters and the same inputs.
 impl PartialEq for Expression {
     fn eq(&self, other: &Self) -> bool {
-        self.text == other.text && self.parameters == other.parameters
+        self.text == other.text && self.parameters == other.parameters && self.inputs == other.inputs
     }
 }
 
@@ -109,5 +135,9 @@ impl ForceLaw for Expression {
 
     fn depends_on_time(&self) -> bool {
         self.uses_time()
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.formula.used_inputs().flat_map(|input| input.times()).copied().collect()
     }
 }

@@ -25,4 +25,9 @@ pub trait ForceLaw: Debug + Send + Sync {
     fn depends_on_time(&self) -> bool {
         true
     }
+
+    /// Times at which the slope of g in t may jump. Steps that are exact or of high order end there.
+    fn kinks(&self) -> Vec<f64> {
+        Vec::new()
+    }
 }

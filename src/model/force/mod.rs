@@ -35,12 +35,21 @@ use std::sync::Arc;
 pub struct Force {
     law: Arc<dyn AnyLaw>,
     sides: Option<Arc<Sides>>,
+    /// The kinks in t, in order.
+    kinks: Arc<[f64]>,
 }
 
 impl Force {
     /// The force that follows a law.
     pub fn new(law: impl ForceLaw + 'static) -> Self {
-        Force { law: Arc::new(law), sides: None }
+        Force::of(Arc::new(law), None)
+    }
+
+    fn of(law: Arc<dyn AnyLaw>, sides: Option<Arc<Sides>>) -> Self {
+        let mut kinks = law.kinks();
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup();
+        Force { law, sides, kinks: kinks.into() }
     }
 
     /// g at one place and time.
@@ -73,6 +82,11 @@ impl Force {
         self.in_stick()[0].law.depends_on_time()
     }
 
+    /// The times at which the slope of g, or of the load of friction, in t may jump, in order.
+    pub fn kinks(&self) -> &[f64] {
+        &self.in_stick()[0].kinks
+    }
+
     /// The beginning of the expression, for messages.
     pub(crate) fn shown(&self) -> String {
         self.expression().map_or("a law".to_string(), Expression::shown)
@@ -103,6 +117,7 @@ trait AnyLaw: Debug + Send + Sync {
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8];
     fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]);
     fn depends_on_time(&self) -> bool;
+    fn kinks(&self) -> Vec<f64>;
     fn as_any(&self) -> &dyn Any;
 }
 
@@ -125,6 +140,10 @@ impl<F: ForceLaw + 'static> AnyLaw for F {
 
     fn depends_on_time(&self) -> bool {
         ForceLaw::depends_on_time(self)
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        ForceLaw::kinks(self)
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -11,8 +11,8 @@
 use super::error::ExpressionError;
 use super::operation::{Binary, Unary, whole_power};
 use super::token::{Token, TokenKind, tokens};
-use super::tree::{Formula, Operation, Term};
-use super::words::{Function, Meaning, check, meaning};
+use super::tree::{Formula, INPUT, Operation, Term};
+use super::words::{Function, Meaning, Names, check, meaning};
 use crate::excerpt::short;
 use std::ops::Range;
 
@@ -27,16 +27,17 @@ const MAX_WHOLE: f64 = 64.0;
 
 type Outcome<T> = Result<T, ExpressionError>;
 
-/// Reads a text. Returns the tree, and which parameters it contains.
-pub(super) fn parse(text: &str, parameters: &[(String, f64)]) -> Outcome<(Formula, Vec<bool>)> {
-    check(parameters)?;
+/// Reads a text. Returns the tree, and which parameters and then which inputs it contains.
+pub(super) fn parse(text: &str, names: Names<'_>) -> Outcome<(Formula, Vec<bool>)> {
+    check(names)?;
     if text.len() > MAX_BYTES {
         let problem = format!("the expression has {} bytes, more than {MAX_BYTES}", text.len());
         return Err(ExpressionError::new(0..text.len(), problem, "write it shorter"));
     }
-    let (formula, used) = (Formula::default(), vec![false; parameters.len()]);
-    let mut parser =
-        Parser { text, parameters, tokens: tokens(text)?, next: 0, formula, used, operations: 0, nesting: 0 };
+    let inputs = names.inputs.iter().map(|input| input.series.clone()).collect();
+    let formula = Formula { inputs, ..Formula::default() };
+    let used = vec![false; names.parameters.len() + names.inputs.len()];
+    let mut parser = Parser { text, names, tokens: tokens(text)?, next: 0, formula, used, operations: 0, nesting: 0 };
     if parser.kind() == TokenKind::End {
         return Err(ExpressionError::new(0..text.len(), "the expression is empty", "write one, or 0 for no force"));
     }
@@ -49,7 +50,7 @@ pub(super) fn parse(text: &str, parameters: &[(String, f64)]) -> Outcome<(Formul
 
 struct Parser<'a> {
     text: &'a str,
-    parameters: &'a [(String, f64)],
+    names: Names<'a>,
     tokens: Vec<Token>,
     next: usize,
     formula: Formula,
@@ -114,10 +115,10 @@ impl Parser<'_> {
         let Some(operator) = self.take('^') else { return Ok(base) };
         let exponent = self.nested(operator, Self::signed)?;
         let place = base.place.start..exponent.place.end;
-        match self.formula.0[exponent.node].term {
+        match self.formula.nodes[exponent.node].term {
             Term::Number(power) if power.fract() == 0.0 && power.abs() <= MAX_WHOLE => {
                 self.count(&place)?;
-                self.formula.0.truncate(exponent.node);
+                self.formula.nodes.truncate(exponent.node);
                 self.whole(base, power as i32, place)
             }
             _ => self.binary(Binary::Power, base, exponent),
@@ -147,12 +148,16 @@ impl Parser<'_> {
 
     fn name(&mut self, place: Range<usize>) -> Outcome<ReadPart> {
         let name = &self.text[place.clone()];
-        let term = match meaning(name, &place, self.parameters)? {
+        let term = match meaning(name, &place, self.names)? {
             Meaning::Number(number) => Term::Number(number),
             Meaning::Variable(variable) => Term::Variable(variable),
             Meaning::Parameter(i) => {
                 self.used[i] = true;
-                Term::Number(self.parameters[i].1)
+                Term::Number(self.names.parameters[i].1)
+            }
+            Meaning::Input(i) => {
+                self.used[self.names.parameters.len() + i] = true;
+                Term::Variable(INPUT + i)
             }
             Meaning::Function(function) => return self.call(function, place),
         };
@@ -186,7 +191,7 @@ impl Parser<'_> {
         match function {
             Function::Of(unary) if count == 1 => self.unary(unary, whole.node, place),
             Function::Among(_) if count > 1 => {
-                self.formula.0[whole.node].place = place.clone();
+                self.formula.nodes[whole.node].place = place.clone();
                 Ok(ReadPart { node: whole.node, place })
             }
             _ => Err(arity(function, word, count, place)),
@@ -206,8 +211,8 @@ impl Parser<'_> {
     }
 
     fn push(&mut self, term: Term, place: Range<usize>) -> ReadPart {
-        self.formula.0.push(Operation { term, place: place.clone() });
-        ReadPart { node: self.formula.0.len() - 1, place }
+        self.formula.nodes.push(Operation { term, place: place.clone() });
+        ReadPart { node: self.formula.nodes.len() - 1, place }
     }
 
     fn count(&mut self, place: &Range<usize>) -> Outcome<()> {
@@ -220,7 +225,7 @@ impl Parser<'_> {
     }
 
     fn number(&self, node: usize) -> Option<f64> {
-        match self.formula.0[node].term {
+        match self.formula.nodes[node].term {
             Term::Number(number) => Some(number),
             _ => None,
         }
@@ -266,7 +271,7 @@ impl Parser<'_> {
     /// The first of the nodes that a node consists of.
     fn first(&self, mut node: usize) -> usize {
         loop {
-            match self.formula.0[node].term {
+            match self.formula.nodes[node].term {
                 Term::Number(_) | Term::Variable(_) => return node,
                 Term::Unary(_, a) | Term::Binary(_, a, _) | Term::Whole(a, _) => node = a,
             }
@@ -280,7 +285,7 @@ impl Parser<'_> {
             let problem = format!("`{}` is {what}", short(&self.text[place.clone()]));
             return Err(ExpressionError::new(place, problem, "write a constant that has a finite value"));
         }
-        self.formula.0.truncate(from);
+        self.formula.nodes.truncate(from);
         Ok(self.push(Term::Number(number), place))
     }
 

@@ -54,12 +54,12 @@ impl Force {
         let held = |i: usize, of: fn(Friction) -> f64| {
             let (sign, at_one, base) = ([1.0, -1.0][i], of(friction[i]), of(friction[0]));
             let load = load.as_ref().map(|load| load[i].clone());
-            Force { law: Arc::new(Held { own: own[i].clone(), load, sign, at_one, base }), sides: None }
+            Force::of(Arc::new(Held { own: own[i].clone(), load, sign, at_one, base }), None)
         };
         let slip = [0, 1].map(|i| held(i, |friction| friction.dynamic_force));
         let stick = [0, 1].map(|i| held(i, |friction| friction.static_force));
         let law = Arc::new(Facing(own.clone()));
-        Force { law, sides: Some(Arc::new(Sides { own, load, friction, slip, stick })) }
+        Force::of(law, Some(Arc::new(Sides { own, load, friction, slip, stick })))
     }
 
     /// The forces by direction, if friction has a load, or the force a direction.
@@ -185,6 +185,10 @@ impl AnyLaw for Held {
         self.own.depends_on_time() || self.load.as_ref().is_some_and(Force::depends_on_time)
     }
 
+    fn kinks(&self) -> Vec<f64> {
+        [self.own.kinks(), self.load.as_ref().map_or(&[], Force::kinks)].concat()
+    }
+
     fn as_any(&self) -> &dyn Any {
         self
     }
@@ -216,6 +220,10 @@ impl AnyLaw for Facing {
 
     fn depends_on_time(&self) -> bool {
         self.0[0].depends_on_time()
+    }
+
+    fn kinks(&self) -> Vec<f64> {
+        self.0[0].kinks().to_vec()
     }
 
     /// That of the force forwards, whose expression is that of both.

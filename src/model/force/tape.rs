@@ -5,9 +5,11 @@
 
 use super::error::ExpressionError;
 use super::operation::{Binary, Elementary, Unary, each, greatest, least, power, sign};
-use super::tree::{DIRECTION, Formula, Term};
-use crate::lanes::Lanes;
+use super::tree::{DIRECTION, Formula, INPUT, Term};
+use crate::lanes::{Lanes, ROW};
+use crate::model::Series;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 /// The slots that an expression may need at most.
 const MAX_SLOTS: usize = 32;
@@ -64,7 +66,9 @@ struct Step {
 pub(super) struct Tape {
     steps: Vec<Step>,
     /// The slots of x, x' and t, if they are used.
-    inputs: [Option<u8>; 3],
+    variables: [Option<u8>; 3],
+    /// The measured inputs with their slots.
+    inputs: Vec<(u8, Arc<Series>)>,
     result: u8,
     slots: usize,
 }
@@ -73,16 +77,16 @@ impl Tape {
     /// Compiles a tree for slips in a direction, 1 or -1.
     pub fn new(formula: &Formula, direction: f64) -> Result<Tape, ExpressionError> {
         let mut values = Values::default();
-        let mut of_node: Vec<Operand> = Vec::with_capacity(formula.0.len());
-        for operation in &formula.0 {
+        let mut of_node: Vec<Operand> = Vec::with_capacity(formula.nodes.len());
+        for operation in &formula.nodes {
             of_node.push(match operation.term {
                 Term::Variable(DIRECTION) => Operand::Number(direction),
                 term => values.term(term, &of_node),
             });
         }
         let result = of_node.last().map_or(0, |root| values.slot(*root));
-        values.allocate(result).ok_or_else(|| {
-            let place = 0..formula.0.last().map_or(0, |root| root.place.end);
+        values.allocate(result, &formula.inputs).ok_or_else(|| {
+            let place = 0..formula.nodes.last().map_or(0, |root| root.place.end);
             let problem = format!("the expression needs more than {MAX_SLOTS} values at one time");
             ExpressionError::new(place, problem, "write it with fewer parts that contain each other")
         })
@@ -103,10 +107,13 @@ impl Tape {
     #[inline(always)]
     fn value_with<L: Lanes, const S: usize>(&self, x: L, velocity: L, time: L) -> L {
         let mut slots = [[L::splat(0.0)]; S];
-        for (slot, input) in self.inputs.iter().zip([x, velocity, time]) {
+        for (slot, variable) in self.variables.iter().zip([x, velocity, time]) {
             if let Some(slot) = slot {
-                slots[*slot as usize & (S - 1)] = [input];
+                slots[*slot as usize & (S - 1)] = [variable];
             }
+        }
+        for (slot, input) in &self.inputs {
+            slots[*slot as usize & (S - 1)] = [sampled(input, time)];
         }
         self.run(&mut slots);
         slots[self.result as usize & (S - 1)][0]
@@ -133,7 +140,7 @@ impl Tape {
     #[inline(always)]
     fn fill_blocks<L: Lanes, const S: usize>(&self, x: &[f64], velocity: &[f64], time: L, g: &mut [f64]) {
         let mut slots = [[L::splat(0.0); REGISTERS]; S];
-        let [of_x, of_velocity, of_time] = self.inputs.map(|slot| slot.map(|slot| slot as usize & (S - 1)));
+        let [of_x, of_velocity, of_time] = self.variables.map(|slot| slot.map(|slot| slot as usize & (S - 1)));
         for from in (0..x.len()).step_by(REGISTERS * L::WIDTH) {
             for (slot, values) in [(of_x, x), (of_velocity, velocity)] {
                 let Some(slot) = slot else { continue };
@@ -143,6 +150,9 @@ impl Tape {
             }
             if let Some(slot) = of_time {
                 slots[slot] = [time; REGISTERS];
+            }
+            for (slot, input) in &self.inputs {
+                slots[*slot as usize & (S - 1)] = [sampled(input, time); REGISTERS];
             }
             self.run(&mut slots);
             let results = &slots[self.result as usize & (S - 1)];
@@ -194,6 +204,20 @@ impl Tape {
             }
         }
     }
+}
+
+/// An input at the times in the lanes. Neighbours often have the same time.
+#[inline(always)]
+fn sampled<L: Lanes>(input: &Series, time: L) -> L {
+    let (mut lanes, mut last) = ([0.0; ROW], (f64::NAN, f64::NAN));
+    time.store(&mut lanes);
+    for lane in &mut lanes[..L::WIDTH] {
+        if *lane != last.0 {
+            last = (*lane, input.at(*lane));
+        }
+        *lane = last.1;
+    }
+    L::load(&lanes)
 }
 
 /// A number, or the index of a value.
@@ -350,17 +374,20 @@ impl Values {
     }
 
     /// The tape that computes these values, unless it needs too many slots.
-    fn allocate(mut self, result: usize) -> Option<Tape> {
+    fn allocate(mut self, result: usize, inputs: &[Arc<Series>]) -> Option<Tape> {
         self.join();
         let last_use = self.last_uses(result);
-        let mut tape = Tape { steps: Vec::new(), inputs: [None; 3], result: 0, slots: 0 };
+        let mut tape = Tape { steps: Vec::new(), variables: [None; 3], inputs: Vec::new(), result: 0, slots: 0 };
         let mut free: Vec<u8> = (0..MAX_SLOTS as u8).rev().collect();
         let mut slot_of: Vec<u8> = vec![0; self.all.len()];
         // Variables are there from the beginning.
         for (i, source) in self.all.iter().enumerate() {
             if let Source::Variable(variable) = source {
                 slot_of[i] = free.pop()?;
-                tape.inputs[*variable] = Some(slot_of[i]);
+                match variable.checked_sub(INPUT) {
+                    Some(input) => tape.inputs.push((slot_of[i], inputs[input].clone())),
+                    None => tape.variables[*variable] = Some(slot_of[i]),
+                }
             }
         }
         for (i, source) in self.all.iter().enumerate() {
@@ -377,7 +404,8 @@ impl Values {
             tape.steps.push(Step { code, a, b, to, number: f64::from_bits(bits) });
         }
         tape.result = slot_of[result];
-        let used = tape.steps.iter().map(|step| step.to).chain(tape.inputs.into_iter().flatten());
+        let used = tape.steps.iter().map(|step| step.to).chain(tape.variables.into_iter().flatten());
+        let used = used.chain(tape.inputs.iter().map(|(slot, _)| *slot));
         tape.slots = used.max().map_or(1, |highest| highest as usize + 1);
         Some(tape)
     }

@@ -1,7 +1,9 @@
 //! An expression as a tree of operations, and what can be said of it algebraically.
 
 use super::operation::{Binary, Unary, whole_power};
+use crate::model::Series;
 use std::ops::Range;
+use std::sync::Arc;
 
 /// The variables in the order in which they are passed.
 pub(super) const X: usize = 0;
@@ -9,6 +11,8 @@ pub(super) const XDOT: usize = 1;
 pub(super) const TIME: usize = 2;
 /// The direction in which the body slips, or would slip. It is not passed, but compiled into a tape.
 pub(super) const DIRECTION: usize = 3;
+/// The first measured input. Inputs are not passed, but follow from the time.
+pub(super) const INPUT: usize = 4;
 
 /// A number, a variable, or an operation on other nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,17 +34,21 @@ pub(super) struct Operation {
 
 /// The nodes of a tree. Every operation is behind its operands, and the last one is the whole.
 #[derive(Clone, Debug, Default)]
-pub(super) struct Formula(pub Vec<Operation>);
+pub(super) struct Formula {
+    pub nodes: Vec<Operation>,
+    pub inputs: Vec<Arc<Series>>,
+}
 
 impl Formula {
     /// Computes every node, in order.
     pub fn evaluate(&self, at: [f64; 3], values: &mut Vec<f64>) {
         values.clear();
-        for operation in &self.0 {
+        for operation in &self.nodes {
             let value = match operation.term {
                 Term::Number(number) => number,
                 Term::Variable(DIRECTION) => 1f64.copysign(at[XDOT]),
-                Term::Variable(variable) => at[variable],
+                Term::Variable(variable @ ..INPUT) => at[variable],
+                Term::Variable(input) => self.inputs[input - INPUT].at(at[TIME]),
                 Term::Unary(unary, a) => unary.of(values[a]),
                 Term::Binary(binary, a, b) => binary.of(values[a], values[b]),
                 Term::Whole(a, power) => whole_power(values[a], power),
@@ -50,13 +58,18 @@ impl Formula {
     }
 
     pub fn uses(&self, variable: usize) -> bool {
-        self.0.iter().any(|operation| operation.term == Term::Variable(variable))
+        self.nodes.iter().any(|operation| operation.term == Term::Variable(variable))
+    }
+
+    /// The inputs that the tree contains.
+    pub fn used_inputs(&self) -> impl Iterator<Item = &Arc<Series>> {
+        self.inputs.iter().enumerate().filter(|(i, _)| self.uses(INPUT + i)).map(|(_, input)| input)
     }
 
     /// [c, a, b], if the whole is c + a x + b x' for all x, x' and t.
     pub fn affine(&self) -> Option<[f64; 3]> {
-        let mut forms: Vec<Option<[f64; 3]>> = Vec::with_capacity(self.0.len());
-        for operation in &self.0 {
+        let mut forms: Vec<Option<[f64; 3]>> = Vec::with_capacity(self.nodes.len());
+        for operation in &self.nodes {
             forms.push(affine(operation.term, &forms));
         }
         // 0 is added so that no coefficient is -0.

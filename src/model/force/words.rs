@@ -4,6 +4,7 @@ use super::error::ExpressionError;
 use super::operation::{Binary, Elementary, Unary};
 use super::tree::{DIRECTION, TIME, X, XDOT};
 use crate::excerpt::short;
+use crate::model::NamedSeries;
 use std::ops::Range;
 
 /// The parameters that an expression may have at most.
@@ -84,11 +85,27 @@ const ALIKE: f64 = 0.75;
 /// The letters from which a name is long enough to be taken for another one.
 const LONG: usize = 3;
 
+/// The names that an expression knows besides those of the language.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Names<'a> {
+    pub parameters: &'a [(String, f64)],
+    pub inputs: &'a [NamedSeries],
+}
+
+impl<'a> Names<'a> {
+    /// All names, each with what it is called.
+    fn all(self) -> impl Iterator<Item = (&'a str, &'static str)> {
+        let parameters = self.parameters.iter().map(|(name, _)| (name.as_str(), "parameter"));
+        parameters.chain(self.inputs.iter().map(|input| (input.name.as_str(), "input")))
+    }
+}
+
 /// What a name stands for.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Meaning {
     Number(f64),
     Parameter(usize),
+    Input(usize),
     Variable(usize),
     Function(Function),
 }
@@ -100,22 +117,19 @@ fn reserved(name: &str) -> Option<Meaning> {
     pi.or_else(variable).or_else(function)
 }
 
-/// What a name in an expression with these parameters stands for.
-pub(super) fn meaning(
-    name: &str,
-    place: &Range<usize>,
-    parameters: &[(String, f64)],
-) -> Result<Meaning, ExpressionError> {
-    let parameter = || parameters.iter().position(|(known, _)| known == name).map(Meaning::Parameter);
-    reserved(name).or_else(parameter).ok_or_else(|| {
-        let hint = hint(name, parameters).map_or(String::new(), |hint| format!("{hint}; "));
-        let remedy = format!("{hint}an expression knows {}", known(parameters));
+/// What a name in an expression that knows these names stands for.
+pub(super) fn meaning(name: &str, place: &Range<usize>, names: Names<'_>) -> Result<Meaning, ExpressionError> {
+    let parameter = || names.parameters.iter().position(|(known, _)| known == name).map(Meaning::Parameter);
+    let input = || names.inputs.iter().position(|known| known.name == name).map(Meaning::Input);
+    reserved(name).or_else(parameter).or_else(input).ok_or_else(|| {
+        let hint = hint(name, names).map_or(String::new(), |hint| format!("{hint}; "));
+        let remedy = format!("{hint}an expression knows {}", known(names));
         ExpressionError::new(place.clone(), format!("unknown name `{}`", short(name)), remedy)
     })
 }
 
 /// What to write in place of a name.
-fn hint(name: &str, parameters: &[(String, f64)]) -> Option<String> {
+fn hint(name: &str, names: Names<'_>) -> Option<String> {
     let word = name.to_lowercase();
     if name == "T" {
         return Some(SUPPORT.to_string());
@@ -124,14 +138,14 @@ fn hint(name: &str, parameters: &[(String, f64)]) -> Option<String> {
         return Some(hint.to_string());
     }
     let synonym = SYNONYMS.iter().find(|(synonym, _)| *synonym == word).map(|(_, right)| *right);
-    synonym.or_else(|| nearest(&word, parameters)).map(|right| format!("write `{right}`"))
+    synonym.or_else(|| nearest(&word, names)).map(|right| format!("write `{right}`"))
 }
 
 /// The name that a word is a slip of the pen for. A name with something added, as x2 or sinh,
 /// probably means something else.
-fn nearest<'a>(word: &str, parameters: &'a [(String, f64)]) -> Option<&'a str> {
-    let names = VARIABLES.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name)).chain(["pi"]);
-    let all = names.chain(parameters.iter().map(|(name, _)| name.as_str()));
+fn nearest<'a>(word: &str, names: Names<'a>) -> Option<&'a str> {
+    let own = VARIABLES.iter().map(|(name, _)| *name).chain(FUNCTIONS.iter().map(|(name, _)| *name)).chain(["pi"]);
+    let all = own.chain(names.all().map(|(name, _)| name));
     let near = all.filter_map(|name| {
         let known = name.to_lowercase();
         let likeness = strsim::jaro_winkler(word, &known);
@@ -142,46 +156,58 @@ fn nearest<'a>(word: &str, parameters: &'a [(String, f64)]) -> Option<&'a str> {
     near.min_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1))).map(|(_, _, name)| name)
 }
 
-fn known(parameters: &[(String, f64)]) -> String {
+fn known(names: Names<'_>) -> String {
     let list = |names: Vec<&str>| names.join(", ");
-    let named = list(parameters.iter().map(|(name, _)| name.as_str()).collect());
-    let named = match parameters.len() {
-        0 => String::new(),
-        1 => format!(", the parameter {named}"),
-        _ => format!(", the parameters {named}"),
+    let named = |kind: &str| {
+        let named: Vec<&str> = names.all().filter(|(_, of)| *of == kind).map(|(name, _)| name).collect();
+        match named.len() {
+            0 => String::new(),
+            1 => format!(", the {kind} {}", named[0]),
+            _ => format!(", the {kind}s {}", list(named)),
+        }
     };
     format!(
-        "x, xdot, t, direction, pi{named} and the functions {}",
+        "x, xdot, t, direction, pi{}{} and the functions {}",
+        named("parameter"),
+        named("input"),
         list(FUNCTIONS.iter().map(|(name, _)| *name).collect())
     )
 }
 
-/// Checks that parameters have names of their own, and values.
-pub(super) fn check(parameters: &[(String, f64)]) -> Result<(), ExpressionError> {
+/// Checks that parameters and inputs have names of their own, and parameters values.
+pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
     let fault = |name: &str, problem: String, remedy: &str| Err(ExpressionError::of_parameter(name, problem, remedy));
-    if let Some((name, _)) = parameters.get(MAX_PARAMETERS) {
-        let problem = format!("{} parameters are more than {MAX_PARAMETERS}", parameters.len());
+    if let Some((name, _)) = names.parameters.get(MAX_PARAMETERS) {
+        let problem = format!("{} parameters are more than {MAX_PARAMETERS}", names.parameters.len());
         return fault(name, problem, "write the values of some into the expression");
     }
-    for (i, (name, value)) in parameters.iter().enumerate() {
+    for (i, (name, kind)) in names.all().enumerate() {
         let shown = short(name);
         let is_name = name.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')
             && !name.starts_with(|c: char| c.is_ascii_digit())
             && (1..=MAX_NAME).contains(&name.len());
         if !is_name {
             let remedy = format!("write letters from a to z, digits and _, at most {MAX_NAME}, and no digit first");
-            return fault(name, format!("`{shown}` cannot be the name of a parameter"), &remedy);
+            return fault(
+                name,
+                format!("`{shown}` cannot be the name of a{} {kind}", if kind == "input" { "n" } else { "" }),
+                &remedy,
+            );
         }
         if reserved(name).is_some() {
             return fault(
                 name,
-                format!("the parameter `{shown}` has a name with a meaning of its own"),
+                format!("the {kind} `{shown}` has a name with a meaning of its own"),
                 "give it another name",
             );
         }
-        if parameters[..i].iter().any(|(other, _)| other == name) {
-            return fault(name, format!("two parameters are called `{shown}`"), "give each a name of its own");
+        if let Some((_, other)) = names.all().take(i).find(|(other, _)| *other == name) {
+            let both = if other == kind { format!("two {kind}s are") } else { format!("a {other} and an {kind} are") };
+            return fault(name, format!("{both} called `{shown}`"), "give each a name of its own");
         }
+    }
+    for (name, value) in names.parameters {
+        let shown = short(name);
         if !value.is_finite() {
             return fault(name, format!("the parameter `{shown}` is {value}"), "write a finite number");
         }

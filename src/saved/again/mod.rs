@@ -38,7 +38,7 @@ pub fn again_in_memory(
 ) -> Result<Again, String> {
     let stored = StoredRun::read(dataset)?;
     let header = &stored.header;
-    let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], header.series.as_ref());
+    let scenario = Scenario::parse_stored("run", &header.scenario_text, &[], &header.samples);
     again(dataset, &stored, &scenario.map_err(|error| error.to_string())?, sample, threads, stop)
 }
 

@@ -82,7 +82,8 @@ prop_compose! {
         let mut scenario = Scenario {
             title,
             model,
-            measured: None,
+            measured: Vec::new(),
+            named: Vec::new(),
             is_balanced: false,
             white_noise: None,
             written_force: None,

@@ -18,12 +18,12 @@ const INSTANTS: [f64; 5] = [0.0, 0.13, 0.37, 0.71, 1.0];
 /// The first direction in which the force grows and pushes outward, or in which its dependence on
 /// the velocity grows and adds energy.
 pub(super) fn found(probe: &mut Probe) -> Option<Found> {
-    let instants = if probe.scales[2] > 0.0 { INSTANTS.len() } else { 1 };
+    let instants = probe.instants(&INSTANTS);
     for direction in DIRECTIONS {
-        for instant in &INSTANTS[..instants] {
+        for instant in &instants {
             let point = |times: f64| {
                 let [x, velocity] = direction.map(|part| part * times);
-                [x * probe.scales[X], velocity * probe.scales[XDOT], instant * probe.scales[2]]
+                [x * probe.scales[X], velocity * probe.scales[XDOT], *instant]
             };
             let points = TIMES.map(point);
             if let Some(found) = in_direction(probe, points, direction[1] != 0.0) {
@@ -62,9 +62,9 @@ fn in_direction(probe: &mut Probe, points: [[f64; 3]; 4], moves: bool) -> Option
 /// and friction take, at the same instant at ever larger distances and, for the energy, in every
 /// direction.
 pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f64) -> Option<String> {
-    let instants = if probe.scales[2] > 0.0 { &INSTANTS[..] } else { &INSTANTS[..1] };
+    let instants = &probe.instants(&INSTANTS);
     let at = |probe: &Probe, [x, velocity]: [f64; 2], times: f64, instant: f64| {
-        [x * times * probe.scales[X], velocity * times * probe.scales[XDOT], instant * probe.scales[2]]
+        [x * times * probe.scales[X], velocity * times * probe.scales[XDOT], instant]
     };
     for instant in instants {
         for direction in [[1.0, 0.0], [-1.0, 0.0]] {
@@ -97,10 +97,10 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f
 
 /// The term of a sum that is largest at the point that was computed last.
 fn largest_term(probe: &Probe) -> usize {
-    let mut node = probe.formula.0.len() - 1;
+    let mut node = probe.formula.nodes.len() - 1;
     loop {
         let size = |node: usize| probe.values[node].abs();
-        node = match probe.formula.0[node].term {
+        node = match probe.formula.nodes[node].term {
             Term::Binary(Binary::Add | Binary::Sub, a, b) if size(a) > size(b) => a,
             Term::Binary(Binary::Add | Binary::Sub, _, b) => b,
             Term::Unary(Unary::Negative, a) => a,

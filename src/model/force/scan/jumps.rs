@@ -39,10 +39,10 @@ impl Track {
 }
 
 /// The lines along each axis, and diagonals.
-pub(super) fn tracks(scales: [f64; 3]) -> Vec<Track> {
-    let instants = if scales[TIME] > 0.0 { &INSTANTS[..] } else { &INSTANTS[..1] };
+pub(super) fn tracks(probe: &Probe) -> Vec<Track> {
+    let scales = probe.scales;
     let mut all = Vec::new();
-    for t in instants.iter().map(|part| part * scales[TIME]) {
+    for t in probe.instants(&INSTANTS) {
         for offset in OFFSETS {
             let (x, velocity) = (offset * scales[X], offset * scales[XDOT]);
             all.push(Track { from: [-scales[X], velocity, t], along: [2.0 * scales[X], 0.0, 0.0] });
@@ -76,7 +76,7 @@ struct Suspect {
 impl Suspect {
     fn new(probe: &Probe, node: usize) -> Option<Suspect> {
         let itself = |argument| argument;
-        let (argument, margin, can_be_steep): (usize, fn(f64) -> f64, bool) = match probe.formula.0[node].term {
+        let (argument, margin, can_be_steep): (usize, fn(f64) -> f64, bool) = match probe.formula.nodes[node].term {
             Term::Unary(Unary::Sign, a) => (a, itself, false),
             Term::Unary(Unary::Elementary(Elementary::Tan), a) => (a, libm::cos, true),
             Term::Unary(Unary::Sqrt | Unary::Elementary(Elementary::Log), a) => (a, itself, true),
@@ -95,14 +95,14 @@ impl Suspect {
 
 /// Searches for one doubt for each operation that can be the cause.
 pub(super) fn found(probe: &mut Probe) -> Vec<Found> {
-    let nodes = probe.formula.0.len();
+    let nodes = probe.formula.nodes.len();
     let suspects: Vec<Suspect> = (0..nodes).filter_map(|node| Suspect::new(probe, node)).collect();
     let mut all: Vec<Option<String>> = vec![None; nodes];
     let mut no_value: Vec<Option<String>> = vec![None; nodes];
     // Whether there is no value at neighbouring samples with different arguments: on a whole side.
     let mut is_wide = vec![false; nodes];
     let mut work = WORK;
-    for track in tracks(probe.scales) {
+    for track in tracks(probe) {
         let mut margins: Vec<Vec<f64>> = vec![Vec::with_capacity(INTERVALS + 1); suspects.len()];
         let mut largest = 0.0f64;
         let mut before = None;

@@ -43,10 +43,10 @@ pub fn doubts(force: &Expression, scales: Scales) -> Vec<Doubt> {
     let mut probe = probe(force, scales);
     let mut all = jumps::found(&mut probe);
     all.extend(growth::found(&mut probe));
-    all.sort_by_key(|(node, _)| probe.formula.0[*node].place.start);
+    all.sort_by_key(|(node, _)| probe.formula.nodes[*node].place.start);
     let mut said = HashSet::new();
     all.retain(|(_, sentence)| said.insert(sentence.clone()));
-    let place = |node: usize| probe.formula.0[node].place.clone();
+    let place = |node: usize| probe.formula.nodes[node].place.clone();
     all.into_iter().map(|(node, sentence)| Doubt { start: place(node).start, end: place(node).end, sentence }).collect()
 }
 

@@ -19,9 +19,21 @@ impl Probe<'_> {
         self.values.last().copied().unwrap_or(0.0)
     }
 
+    /// The times at which g is looked at: these parts of the duration, and where an input is smallest
+    /// and largest.
+    pub fn instants(&self, parts: &[f64]) -> Vec<f64> {
+        let end = self.scales[TIME];
+        if end == 0.0 {
+            return vec![0.0];
+        }
+        let extremes = self.formula.used_inputs().flat_map(|input| input.extremes()).filter(|t| *t <= end);
+        parts.iter().map(|part| part * end).chain(extremes).collect()
+    }
+
     /// The coordinates of a point that matter, in words.
     pub fn words(&self, point: [f64; 3]) -> String {
-        let names = [("x", X), ("xdot", XDOT), ("t", TIME)].into_iter().filter(|(_, i)| self.formula.uses(*i));
+        let uses = |i| self.formula.uses(i) || (i == TIME && self.formula.used_inputs().next().is_some());
+        let names = [("x", X), ("xdot", XDOT), ("t", TIME)].into_iter().filter(|(_, i)| uses(*i));
         names.map(|(name, i)| format!("{name} = {}", short(point[i]))).collect::<Vec<_>>().join(", ")
     }
 }

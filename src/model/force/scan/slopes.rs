@@ -31,7 +31,7 @@ pub struct Steepest {
 pub(super) fn found(probe: &mut Probe, body: &Oscillator) -> Steepest {
     let energy = 0.5 * body.mass * probe.scales[XDOT] * probe.scales[XDOT];
     let mut steepest = Steepest::default();
-    for track in tracks(probe.scales) {
+    for track in tracks(probe) {
         let [moves_x, moves_velocity, _] = track.along.map(|along| along != 0.0);
         if moves_x == moves_velocity {
             continue;

@@ -78,10 +78,10 @@ impl Cell {
         }
         (self.index, self.start, self.end) = (index, rung.start, rung.end);
         scene.set_terms(self.end, &mut self.terms);
-        scene.set_line(rung.piece, self.end, &mut self.terms);
+        scene.set_line(rung.sample, self.end, &mut self.terms);
         self.last = self.forcing_here();
         scene.set_terms(self.start, &mut self.terms);
-        scene.set_line(rung.piece, self.start, &mut self.terms);
+        scene.set_line(rung.sample, self.start, &mut self.terms);
         self.first = self.forcing_here();
     }
 

@@ -1,11 +1,10 @@
 //! The times at which cells begin and end.
 //!
 //! All cells have one length, which follows from the scene and the tolerance. Where the temperature
-//! was measured, a cell also ends at every sample, so that B is a straight line inside each cell.
-//! The time between two samples is divided into the smallest number of equal cells that are not
+//! or an input of g was measured, a cell also ends at every sample, so that neither has a kink
+//! inside a cell. The time between two samples is divided into the smallest number of equal cells that are not
 //! longer than this length.
 
-use crate::model::Series;
 use std::sync::Arc;
 
 /// The division of time into cells.
@@ -33,8 +32,8 @@ pub struct CellPlace {
     /// The time at which it ends and the next cell begins.
     pub end: f64,
     pub length: f64,
-    /// The number of the piece of the measured series in which it lies.
-    pub piece: usize,
+    /// The last sample before it or at its start.
+    pub sample: f64,
 }
 
 impl StepLadder {
@@ -43,15 +42,14 @@ impl StepLadder {
         StepLadder { length, cuts: None }
     }
 
-    /// Cells of at most this length, which also end at every sample.
-    pub fn cut(series: &Series, longest: f64) -> Self {
-        let times = series.times().to_vec();
+    /// Cells of at most this length, which also end at each of these times, two or more.
+    pub fn cut(times: Vec<f64>, longest: f64) -> Self {
         let parts = |spacing: f64| (spacing / longest * (1.0 - SAME_LENGTH)).ceil().max(1.0);
         let mut firsts = vec![0];
         for pair in times.windows(2) {
             firsts.push(firsts[firsts.len() - 1] + parts(pair[1] - pair[0]) as u64);
         }
-        let usual = series.usual_spacing();
+        let usual = usual_spacing(&times);
         StepLadder { length: usual / parts(usual), cuts: Some(Arc::new(Cuts { times, firsts })) }
     }
 
@@ -70,7 +68,7 @@ impl StepLadder {
     pub fn rung(&self, index: u64) -> CellPlace {
         let Some(cuts) = &self.cuts else {
             let (start, end) = (index as f64 * self.length, (index + 1) as f64 * self.length);
-            return CellPlace { start, end, length: self.length, piece: 0 };
+            return CellPlace { start, end, length: self.length, sample: 0.0 };
         };
         let Cuts { times, firsts } = cuts.as_ref();
         let piece = firsts.partition_point(|first| *first <= index).clamp(1, firsts.len() - 1) - 1;
@@ -79,8 +77,15 @@ impl StepLadder {
         let length = (to - from) / parts as f64;
         // The last cell before a sample ends exactly at the sample.
         let at = |part: u64| if part == parts { to } else { from + part as f64 * length };
-        CellPlace { start: at(done), end: at(done + 1), length, piece }
+        CellPlace { start: at(done), end: at(done + 1), length, sample: from }
     }
+}
+
+/// The median time between two of these; of two middle ones the longer.
+fn usual_spacing(times: &[f64]) -> f64 {
+    let mut spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = spacings.len() / 2;
+    *spacings.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Two lengths whose relative difference is smaller than this differ only by the rounding of the
@@ -93,8 +98,7 @@ mod tests {
 
     #[test]
     fn cells_end_at_samples_and_leave_no_time_out() {
-        let series = Series::new(vec![0.0, 1.0, 1.3, 2.3, 3.3], vec![0.0; 5]).unwrap();
-        let ladder = StepLadder::cut(&series, 0.4);
+        let ladder = StepLadder::cut(vec![0.0, 1.0, 1.3, 2.3, 3.3], 0.4);
         let mut at = 0.0;
         for index in 0..10 {
             let rung = ladder.rung(index);
@@ -105,11 +109,11 @@ mod tests {
         assert_eq!(at, 3.3);
         // The four intervals between samples have 3, 1, 3 and 3 cells.
         assert_eq!([2, 3, 6, 9].map(|index| ladder.rung(index).end), [1.0, 1.3, 2.3, 3.3]);
-        assert_eq!([0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).piece), [0, 0, 1, 2, 3, 3]);
+        assert_eq!([0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).sample), [0.0, 0.0, 1.0, 1.3, 2.3, 2.3]);
         assert_eq!((ladder.length(), ladder.is_even()), (1.0 / 3.0, false));
         assert_eq!(ladder.rung(10).start, 3.3);
         // Ten minutes are filled by three cells of 200 s.
-        assert_eq!(StepLadder::cut(&Series::new(vec![0.0, 600.0], vec![0.0; 2]).unwrap(), 200.0).length(), 200.0);
-        assert_eq!(StepLadder::even(0.5).rung(7), CellPlace { start: 3.5, end: 4.0, length: 0.5, piece: 0 });
+        assert_eq!(StepLadder::cut(vec![0.0, 600.0], 200.0).length(), 200.0);
+        assert_eq!(StepLadder::even(0.5).rung(7), CellPlace { start: 3.5, end: 4.0, length: 0.5, sample: 0.0 });
     }
 }

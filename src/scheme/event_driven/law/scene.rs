@@ -262,9 +262,15 @@ impl Scene {
     }
 
     /// The cells for this scene, each of at most this length. All have the same length, except that
-    /// a cell also ends at every sample of a measured temperature.
+    /// a cell also ends at every sample of a measured temperature and at every kink of g.
     pub fn ladder(&self, longest: f64) -> StepLadder {
-        self.series.as_ref().map_or(StepLadder::even(longest), |series| StepLadder::cut(series, longest))
+        let samples = self.series.as_ref().map_or(&[][..], |series| series.times());
+        let kinks = self.own.as_ref().map_or(&[][..], |(force, _)| force.kinks());
+        let mut cuts = [&[0.0], samples, kinks].concat();
+        cuts.retain(|time| *time >= 0.0 && time.is_finite());
+        cuts.sort_by(f64::total_cmp);
+        cuts.dedup();
+        if cuts.len() < 2 { StepLadder::even(longest) } else { StepLadder::cut(cuts, longest) }
     }
 
     /// The transition of n over a cell: that of a free Ornstein-Uhlenbeck process, or, where the
@@ -273,7 +279,7 @@ impl Scene {
         let (theta, s) = (self.relaxation_rate, self.diffusion);
         match &self.series {
             Some(series) if self.is_pinned => {
-                let ahead = (series.times()[rung.piece + 1] - rung.end).max(0.0);
+                let ahead = (series.times()[series.piece(rung.sample) + 1] - rung.end).max(0.0);
                 // The mean of the bridge is `decay` times n, because its other end is zero.
                 let (decay, increment_sd) = bridge_at(theta, s, rung.length, ahead, (1.0, 0.0));
                 Transition { decay, increment_sd }
@@ -283,19 +289,22 @@ impl Scene {
     }
 
     /// Sets the last term to that of the straight line in B, at a time on this line: the constant
-    /// and the trend, and what a measured temperature is between two samples.
+    /// and the trend, and what a measured temperature is after this sample.
     ///
     /// The line is represented as a harmonic that turns by a very small angle y, of at most 1e-8.
     /// Such a harmonic is a straight line to rounding: Re[(re + i im) e^{iy}] = re - im y, because
     /// cos y rounds to 1 and sin y to y. So a line needs no formulas of its own; the curvature that
     /// remains, y^2/2, is below rounding.
-    pub fn set_line(&self, piece: usize, t: f64, terms: &mut [Complex]) {
+    pub fn set_line(&self, sample: f64, t: f64, terms: &mut [Complex]) {
         if self.series.is_none() && self.line.is_none() {
             return;
         }
         let (Some(h), Some(term)) = (self.harmonics.last(), terms.last_mut()) else { return };
         let gain = self.force_per_temperature;
-        let measured = |series: &Arc<Series>| (gain * series.on(piece, t), gain * series.slope(piece));
+        let measured = |series: &Arc<Series>| {
+            let piece = series.piece(sample);
+            (gain * series.on(piece, t), gain * series.slope(piece))
+        };
         let (mut value, mut slope) = self.series.as_ref().map_or((0.0, 0.0), measured);
         if let Some([offset, trend]) = self.line {
             (value, slope) = (value + (offset + trend * t), slope + trend);

@@ -12,7 +12,8 @@
 //! Where friction has a load, b and f_s in a stick are those of [`crate::model::Force::hold`], and
 //! the b of the model is told at events.
 //!
-//! Steps of slips and of searches end at the samples of a measured temperature, where it has kinks.
+//! Steps of slips and of searches end where the force has kinks in t: at the samples of a measured
+//! temperature, and of an input of g.
 //! Nothing is random, so one path is computed and reported for every lane.
 
 use super::super::super::work::{Simulated, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
@@ -244,9 +245,9 @@ impl GeneralNoiseless {
                 Ok(if has_load { b / limit } else { b })
             };
             let threshold = if has_load { 1.0 } else { f_s };
-            let until_sample = |r: f64| self.forces.near(start.after(r)).until_sample;
+            let until_kink = |r: f64| self.forces.near(start.after(r)).until_kink;
             let horizon = start.until(self.timeline.end);
-            let found = first_exit(&mut b, threshold, horizon, self.search_steps(), until_sample)?;
+            let found = first_exit(&mut b, threshold, horizon, self.search_steps(), until_kink)?;
             match found {
                 Some(r) => {
                     let direction = Sign::of(b(r)?);
@@ -284,7 +285,7 @@ impl GeneralNoiseless {
         let end = if horizon <= 0.0 {
             None
         } else {
-            let (to, next) = slip.step(from, step, horizon.min(temperature.until_sample), work)?;
+            let (to, next) = slip.step(from, step, horizon.min(temperature.until_kink), work)?;
             match first_stop(&slip, direction.value(), from, to, work)? {
                 Some(stop) => {
                     let Kinematics { after, displacement, .. } = stop;

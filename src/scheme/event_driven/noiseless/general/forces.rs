@@ -19,7 +19,7 @@ pub struct Forces {
     own: Option<(Force, InstructionSet)>,
 }
 
-/// The temperature near a time: it is correct from this time up to the next sample.
+/// The temperature near a time: it is correct from this time up to the next kink.
 #[derive(Clone, Debug)]
 pub struct LocalTemperature {
     start: ExactTime,
@@ -27,8 +27,8 @@ pub struct LocalTemperature {
     terms: Vec<(Complex, Complex)>,
     /// The line and the series, and their slope, at the start.
     line: (f64, f64),
-    /// The duration until the next sample; infinite if there is none.
-    pub until_sample: f64,
+    /// The duration until the next sample of the temperature or kink of g; infinite if there is none.
+    pub until_kink: f64,
 }
 
 impl Forces {
@@ -90,20 +90,20 @@ impl Forces {
         let terms = self.terms.iter().map(|term| (start.phased(term), term.rate)).collect();
         let [offset, trend] = self.line;
         let line = (offset + trend * start.value(), trend);
-        let mut local = LocalTemperature { start, terms, line, until_sample: f64::INFINITY };
+        let mut local = LocalTemperature { start, terms, line, until_kink: f64::INFINITY };
         if let Some(series) = self.series.as_deref() {
             let times = series.times();
-            let mut piece = series.piece(start.value());
-            // `start` has more digits than the double that found the piece.
-            while piece + 2 < times.len() && start.until(times[piece + 1]) <= 0.0 {
-                piece += 1;
-            }
+            let piece = passed(times, start).clamp(1, times.len() - 1) - 1;
             let slope = series.slope(piece);
             local.line.0 += series.values()[piece] - slope * start.until(times[piece]);
             local.line.1 += slope;
             if piece + 2 < times.len() {
-                local.until_sample = start.until(times[piece + 1]);
+                local.until_kink = start.until(times[piece + 1]);
             }
+        }
+        let kinks = self.own.as_ref().map_or(&[][..], |(force, _)| force.kinks());
+        if let Some(kink) = kinks.get(passed(kinks, start)) {
+            local.until_kink = local.until_kink.min(start.until(*kink));
         }
         local
     }
@@ -125,6 +125,15 @@ impl Forces {
         let spring = self.oscillator.force_bound(local.after(after).abs(), x.abs());
         spring + (2.0 * damping * v).abs() + self.own(Some(direction), x, v, local.start.after(after).value()).abs()
     }
+}
+
+/// How many of these times are not after the start, which has more digits than they have.
+fn passed(times: &[f64], start: ExactTime) -> usize {
+    let mut count = times.partition_point(|time| *time <= start.value());
+    while times.get(count).is_some_and(|time| start.until(*time) <= 0.0) {
+        count += 1;
+    }
+    count
 }
 
 impl LocalTemperature {
