@@ -68,6 +68,14 @@ impl ValueAt<'_> {
         Err(self.fault(problem, remedy))
     }
 
+    /// A number that cannot be the name of a parameter.
+    fn literal(&self, key: Key) -> Result<f64, Box<Fault>> {
+        match self.node.value {
+            Value::Text(_) => Err(self.wrong_kind(key.range.words(), "write a number")),
+            _ => self.number(key),
+        }
+    }
+
     fn whole(&self, range: RangeInclusive<u64>) -> Result<u64, Box<Fault>> {
         let allowed = format!("a whole number from {} to {}", range.start(), range.end());
         let number = match &self.node.value {
@@ -253,11 +261,7 @@ impl<'a> Fields<'a> {
             };
             let read = |KeyValue { key, key_place, node }: &'a KeyValue| {
                 let inside = ValueAt { path: format!("{}.{key}", at.path), node, ..*at };
-                let value = match node.value {
-                    Value::Text(_) => Err(inside.wrong_kind(free.range.words(), "write a number")),
-                    _ => inside.number(free),
-                };
-                (key.clone(), self.sources.or_report(value).unwrap_or(1.0), Some(*key_place))
+                (key.clone(), self.sources.or_report(inside.literal(free)).unwrap_or(1.0), Some(*key_place))
             };
             Ok(entries.iter().map(read).collect())
         };
@@ -300,7 +304,7 @@ impl<'a> Fields<'a> {
     pub fn list(&self, key: Key, most: usize) -> Vec<f64> {
         let read = |at: &ValueAt<'a>| match &at.node.value {
             Value::Array(items) if items.len() <= most => {
-                let number = |node| ValueAt { path: at.path.clone(), node, ..*at }.number(key);
+                let number = |node| ValueAt { path: at.path.clone(), node, ..*at }.literal(key);
                 let sound = |node| self.sources.or_report(number(node)).unwrap_or_else(|| key.range.stand_in());
                 Ok(items.iter().map(sound).collect())
             }

@@ -39,10 +39,14 @@ impl Written<'_> {
 
     /// The parameter that the number at a key names, if it still has this value.
     fn parameter(&self, name: &str, value: f64) -> Option<&str> {
-        let key = format!("{}.{name}", self.table);
-        let (_, parameter) = self.named.iter().find(|(known, _)| *known == key)?;
+        let parameter = self.name_at(&format!("{}.{name}", self.table))?;
         let (_, now) = self.parameters.iter().find(|(known, _)| known == parameter)?;
         (*now == value).then_some(parameter)
+    }
+
+    /// The parameter that the number at a dotted key names, whatever its value is now.
+    fn name_at(&self, dotted: &str) -> Option<&str> {
+        self.named.iter().find(|(key, _)| key == dotted).map(|(_, name)| name.as_str())
     }
 
     /// A number, or the parameter that it is.
@@ -87,7 +91,11 @@ pub(super) fn resolved(scenario: &Scenario) -> String {
     text.number(keys::END, end);
     match scheme.step() {
         Some(step) => text.number(keys::STEP, step),
-        None => text.plain(format!("# no step: the {} scheme has none", scheme.name())),
+        // What a scheme without a step ignores is kept, so that the parameter stays in use.
+        None => match text.name_at("time.step").map(string) {
+            Some(name) => text.other(keys::STEP, name),
+            None => text.plain(format!("# no step: the {} scheme has none", scheme.name())),
+        },
     }
     text.number(keys::OUTPUT_STEP, output_step);
     text.table("scheme");
@@ -190,7 +198,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     } else {
         text.number(keys::DISPLACEMENT, model.initial_displacement);
     }
-    if model.initial_velocity != 0.0 {
+    if model.initial_velocity != 0.0 || text.name_at("initial.velocity").is_some() {
         text.number(keys::VELOCITY, model.initial_velocity);
     }
 }
@@ -243,15 +251,17 @@ pub(super) fn of_temperature(temperature: &Temperature) -> String {
 }
 
 fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>, white: Option<WhiteNoise>) {
-    if of.has_line() || of.harmonics.is_empty() {
+    let has_line =
+        of.has_line() || ["offset", "trend"].iter().any(|key| text.name_at(&format!("temperature.{key}")).is_some());
+    if has_line || of.harmonics.is_empty() {
         text.table("temperature");
     }
-    if of.has_line() {
+    if has_line {
         text.number(keys::TEMPERATURE_OFFSET, of.offset);
         text.number(keys::TREND, of.trend);
     }
     if of.harmonics.is_empty() {
-        let meaning = if of.has_line() { "no harmonics" } else { "no deterministic part" };
+        let meaning = if has_line { "no harmonics" } else { "no deterministic part" };
         text.line(keys::HARMONICS.name, "[]", meaning);
     }
     for (i, harmonic) in of.harmonics.iter().enumerate() {

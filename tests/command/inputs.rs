@@ -53,7 +53,7 @@ fn a_block_slides_as_far_as_a_record_in_any_unit_takes_it() {
         ("time_s,acc (g's)", &samples, "from g to m/s2, times 9.80665"),
         ("time_s,acc [m/s^2]", &si, "in m/s2"),
         ("time_s,acc\ns,m/s\u{b2}", &si, "in m/s2"),
-        ("Time (s),acc_gal", &gal, "from gal to m/s2, times 0.01"),
+        ("Time (s),acc gal", &gal, "from gal to m/s2, times 0.01"),
         ("Time (s),acc [kN]", &kilonewton, "from kN to N, times 1000"),
         ("time_s,acc", &si, "as it is, because nothing says its unit"),
     ] {
@@ -69,7 +69,7 @@ fn a_block_slides_as_far_as_a_record_in_any_unit_takes_it() {
     assert!((found - wanted).abs() < 1e-7, "{found} {wanted}");
 }
 
-/// A record in the format AT2 is the same numbers as in CSV.
+/// A record in the format AT2 is the same numbers as in CSV, but for the rounding of the times.
 #[test]
 fn an_at2_file_is_the_same_numbers_as_in_csv() {
     let samples = quiet_with_a_pulse();
@@ -84,12 +84,13 @@ fn an_at2_file_is_the_same_numbers_as_in_csv() {
     std::fs::write(here.path().join("at2.toml"), BLOCK.replace("quake.csv\"\ncolumn = \"acc\"", "quake.AT2\""))
         .expect("written");
     record("NPTS=    500, DT=   .0200 SEC,", &rows);
-    assert_eq!(run(here.path(), "at2.toml", &[]), by_csv);
+    let is_same = |scenario: &str| (run(here.path(), scenario, &[]) - by_csv).abs() < 1e-12;
+    assert!(is_same("at2.toml"));
     // What check prints can be run, and says the unit.
     let checked = done(here.path(), &["check", "at2.toml"]);
     assert!(checked.contains("unit = \"g\""), "{checked}");
     std::fs::write(here.path().join("checked.toml"), checked).expect("written");
-    assert_eq!(run(here.path(), "checked.toml", &[]), by_csv);
+    assert!(is_same("checked.toml"));
     for (header, rows, says) in [
         ("NPTS=    501, DT=   .0200 SEC,", rows.clone(), "has 500 values, and its header says NPTS = 501"),
         ("NPTS=    500, DT=  -.0200 SEC,", rows.clone(), "is no header of a record"),
@@ -111,7 +112,6 @@ fn results_hold_their_inputs() {
     assert!(shown.contains("[input.ag]") && shown.contains("unit = \"g\"") && shown.contains("hash = "), "{shown}");
     done(here, &["replay", "block.h5", "--path", "0", "-o", "path.h5"]);
     done(here, &["verify", "block.h5"]);
-    done(here, &["verify", "block.h5", "--again"]);
     let file = hdf5::File::open(here.join("block.h5")).expect("opens");
     let rows = |name: &str| file.dataset(name).expect("there").read_raw::<f64>().expect("numbers");
     assert_eq!((rows("input_time").len(), rows("input_value")[252]), (500, 9.80665 * quiet_with_a_pulse()[252]));
@@ -186,10 +186,9 @@ fn inputs_with_stamps_begin_together() {
 }
 
 /// A belt whose speed is one number for the line and for the friction that falls with speed.
-const BELT: &str = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }\nfriction = { static = 1.2, dynamic = 1.0 }\n\
+const BELT: &str = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }\nfriction = { static = 1.2, dynamic = 1.0, load = \"1 + 0*x0\", parameters = { x0 = 0.25 } }\n\
      temperature.trend = \"V\"\nforce.expression = \"mu*(1 - exp(-abs(xdot)/V))*sign(xdot)\"\n\
-     force.parameters = { mu = 0.3, V = 0.5 }\ninitial = { displacement = \"x0\", velocity = 0 }\ntime.end = 20\n\
-     friction.load = \"1 + 0*x0\"\nfriction.parameters.x0 = 0.25\nscheme.kind = \"event-driven\"\n";
+     force.parameters = { mu = 0.3, V = 0.5 }\ninitial = { displacement = \"x0\", velocity = 0 }\ntime.end = 20\nscheme.kind = \"event-driven\"\n";
 
 #[test]
 fn a_number_may_name_a_parameter() {
@@ -212,7 +211,11 @@ fn a_number_may_name_a_parameter() {
     // It is stored as it is written, and run again from the file.
     done(here, &["run", "belt.toml", "-o", "run.h5", "--paths", "1"]);
     assert!(done(here, &["show", "run.h5", "--scenario"]).contains("trend = \"V\""));
-    done(here, &["verify", "run.h5", "--again"]);
+    done(here, &["verify", "run.h5"]);
+    // A parameter that is 0 stays in the text, and so in use.
+    let zero = ["--set", "force.expression=mu*V*x^3", "--set", "V=0", "--set", "initial.velocity=V"];
+    done(here, &[&["run", "belt.toml", "-o", "zero.h5", "--paths", "1"], &zero[..]].concat());
+    done(here, &["verify", "zero.h5"]);
     // A value of its own takes its place.
     let own = done(here, &["check", "belt.toml", "--set", "temperature.trend=0.1"]);
     assert!(own.contains("trend = 0.1"), "{own}");
