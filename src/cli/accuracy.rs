@@ -4,7 +4,7 @@
 use super::failure::{Failure, note};
 use super::numbers::{grouped, parse_share_in, percent, significant, time, wrapped};
 use super::progress::measuring;
-use super::trade_report::without_answer;
+use super::report::without_answer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;

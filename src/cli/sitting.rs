@@ -164,24 +164,17 @@ impl<'a> Sitting<'a> {
         let (summary, info) = (&outcome.summary, self.info(outcome));
         let (json, quiet) = (self.options.json, self.options.quiet);
         if json {
-            print_data(&report::json(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
+            print_data(&report::json::of_run(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
         } else if !quiet {
-            print(&report::table(summary, &info, Chosen::First, false))?;
+            print(&report::text(&report::run(summary, &info, Chosen::First, false)))?;
         }
         // The table has these lines as remarks.
-        let remarks = [
-            report::lost(summary, &info),
-            report::unsettled(summary),
-            report::too_few(summary),
-            report::dominating_bias(summary),
-        ];
-        for line in remarks.into_iter().flatten().filter(|_| json || quiet) {
-            note(&format!("warning: {line}"));
-        }
+        let found = report::found(summary).into_iter().map(|(_, text)| text);
+        let remarks: Vec<String> = report::lost(summary, &info).into_iter().chain(found).collect();
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
         let broken =
             self.accuracy_goal.and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));
-        for line in missed.chain(broken) {
+        for line in remarks.into_iter().filter(|_| json || quiet).chain(missed).chain(broken) {
             note(&format!("warning: {line}"));
         }
         Ok(info)
