@@ -428,7 +428,7 @@ pub fn twin<'py>(
     let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
     let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);
-    Ok((to_python(py, Dataset::of_twin(&start, &truth, &found))?, remarks))
+    Ok((to_python(py, Dataset::of_twin(&scene.title, &start, &truth, &found))?, remarks))
 }
 
 /// The date of the first sample, if no measurement provides one.

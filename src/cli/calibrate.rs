@@ -4,8 +4,9 @@
 use super::cost::STUDY_BYTES;
 use super::measurements::Source;
 use super::numbers::parse_duration;
+use super::promise::writable_hdf5;
 use super::report::{self, bearing};
-use super::{Failure, note, print, stop_on_signals, warn, writable};
+use super::{Failure, note, print, stop_on_signals, warn};
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
 use stick_slip::bearing::calibration::{CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate};
@@ -51,7 +52,7 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let scene = self.source.scene()?;
         if let Some(output) = &self.output {
-            writable(output, self.force, self.source.inputs()?)?;
+            writable_hdf5(output, self.force, self.source.inputs()?)?;
         }
         let record = self.source.record(&scene)?;
         let question = CalibrationQuestion {

@@ -65,7 +65,7 @@ impl Arguments {
             periods
         };
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes), column.averaged)
-            .map_err(|error| Failure::run_of(&self.data, &error, error.remedy()))?;
+            .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
             let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));

@@ -1,17 +1,15 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
 use super::cost::STUDY_BYTES;
-use super::document::document;
 use super::measurements::Source;
 use super::numbers::parse_share_in;
 use super::report::{bearing, text};
-use super::{Failure, note, page, print, stop_on_signals, warn, writable};
-use serde_json::json;
-use std::collections::BTreeMap;
+use super::{Failure, dataset, note, page, print, stop_on_signals, warn, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
 use stick_slip::bearing::forecast::{Forecast, ForecastQuestion, Foreseen};
+use stick_slip::dataset::Dataset;
 use stick_slip::store;
 
 /// Arguments of `mc forecast`.
@@ -79,7 +77,10 @@ impl Arguments {
         let files: Vec<(&Path, String)> =
             self.output.iter().map(|output| (output.as_path(), content(output))).collect();
         store::write_together(&files, self.force)?;
-        print(&if self.json { json(found) } else { text(&bearing::forecast(&scene.title, found)) })?;
+        print(&match self.json {
+            true => dataset::json(&Dataset::of_forecast(&scene.title, &scene.text, found), None),
+            false => text(&bearing::forecast(&scene.title, found)),
+        })?;
         for output in &self.output {
             let has = if is_page(output) { "is the page" } else { "has all years" };
             note(&format!("{} {has}", output.display()));
@@ -112,39 +113,6 @@ fn csv(found: &Forecast) -> String {
         }
     }
     text
-}
-
-/// The forecast as JSON for programs.
-fn json(found: &Forecast) -> String {
-    let levels = found.levels.iter().map(|level| {
-        let known = json!({
-            "unit": level.quantity.unit(),
-            "expected": level.expected,
-            "expected_interval": level.expected_interval,
-            "year_interval": level.year_interval,
-        });
-        (level.quantity.name(), known)
-    });
-    let returns = found
-        .return_levels
-        .iter()
-        .map(|level| json!({ "years": level.years, "expected": level.expected, "interval": level.interval }));
-    let all = json!({
-        "draws": found.years.len(),
-        "draws_redrawn": found.redrawn,
-        "record": {
-            "slips": found.showed.slips,
-            "sliding_path": found.showed.path,
-            "duration": found.showed.duration,
-            "usual_slips": found.usual,
-        },
-        "years": found.years.iter().map(Vec::len).sum::<usize>(),
-        "interval": found.question.level,
-        "share": found.question.share,
-        "levels": levels.collect::<BTreeMap<_, _>>(),
-        "return_levels": returns.collect::<Vec<_>>(),
-    });
-    document("forecast", all)
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -2,7 +2,6 @@
 //! pictures.
 
 use super::failure::{Failure, note, writable};
-use super::numbers::percent;
 use super::report::{self, Chosen, html::Page};
 use super::{files, results, show, sweep};
 use std::path::PathBuf;
@@ -105,8 +104,6 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
     let years = foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
     let own = stored.warnings.iter().map(|(_, text)| text.clone());
-    let level = percent(calibration.question.level);
-    let meaning = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");
     let pictures = ["calibration", "loops"].into_iter().filter_map(|name| {
         let subject = Subject::Calibration { title, calibration };
         Only::named(name).ok()?.draw(&subject, &Style::default()).ok()
@@ -117,7 +114,6 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
         warnings: own.chain(foreseen.map(Foreseen::warnings).unwrap_or_default()).collect(),
         words: vec![
             ("What the record shows", report::bearing::seen(calibration)),
-            ("What the bearing is", meaning),
             ("What is not in it", LEFT_OUT.into()),
         ],
         pictures: pictures.collect(),

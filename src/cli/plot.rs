@@ -10,7 +10,7 @@ use stick_slip::config::{Override, input_files};
 use stick_slip::figure::{self, Absent, COLUMN, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
-use stick_slip::store::{self, FileKind, Stored};
+use stick_slip::store::{self, Content, FileKind, Stored};
 use stick_slip::study::sweep::Sweep;
 
 /// Arguments of `mc plot`.
@@ -84,38 +84,46 @@ impl Arguments {
     }
 
     fn scene(&self, output: &Path) -> Result<Drawing, Failure> {
+        let shown = self.subject.display();
+        let refused = |problem: String, remedy: &str| Err(Failure::usage(problem, remedy));
         match files::read(&self.subject, store::kind)? {
             None => {
                 let mut overrides = self.set.list()?;
                 overrides.extend(self.window());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
                 writable(output, self.force, input_files(&self.subject, &overrides))?;
-                self.draw(&Subject::Path(self.drawn(&scenario)?))
+                return self.draw(&Subject::Path(self.drawn(&scenario)?));
             }
-            kind if !self.label.is_empty() && kind != Some(FileKind::Sweep) => {
-                let problem =
-                    format!("--label names keys at the axes of a sweep, and {} is none", self.subject.display());
-                Err(Failure::usage(problem, "leave it out"))
+            Some(FileKind::Sweep) => {}
+            _ if !self.label.is_empty() => {
+                return refused(
+                    format!("--label names keys at the axes of a sweep, and {shown} is none"),
+                    "leave it out",
+                );
             }
-            kind if !self.beside.is_empty() && kind != Some(FileKind::Sweep) => {
-                let problem = format!("{} is no sweep", self.subject.display());
-                Err(Failure::usage(problem, "several files are drawn together if they are sweeps over the same key"))
+            _ if !self.beside.is_empty() => {
+                let remedy = "several files are drawn together if they are sweeps over the same key";
+                return refused(format!("{shown} is no sweep"), remedy);
             }
-            Some(_) if !self.set.list()?.is_empty() => {
-                let problem = format!("--set changes a scenario, and {} says what was run", self.subject.display());
-                Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
-            }
-            Some(FileKind::Run) => self.scene_of_run(&files::read(&self.subject, store::read)?),
-            Some(FileKind::Sweep) => self.scene_of_sweeps(),
-            Some(FileKind::Calibration) => {
-                let stored = files::read(&self.subject, store::read_calibration)?;
+            _ => {}
+        }
+        if !self.set.list()?.is_empty() {
+            let problem = format!("--set changes a scenario, and {shown} says what was run");
+            return refused(problem, "give the scenario instead of the file, or leave --set out");
+        }
+        match files::read(&self.subject, store::content)? {
+            Content::Run(stored) => self.scene_of_run(&stored),
+            Content::Sweep(_) => self.scene_of_sweeps(),
+            Content::Calibration(stored) => {
                 self.draw(&Subject::Calibration { title: &stored.title, calibration: &stored.calibration })
             }
-            Some(FileKind::Trade) => {
-                let stored = files::read(&self.subject, store::read_trade)?;
+            Content::Trade(stored) => {
                 let nothing = || {
-                    let problem = format!("{}: no statistic in it has prices", self.subject.display());
-                    Failure::run(problem, "measure again with a larger --budget")
+                    Failure::run_of(
+                        &self.subject,
+                        "no statistic in it has prices",
+                        "measure again with a larger --budget",
+                    )
                 };
                 self.draw(&Subject::Trade(&stored.prices(self.statistic).ok_or_else(nothing)?))
             }

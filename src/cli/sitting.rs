@@ -219,24 +219,19 @@ impl<'a> Sitting<'a> {
         };
         let first = outcome.summary.diverged.first();
         let why = first.and_then(|path| self.scenario.plan().why_lost(*path, self.stop));
-        let (lost, remedy) = match why {
-            None if cause.is_empty() => (
-                "every path diverged, so there are no statistics".to_string(),
-                "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be",
-            ),
-            None => (
-                "every path diverged, so there are no statistics".to_string(),
-                "what the warnings of mc check say; a smaller step tells whether the step is the reason",
-            ),
-            Some(why) => {
-                let remedy = match why {
-                    Unresolved::TooLong => {
-                        "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
-                    }
-                    _ => "what the warnings of mc check say, or a shorter --until",
-                };
-                (format!("every path was given up, so there are no statistics; of the first, {why}"), remedy)
+        let lost = match &why {
+            None => "every path diverged, so there are no statistics".to_string(),
+            Some(why) => format!("every path was given up, so there are no statistics; of the first, {why}"),
+        };
+        let remedy = match why {
+            None if cause.is_empty() => {
+                "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be"
             }
+            None => "what the warnings of mc check say; a smaller step tells whether the step is the reason",
+            Some(Unresolved::TooLong) => {
+                "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
+            }
+            Some(_) => "what the warnings of mc check say, or a shorter --until",
         };
         format!("{lost}{cause}\n  fix: {remedy}")
     }

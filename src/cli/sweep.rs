@@ -3,9 +3,10 @@
 
 use super::numbers::{bytes, duration, grouped, parse_share_in};
 use super::overrides::Overrides;
+use super::promise::writable_hdf5;
 use super::report::{self, Report};
 use super::sweep_sitting::SweepSitting;
-use super::{Failure, Threads, print, results, writable};
+use super::{Failure, Threads, print, results};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, symbol_and_meaning};
 use stick_slip::scenario::Scenario;
@@ -76,8 +77,7 @@ impl Arguments {
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
-        writable(&output, true, self.overrides.inputs(&self.scenario)?)?;
-        super::promise::check_hdf5(&output)?;
+        writable_hdf5(&output, true, self.overrides.inputs(&self.scenario)?)?;
         let Arguments { force, threads, statistic: statistics, quiet, json, .. } = self;
         SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
             .simulate(question)

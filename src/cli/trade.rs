@@ -5,6 +5,7 @@ use super::numbers::parse_duration;
 use super::overrides::Settings;
 use super::plot;
 use super::progress::measuring;
+use super::promise::writable_hdf5;
 use super::report;
 use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
@@ -79,8 +80,7 @@ impl Arguments {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
-        writable(output, self.force, inputs)?;
-        super::promise::check_hdf5(output)?;
+        writable_hdf5(output, self.force, inputs)?;
         pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }
 

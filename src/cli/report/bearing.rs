@@ -1,6 +1,6 @@
 //! Reports of a bearing: its calibration, the weather at it, and its future years.
 
-use super::{Cell, Column, Format, JOINED, Report, Row, Table};
+use super::{Cell, Column, Format, NO_TEXT, Report, Row, Table};
 use crate::cli::numbers::{grouped, percent, significant, time};
 use stick_slip::bearing::calibration::{
     Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart, Values,
@@ -28,10 +28,11 @@ pub fn calibration(title: &str, calibration: &Calibration) -> Report {
         Row::of(quantity.key(), names.chain(numbers).chain([quantity.unit().into()]))
     };
     let rows = Quantity::ALL.iter().map(row).collect();
+    let below = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");
     let has_starts = !calibration.starts.is_empty();
     Report {
         title: title.into(),
-        tables: std::iter::once(Table { columns, rows, ..Table::default() })
+        tables: std::iter::once(Table { columns, rows, below, ..Table::default() })
             .chain(has_starts.then(|| starts(calibration)))
             .collect(),
         remarks: sources(calibration),
@@ -130,7 +131,7 @@ fn starts(calibration: &Calibration) -> Table {
     let below = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
                  how far the minimum is from the truth.";
     let heading = "Starts of the least squares (err in m2):".into();
-    Table { heading, columns, rows, below: below.into(), not_in: JOINED }
+    Table { heading, columns, rows, below: below.into(), not_in: NO_TEXT }
 }
 
 /// Slips and sliding path of the record, and what they are in a year.

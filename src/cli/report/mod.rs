@@ -103,8 +103,8 @@ pub enum Format {
 
 /// The formats that people read.
 const FOR_PEOPLE: &[Format] = &[Format::Text, Format::Narrow, Format::Paper, Format::Html];
-/// The formats that join all tables to one.
-const JOINED: &[Format] = &[Format::Csv, Format::Paper];
+/// All but text.
+const NO_TEXT: &[Format] = &[Format::Csv, Format::Paper, Format::Html];
 const TEXT: &[Format] = &[Format::Text, Format::Narrow];
 
 /// Half the width of a 95 % interval of a normal distribution, in standard errors.

@@ -1,7 +1,6 @@
 //! The remarks below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
-
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant, some_of};
 use std::fmt::Write as _;
 use stick_slip::engine::{Provenance, Status};
@@ -19,11 +18,9 @@ pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static st
         ("slips", rest(Some(slips(summary)))),
         ("", rest(long_slips(summary))),
         ("cycle", summary.cycle.as_ref().map(|cycle| of_cycle(cycle, info))),
-        ("", rest(spectrum(summary))),
         ("start", rest(start(summary, info))),
         ("drift", unsettled(summary)),
         ("bias", bias(summary, info, all)),
-        ("", rest(without_bias(summary))),
         ("few", too_few(summary)),
         ("paths", Some(paths(summary, info))),
         (info.loss(), lost(summary, info)),
@@ -105,23 +102,6 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     format!("{name}{advance}; amplitude {amplitude}{symmetry}; {rest}")
 }
 
-/// Says how the spectrum is formed, and what has none.
-fn spectrum(summary: &Summary) -> Option<String> {
-    let spectrum = summary.spectrum.as_ref()?;
-    let variables = [("x", &spectrum.displacement), ("x'", &spectrum.velocity)];
-    let alike = variables.iter().filter(|(_, of)| of.spectrum.iter().all(|power| power.is_nan()));
-    let alike: Vec<&str> = alike.map(|(name, _)| *name).collect();
-    if !alike.is_empty() {
-        return Some(format!(
-            "no spectrum of {}: all paths are alike at every row of the output grid",
-            alike.join(" and ")
-        ));
-    }
-    let segments = counted(spectrum.segments, "segment");
-    let rows = 2 * spectrum.lag.len();
-    Some(format!("spectra are means over paths and {segments} of some {rows} rows, with Hann's taper"))
-}
-
 /// Says what is left out of the statistics because it happened before the time from which on they
 /// count.
 fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
@@ -188,18 +168,6 @@ fn beyond_intervals(summary: &Summary) -> Option<String> {
             "of the step exceeds {} of {} intervals; `event-driven` has none",
             dominated.len(),
             summary.asked.len(),
-        )
-    })
-}
-
-/// Says why the median has no bias where other statistics have one.
-fn without_bias(summary: &Summary) -> Option<String> {
-    let median = summary.estimate(Statistic::StickDurationMedian);
-    let is_missing = summary.has_bias() && median.estimate.is_finite() && median.bias.is_none();
-    is_missing.then(|| {
-        format!(
-            "that of {} is not known: the reference run of this run has too few paths to bound it",
-            median.statistic.name()
         )
     })
 }
@@ -287,18 +255,6 @@ mod tests {
         let table = table(&summary(), &info());
         assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running (censored)"), "{table}");
-    }
-
-    #[test]
-    fn a_median_without_a_bias_says_why() {
-        let bias = Some(Bias { estimate: 0.1, uncertainty: 0.01, order: None });
-        let mut summary = summary();
-        assert!(!table(&summary, &info()).contains("is not known"), "nobody asked");
-        summary.estimates[Statistic::StickDurationMean.index()].bias = bias;
-        let reported = table(&summary, &info());
-        assert!(reported.contains("that of stick_duration_median is not known"), "{reported}");
-        summary.estimates[Statistic::StickDurationMedian.index()].bias = bias;
-        assert!(!table(&summary, &info()).contains("is not known"));
     }
 
     #[test]

@@ -2,7 +2,7 @@
 //! sorted by size.
 
 use super::run::{bias_cells, estimate_cells};
-use super::{Cell, Chosen, Column, FOR_PEOPLE, Format, JOINED, Report, Row, Table, of_estimate};
+use super::{Cell, Chosen, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, Table, of_estimate};
 use crate::cli::numbers::{counted, duration, grouped, some_of};
 use std::path::Path;
 use stick_slip::stats::Statistic;
@@ -125,7 +125,7 @@ fn gains(sweep: &Sweep) -> Option<Table> {
     let columns = ["gain along"].into_iter().chain(along).map(|name| Column::of(name, name)).collect();
     let below = "gain: the variance that a difference of neighbours would have with independent seeds, over the one that it has";
     let is_common = sweep.question.seeds == Seeds::Common && !rows.is_empty();
-    is_common.then(|| Table { columns, rows, below: below.into(), not_in: JOINED, ..Table::default() })
+    is_common.then(|| Table { columns, rows, below: below.into(), not_in: NO_TEXT, ..Table::default() })
 }
 
 /// The elasticities of one statistic, sorted from the largest to the smallest.

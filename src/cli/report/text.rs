@@ -16,8 +16,7 @@ const LONG: usize = 40;
 /// The report as text.
 pub fn text(report: &Report) -> String {
     let Report { title, about, tables, commands, remarks } = report;
-    let head = [title.clone() + "\n", wrapped(about, "")];
-    let head: String = head.into_iter().filter(|lines| !lines.trim().is_empty()).collect();
+    let head = if title.is_empty() { String::new() } else { format!("{title}\n{}", paragraph(about)) };
     let tables = tables.iter().filter(|table| !table.not_in.contains(&Format::Text));
     let mut parts: Vec<String> = std::iter::once(head).chain(tables.map(|table| of_table(table, columns()))).collect();
     if let Some(last) = parts.last_mut() {
@@ -30,14 +29,16 @@ pub fn text(report: &Report) -> String {
     parts.join("\n")
 }
 
+/// A sentence in lines; nothing if there is none.
+fn paragraph(sentence: &str) -> String {
+    if sentence.is_empty() { String::new() } else { wrapped(sentence, "") }
+}
+
 /// A table without the columns that do not fit.
 pub(super) fn of_table(table: &Table, columns: Option<usize>) -> String {
     let most = columns.unwrap_or(LINE);
     let is_narrow = |table: &Table, format| width(table, format) > most;
-    let (mut table, mut below) = (table.clone(), wrapped(&table.below, ""));
-    if below == "\n" {
-        below.clear();
-    }
+    let (mut table, mut below) = (table.clone(), paragraph(&table.below));
     let more = table.rows.len().saturating_sub(MOST_ROWS);
     if more > 0 {
         table.rows.truncate(MOST_ROWS);
