@@ -99,12 +99,13 @@ impl MeasuredFlags {
             ("missing", &missing),
             ("outliers", outliers),
             ("decimal", decimal),
-            ("averaged", averaged),
         ];
         let of_file = of.iter().flat_map(|of| layout.into_iter().filter_map(|(key, value)| given(of, key, key, value)));
+        // What the temperature says of this holds for the displacement as well.
+        let mean = given("temperature", "averaged", "averaged", averaged);
         let column = given("temperature", "temperature", "value", &self.temperature);
         let unit = given("temperature", "temperature-unit", "unit", &self.temperature_unit);
-        of_file.chain(column).chain(unit).collect()
+        of_file.chain(mean).chain(column).chain(unit).collect()
     }
 }
 
