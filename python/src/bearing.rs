@@ -11,11 +11,11 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use std::path::Path;
 use stick_slip::bearing::calibration::{
-    Air, Bearing, Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord,
-    NotHeld, Quantity, calibrate as calibrated, twin as made, values,
+    Air, Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld, Quantity,
+    calibrate as calibrated, twin as made, values,
 };
-use stick_slip::bearing::forecast::{ForecastError, ForecastQuestion as Asked, forecast as foreseen};
-use stick_slip::bearing::weather::{Cycle, NotTold, PERIODS, Process, WeatherError, WeatherFit, fit, usual};
+use stick_slip::bearing::forecast::{ForecastQuestion as Asked, Foreseen};
+use stick_slip::bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
 use stick_slip::config::{self, Override, ScenarioError};
 use stick_slip::data::{
     self, BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
@@ -184,14 +184,6 @@ pub fn repaired<'py>(
     Ok((PyArray1::from_vec(py, column.times), PyArray1::from_vec(py, column.values), said))
 }
 
-fn no_calibration(py: Python<'_>, error: &CalibrationError, without_slips: Option<&str>) -> PyErr {
-    let remedy = match (error, without_slips) {
-        (CalibrationError::NoSlips, Some(remedy)) => remedy,
-        _ => error.remedy(),
-    };
-    errors::of_run(py, &error.to_string(), remedy)
-}
-
 fn warnings(calibration: &Calibration) -> impl Iterator<Item = String> {
     calibration.warnings.iter().map(ToString::to_string)
 }
@@ -243,8 +235,7 @@ pub fn calibrate<'py>(
     })?;
     let (calibration, is_interrupted) =
         watched(py, None, |watch| calibrated(&record, &question, workers.0, &watch.stop))?;
-    let remedy = "take method=\"err\", which needs none, and beware of its estimates";
-    let calibration = calibration.map_err(|error| no_calibration(py, &error, Some(remedy)))?;
+    let calibration = calibration.map_err(|error| errors::of_run(py, &error.to_string(), error.remedy()))?;
     remarks.extend(warnings(&calibration));
     if is_interrupted {
         remarks.push("interrupted: fewer starts of the least squares than asked for".into());
@@ -274,56 +265,19 @@ pub fn forecast<'py>(
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let scene = read(py, scenario)?.scene;
     let (record, mut remarks) = measured.record(py, &scene)?;
-    let question = CalibrationQuestion {
-        method: CalibrationMethod::Slips,
-        level: interval,
-        ..CalibrationQuestion::of(&scene, &record)
-    };
     let asked = Asked { draws, years, seed, level: interval, share };
-    let (ended, is_interrupted) = watched(py, None, |watch| {
-        let workers = workers.0;
-        let calibration = calibrated(&record, &question, workers, &watch.stop).map_err(Missing::Bearing)?;
-        let [times, temperatures] = calibration.record.thermometer();
-        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged[0]);
-        let weather = weather.map_err(Missing::Weather)?;
-        let found = foreseen(&calibration, &weather, &asked, workers, &watch.stop);
-        Ok((calibration, weather, found.map_err(Missing::Years)?))
-    })?;
-    let (calibration, weather, found) = ended.map_err(|missing: Missing| match missing {
-        Missing::Bearing(error) => no_calibration(py, &error, None),
-        Missing::Weather(error @ WeatherError::NotTold(NotTold::Short(_))) => {
-            let remedy = "measure for at least half a year: a forecast needs to know the seasons";
-            errors::of_run(py, &error.to_string(), remedy)
-        }
-        Missing::Weather(error) => no_weather(py, &error),
-        Missing::Years(error) => errors::of_run(py, &error.to_string(), error.remedy()),
-    })?;
+    let (ended, is_interrupted) =
+        watched(py, None, |watch| Foreseen::of(&scene, &record, &asked, processes, workers.0, &watch.stop))?;
+    let foreseen = ended.map_err(|error| errors::of_run(py, &error.to_string(), error.remedy()))?;
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
-    let found = found.ok_or_else(stopped)?;
-    remarks.extend(warnings(&calibration));
-    remarks.extend(weather.warnings());
-    remarks.extend(found.warnings());
+    let foreseen = foreseen.ok_or_else(stopped)?;
+    let found = &foreseen.forecast;
+    remarks.extend(warnings(&foreseen.calibration));
+    remarks.extend(foreseen.warnings());
     if is_interrupted {
         remarks.push(format!("interrupted: {} draws of the parameters are in it, of {draws}", found.years.len()));
     }
-    Ok((to_python(py, Dataset::of_forecast(&scene.title, &scene.text, &found))?, remarks))
-}
-
-/// Why there is no forecast.
-enum Missing {
-    Bearing(CalibrationError),
-    Weather(WeatherError),
-    Years(ForecastError),
-}
-
-fn no_weather(py: Python<'_>, error: &WeatherError) -> PyErr {
-    let remedy = match error {
-        WeatherError::NotTold(NotTold::Short(_)) => {
-            "leave that period out, e.g. periods=[86400]; what a year does cannot be forecast then"
-        }
-        error => error.remedy(),
-    };
-    errors::of_run(py, &error.to_string(), remedy)
+    Ok((to_python(py, Dataset::of_forecast(&scene.title, &scene.text, found))?, remarks))
 }
 
 /// The fields of `stickslip.Weather`, which are described there.
@@ -400,7 +354,7 @@ pub fn fit_temperature<'py>(
     });
     // The fit cannot be interrupted, but it takes only seconds.
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes, averaged))?;
-    let fit = found.map_err(|error| no_weather(py, &error))?;
+    let fit = found.map_err(|error| errors::of_run(py, &error.to_string(), error.remedy()))?;
     let remarks = remarks.into_iter().chain(fit.warnings()).collect();
     Ok((weather(py, &fit, start)?, remarks))
 }
@@ -474,7 +428,7 @@ pub fn twin<'py>(
     let (found, _) = watched(py, None, |_| made(&response, &air, &flaws, seed))?;
     let start = start.or_else(|| Start::parse(EPOCH)).map_or_else(|| EPOCH.to_string(), |start| start.to_string());
     let truth = values(&response, scene.shear_stiffness);
-    Ok((to_python(py, Dataset::of_twin(&start, &truth, &found))?, remarks))
+    Ok((to_python(py, Dataset::of_twin(&scene.title, &start, &truth, &found))?, remarks))
 }
 
 /// The date of the first sample, if no measurement provides one.

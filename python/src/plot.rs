@@ -79,12 +79,6 @@ pub fn plot(
                 |(name, sweep): &(String, Dataset)| Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?));
             let sweeps = sweeps.iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
             let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
-            let known: Vec<&str> = named.iter().flat_map(|(_, sweep)| sweep.question.design.names()).collect();
-            let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
-            if let Some((name, _)) = drawn.5.iter().find(|(name, _)| !is_known(name)) {
-                let remedy = format!("name a statistic, or one of {}", known.join(", "));
-                return Err(errors::of_argument(py, "labels", name, "the sweep has no such key", &remedy));
-            }
             let statistics: Vec<Statistic> = of.into_iter().collect();
             draw(py, &Subject::Sweep { sweeps: &named, statistics: &statistics }, drawn)
         }
@@ -130,17 +124,16 @@ fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, l
         };
         errors::of_argument(py, "only", name, &absent.to_string(), remedy)
     };
-    let scene = match only {
-        Some(name) => {
-            let unknown =
-                |problem: String| errors::of_argument(py, "only", &name, &problem, "as `mc plot --help` says");
-            let only = Only::named(&name).map_err(unknown)?;
-            only.draw(subject, &style).map_err(|absent| refused(&name, absent))?
+    let unknown =
+        |name: &str, problem: String| errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says");
+    let only = only.map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem))).transpose()?;
+    let scene = figure::draw(only, subject, &style).map_err(|no| match no {
+        NoPage::Without(figure, absent) => refused(figure.name, absent),
+        NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
+        NoPage::Label(name, known) => {
+            let remedy = format!("name a statistic, or one of {known}");
+            errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)
         }
-        None => figure::page(subject, &style).map_err(|no| match no {
-            NoPage::Without(figure, absent) => refused(figure.name, absent),
-            NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
-        })?,
-    };
+    })?;
     Ok(Picture(scene))
 }

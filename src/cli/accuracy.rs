@@ -4,12 +4,11 @@
 use super::failure::{Failure, note};
 use super::numbers::{grouped, parse_share_in, percent, significant, time, wrapped};
 use super::progress::measuring;
-use super::trade_report::without_answer;
+use super::report::without_answer;
 use std::sync::atomic::{AtomicBool, Ordering};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::Statistic;
 use stick_slip::study::accuracy::{
-    Accuracy, AccuracyError, AccuracyGoal, Alternative, Decision, FEWEST_PATHS, LONGEST, PILOT, TARGETS,
+    Accuracy, AccuracyError, AccuracyGoal, Alternative, Decision, FEWEST_PATHS, PILOT, TARGETS,
 };
 use stick_slip::study::trade::{Choice, Standing, Trade, TradeError};
 
@@ -36,7 +35,7 @@ impl Chooser<'_> {
             note("interrupted while choosing how to run it: nothing was run, nothing is written");
             return Err(Failure::Interrupted);
         }
-        let (decision, trade) = chosen.map_err(|error| self.failure(error))?;
+        let (decision, trade) = chosen.map_err(Self::failure)?;
         self.explain(scenario, &trade, &decision);
         Ok(decision)
     }
@@ -101,46 +100,23 @@ impl Chooser<'_> {
     }
 
     /// Says why nothing was chosen, and what to ask for instead.
-    fn failure(&self, error: AccuracyError) -> Failure {
-        let Accuracy { target, max_time, threads, .. } = self.accuracy;
-        match error {
-            AccuracyError::Pilot(error @ TradeError::BudgetTooSmall { .. }) => {
-                let remedy = "choose --scheme and --paths yourself; mc trade --budget measures longer";
-                Failure::run(format!("--accuracy: {error}, about {} s", PILOT.as_secs()), remedy)
+    fn failure(error: AccuracyError) -> Failure {
+        let problem = format!("--accuracy: {error}");
+        let remedy = match error {
+            AccuracyError::Pilot(TradeError::BudgetTooSmall { .. }) => {
+                return Failure::run(
+                    problem,
+                    "choose --scheme and --paths yourself; mc trade --budget measures longer",
+                );
             }
-            AccuracyError::Pilot(error) => error.into(),
-            AccuracyError::Misfit(error) => error.into(),
-            AccuracyError::NoAnswer { statistic, standing } => {
-                let remedy = match standing {
-                    Standing::Absent => "name another one with --statistic, or make `time.end` later",
-                    _ => "name another one with --statistic",
-                };
-                Failure::usage(format!("--accuracy: {}", why_not(statistic, standing)), remedy)
-            }
-            AccuracyError::Unasked { .. } => {
-                Failure::usage(format!("--accuracy: {error}"), "write the distances, `--set 'statistics.levels=[3.0]'`")
-            }
-            AccuracyError::NothingToChoose => Failure::usage(
-                "--accuracy: no statistic of this scene has an error to choose for: each is zero, absent or without a limit",
-                "leave out --accuracy; mc trade says more",
-            ),
-            AccuracyError::OutOfReach { refusal, instead } => {
-                let problem = format!("--accuracy: {} cannot be guaranteed: {refusal}", percent(target));
-                Failure::usage(problem, alternative(instead))
-            }
-            AccuracyError::TooLong { choice, seconds, instead } => {
-                let limit = time(max_time.unwrap_or(LONGEST).as_secs_f64());
-                let limit = match max_time {
-                    Some(_) => format!("--max-time allows {limit}"),
-                    None => format!("no run of more than {limit} is begun without --max-time"),
-                };
-                let Choice { decisive, scheme, paths, .. } = choice;
-                let (target, seconds) = (percent(target), time(seconds));
-                let takes = format!("{target} of {} takes about {seconds} on {threads} threads", decisive.name());
-                let how = format!("for {scheme} --paths {paths}{}", pairs(&choice));
-                Failure::usage(format!("--accuracy: {takes}, {how}; {limit}"), alternative(instead))
-            }
-        }
+            AccuracyError::Pilot(error) => return error.into(),
+            AccuracyError::Misfit(error) => return error.into(),
+            AccuracyError::NoAnswer { .. } => "name another one with --statistic, or make `time.end` later".into(),
+            AccuracyError::Unasked { .. } => "write the distances, `--set 'statistics.levels=[3.0]'`".into(),
+            AccuracyError::NothingToChoose => "leave out --accuracy; mc trade says more".into(),
+            AccuracyError::OutOfReach { instead, .. } | AccuracyError::TooLong { instead, .. } => alternative(instead),
+        };
+        Failure::usage(problem, remedy)
     }
 }
 
@@ -173,18 +149,7 @@ fn alternative(instead: Option<Alternative>) -> String {
             percent(target).replace(' ', ""),
             time(seconds)
         ),
-        None => "give more time, or name fewer statistics with --statistic; mc trade says more".into(),
-    }
-}
-
-/// Says why no accuracy can be guaranteed for a statistic.
-fn why_not(statistic: Statistic, standing: Standing) -> String {
-    let name = statistic.name();
-    match standing {
-        Standing::Zero => {
-            format!("{name} is exactly zero in the pilot, without scatter: there is no share of zero to ask for")
-        }
-        standing => format!("{name}: {standing}"),
+        None => "give more time with --max-time, or name fewer statistics with --statistic; mc trade says more".into(),
     }
 }
 

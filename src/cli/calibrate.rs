@@ -1,28 +1,22 @@
 //! `mc calibrate`: estimates friction, stiffness and dilatation of a bearing from measured
 //! temperatures and displacements.
 
-use super::calibrate_report as report;
 use super::cost::STUDY_BYTES;
 use super::measurements::Source;
-use super::numbers::{parse_duration, parse_share_in};
-use super::overrides::settings;
-use super::{Failure, Threads, note, print, stop_on_signals, warn, writable};
-use std::path::{Path, PathBuf};
+use super::numbers::parse_duration;
+use super::promise::writable_hdf5;
+use super::report::{self, bearing};
+use super::{Failure, note, print, stop_on_signals, warn};
+use std::path::PathBuf;
 use std::sync::atomic::Ordering;
-use stick_slip::bearing::calibration::{
-    Calibration, CalibrationError, CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate,
-};
+use stick_slip::bearing::calibration::{CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate};
 use stick_slip::dataset::Dataset;
-use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, StoredCalibration};
 
 /// Arguments of `mc calibrate`.
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/calibrate.txt"))]
 pub struct Arguments {
-    /// The scenario, a TOML file: the stiffness K_BP, the names of the columns, and where a search
-    /// begins
-    scenario: PathBuf,
     #[command(flatten)]
     source: Source,
     /// Estimate from the slips, by the least squares of the paper (err), or by both
@@ -42,15 +36,6 @@ pub struct Arguments {
     /// Delay of the temperature of the steel behind the thermometer, e.g. 15m; `auto` estimates it
     #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
     lag: Lag,
-    /// Confidence level of the intervals
-    #[arg(long, value_name = "P", default_value_t = 0.9, value_parser = level)]
-    interval: f64,
-    /// Any key of the scenario, e.g. bearing.stiffness=2e9; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
-          hide_possible_values = true)]
-    set: Vec<String>,
-    #[command(flatten)]
-    threads: Threads,
     /// Write everything to FILE: estimates, slips, starting points with their results, the
     /// measurements and the model
     #[arg(short, long, value_name = "FILE.h5")]
@@ -65,32 +50,33 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let set = settings(&self.set)?;
-        let scene = BridgeScene::read(&self.scenario, &set)?;
+        let scene = self.source.scene()?;
         if let Some(output) = &self.output {
-            writable(output, self.force, self.source.inputs(&self.scenario, &set))?;
+            writable_hdf5(output, self.force, self.source.inputs()?)?;
         }
-        let record = self.source.record(&self.scenario, &scene)?;
+        let record = self.source.record(&scene)?;
         let question = CalibrationQuestion {
             method: self.method,
             starts: self.starts,
             lag: self.lag,
-            level: self.interval,
+            level: self.source.interval,
             bounds: self.bounds.clone(),
             ..CalibrationQuestion::of(&scene, &record)
         };
         let question = question.fitting(&self.fit, &scene)?;
-        let threads = self.threads.ready("this calibration", STUDY_BYTES)?;
+        let threads = self.source.threads.ready("this calibration", STUDY_BYTES)?;
         let stop = stop_on_signals()?;
-        let calibration = calibrate(&record, &question, threads, &stop).map_err(|error| {
-            let remedy = "take --method err, which needs none, and beware of its estimates";
-            refused(self.source.shown(), &error, remedy)
-        })?;
+        let calibration = calibrate(&record, &question, threads, &stop)
+            .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
         if let Some(output) = &self.output {
             store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?;
         }
-        show(&stored.title, &stored.calibration, &stored.warnings, self.json)?;
+        stored.warnings.iter().for_each(|(_, warning)| warn(warning));
+        print(&match self.json {
+            true => report::json::of_calibration(&stored),
+            false => report::text(&bearing::calibration(&stored.title, &stored.calibration)),
+        })?;
         if let Some(output) = &self.output {
             note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
         }
@@ -106,27 +92,6 @@ impl From<NotHeld> for Failure {
         };
         Failure::usage(error.to_string(), remedy)
     }
-}
-
-/// Prints a calibration, and its warnings on standard error. Each warning is a name and a sentence.
-pub(super) fn show(
-    title: &str,
-    calibration: &Calibration,
-    warnings: &[(String, String)],
-    json: bool,
-) -> Result<(), Failure> {
-    warnings.iter().for_each(|(_, warning)| warn(warning));
-    print(&if json { report::json(calibration, warnings) } else { report::table(title, calibration) })
-}
-
-/// Says why there is no calibration. If no slip was found, the remedy depends on the verb and is
-/// `without_slips`.
-pub(super) fn refused(path: &Path, error: &CalibrationError, without_slips: &str) -> Failure {
-    let remedy = match error {
-        CalibrationError::NoSlips => without_slips,
-        error => error.remedy(),
-    };
-    Failure::run_of(path, error, remedy)
 }
 
 fn method(text: &str) -> Result<CalibrationMethod, String> {
@@ -155,8 +120,4 @@ fn lag(text: &str) -> Result<Lag, String> {
             .map(|lag| Lag::Known(lag.as_secs_f64()))
             .map_err(|_| "write auto, or a time such as 0, 90s or 15m".to_string()),
     }
-}
-
-pub(super) fn level(text: &str) -> Result<f64, String> {
-    parse_share_in(text, &(0.5..=0.999), "write a probability from 0.5 to 0.999")
 }

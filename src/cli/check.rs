@@ -1,13 +1,13 @@
 //! `mc check`: prints a scenario in full, the numbers that follow from it, and warnings.
 
-use super::document::{JsonWarning, document};
+use super::document::{document, named};
 use super::numbers::{bytes, counted, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
-use super::{Failure, cost, print_data};
+use super::{Failure, cost, print_data, results};
 use serde_json::{Map, Value, json};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::advice::{Derived, DerivedQuantity};
+use stick_slip::advice::DerivedQuantity;
 use stick_slip::data::input_unit;
 use stick_slip::scenario::{Measured, Period, Scenario, WrittenForce};
 use stick_slip::scheme::{Resolution, Stability};
@@ -109,39 +109,17 @@ fn warnings(scenario: &Scenario) -> String {
 const DIGITS: usize = 6;
 
 fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
+    let (d, body) = (scenario.derived(), scenario.model.oscillator);
     let number = |x: f64| significant(x, DIGITS);
     let optional = |x: Option<f64>, none: &str| x.map_or(none.to_string(), number);
-    let Derived {
-        natural_frequency,
-        frequency_ratios,
-        friction_ratio,
-        noise_force,
-        corridor_half_width,
-        corridor_time,
-        runaway_amplitude,
-        stability,
-        monitoring_shift,
-        resolution,
-        tolerance,
-        expected_amplitude,
-        period,
-        whole_periods,
-        counted_periods,
-        steps,
-        path_steps,
-        rows,
-        thread_bytes,
-        output_bytes,
-    } = scenario.derived();
-    let mut lines = vec![("w0 = sqrt(K/m), natural frequency", number(natural_frequency))];
-    if natural_frequency > 0.0 {
-        lines.extend(frequency_ratios.iter().map(|ratio| ("w/w0, forcing", number(*ratio))));
+    let mut lines = Vec::new();
+    let mut say = |meaning: &'static str, value: String| lines.push((meaning, value));
+    say("w0 = sqrt(K/m), natural frequency", number(d.natural_frequency));
+    if d.natural_frequency > 0.0 {
+        d.frequency_ratios.iter().for_each(|ratio| say("w/w0, forcing", number(*ratio)));
     }
-    let body = scenario.model.oscillator;
-    let amplitudes = scenario.model.temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs());
-    let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
     if body.stiffness > 0.0 {
-        lines.push(("alpha/(m w0), damping ratio", number(body.damping / (body.mass * natural_frequency))));
+        say("alpha/(m w0), damping ratio", number(body.damping / (body.mass * d.natural_frequency)));
     }
     if let Some(WrittenForce { without, .. }) = &scenario.written_force {
         let (stiffness, damping) = (number(body.stiffness), number(body.damping));
@@ -149,57 +127,69 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
             Some(_) => format!("linear: simulated as K = {stiffness}, alpha = {damping}"),
             None => "general: slips are simulated to a tolerance".to_string(),
         };
-        lines.push(("g, the force of your own", told));
+        say("g, the force of your own", told);
     }
     if scenario.model.has_load() {
-        lines.push(("friction", "with a load or a direction: f_s and f_d below are without it".to_string()));
+        say("friction", "with a load or a direction: f_s and f_d below are without it".to_string());
     }
-    lines.push(("K beta sum |a|, force of the harmonics", number(forcing)));
-    lines.push(("f_d/f_s, friction ratio", optional(friction_ratio, "none: f_s = 0")));
-    lines.push(("K beta rho sigma/sqrt(2 theta), noise in b", optional(noise_force, "no noise")));
-    if noise_force.is_some() {
-        lines.push(("f_s/(K beta rho), corridor, half width in v", optional(corridor_half_width, "unbounded")));
-        lines.push(("(f_s/(K beta rho sigma))^2, time to cross it", optional(corridor_time, "unbounded")));
+    let amplitudes = scenario.model.temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs());
+    let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
+    say("K beta sum |a|, force of the harmonics", number(forcing));
+    say("f_d/f_s, friction ratio", optional(d.friction_ratio, "none: f_s = 0"));
+    say("K beta rho sigma/sqrt(2 theta), noise in b", optional(d.noise_force, "no noise"));
+    if d.noise_force.is_some() {
+        say("f_s/(K beta rho), corridor, half width in v", optional(d.corridor_half_width, "unbounded"));
+        say("(f_s/(K beta rho sigma))^2, time to cross it", optional(d.corridor_time, "unbounded"));
     }
-    lines.extend(runaway_amplitude.map(|amplitude| ("amplitude beyond which the body runs away", number(amplitude))));
-    lines.extend(stability.map(|stability| match stability {
-        Stability::Growing { critical_amplitude } => {
-            ("the same with what the step adds", format!("{} (negative damping)", number(critical_amplitude)))
-        }
-        Stability::Undamped { critical_amplitude } => {
-            ("A_c = 4 f_d/(pi w0 h K), critical amplitude", format!("{} (no damping)", number(critical_amplitude)))
-        }
-        Stability::Underdamped { largest_step } => {
-            ("2 alpha/K, stability limit of the step", format!("{} (underdamped)", number(largest_step)))
-        }
-        Stability::Overdamped { largest_step } => {
-            ("2/|lambda_max|, stability limit of the step", format!("{} (overdamped)", number(largest_step)))
-        }
-        Stability::NewVelocity { largest_step } => ("stability limit of the step", number(largest_step)),
-    }));
-    lines.extend(monitoring_shift.map(|shift| ("0.5826 K beta rho sigma sqrt(h), shift of f_s", number(shift))));
-    lines.extend(tolerance.map(|tolerance| ("tolerance, relative", number(tolerance))));
-    if let Some(Resolution { static_force, shortest_slip }) = resolution {
-        lines.push(("resolution: shortest slip resolved, about", number(shortest_slip)));
-        lines.push(("resolution: f_s as simulated", static_force.to_string()));
+    if let Some(amplitude) = d.runaway_amplitude {
+        say("amplitude beyond which the body runs away", number(amplitude));
     }
-    let amplitude = significant(expected_amplitude, 2);
-    let without = match () {
+    if let Some(stability) = d.stability {
+        let (meaning, limit, why) = match stability {
+            Stability::Growing { critical_amplitude: a } => {
+                ("the same with what the step adds", a, " (negative damping)")
+            }
+            Stability::Undamped { critical_amplitude: a } => {
+                ("A_c = 4 f_d/(pi w0 h K), critical amplitude", a, " (no damping)")
+            }
+            Stability::Underdamped { largest_step: h } => {
+                ("2 alpha/K, stability limit of the step", h, " (underdamped)")
+            }
+            Stability::Overdamped { largest_step: h } => {
+                ("2/|lambda_max|, stability limit of the step", h, " (overdamped)")
+            }
+            Stability::NewVelocity { largest_step: h } => ("stability limit of the step", h, ""),
+        };
+        say(meaning, number(limit) + why);
+    }
+    if let Some(shift) = d.monitoring_shift {
+        say("0.5826 K beta rho sigma sqrt(h), shift of f_s", number(shift));
+    }
+    if let Some(tolerance) = d.tolerance {
+        say("tolerance, relative", number(tolerance));
+    }
+    if let Some(Resolution { static_force, shortest_slip }) = d.resolution {
+        say("resolution: shortest slip resolved, about", number(shortest_slip));
+        say("resolution: f_s as simulated", static_force.to_string());
+    }
+    let without = match d.runaway_amplitude {
         _ if scenario.model.force.is_some() => " without [force]",
-        _ if runaway_amplitude.is_some_and(|limit| expected_amplitude > limit) => " if it does not run away",
+        Some(limit) if d.expected_amplitude > limit => " if it does not run away",
         _ => "",
     };
-    lines.push(("largest |x| to be expected, roughly", format!("{amplitude}{without}")));
+    say("largest |x| to be expected, roughly", significant(d.expected_amplitude, 2) + without);
     let with_source = |period: Period| format!("{}, {}", number(period.length), period.source.words());
-    lines.push(("P, time after which x is compared again", period.map_or("none".to_string(), with_source)));
-    lines.push(("whole periods P", number(whole_periods)));
-    lines.push(("whole periods P that are counted", grouped(counted_periods as u64)));
+    say("P, time after which x is compared again", d.period.map_or("none".to_string(), with_source));
+    say("whole periods P", number(d.whole_periods));
+    say("whole periods P that are counted", grouped(d.counted_periods as u64));
     let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
-    lines.push(("steps of a path", steps.map_or_else(none, grouped)));
-    lines.extend(path_steps.map(|steps| ("path-steps in all", significant(steps, 3))));
-    lines.push(("rows of the output grid", grouped(rows as u64)));
-    lines.push(("memory of a thread for them, about", bytes(thread_bytes)));
-    lines.push(("output file, about", bytes(output_bytes)));
+    say("steps of a path", d.steps.map_or_else(none, grouped));
+    if let Some(steps) = d.path_steps {
+        say("path-steps in all", significant(steps, 3));
+    }
+    say("rows of the output grid", grouped(d.rows as u64));
+    say("memory of a thread for them, about", bytes(d.thread_bytes));
+    say("output file, about", bytes(d.output_bytes));
     lines
 }
 
@@ -220,7 +210,7 @@ fn json(path: &str, scenario: &Scenario) -> String {
         // CPU seconds of the run on one thread of this machine; null where they could not be
         // estimated.
         "cpu_seconds": cost::measured_cpu_seconds(scenario),
-        "warnings": scenario.warnings().iter().map(JsonWarning::of).collect::<Vec<_>>(),
+        "warnings": named(&results::named(&scenario.warnings())),
     });
     document("check", check)
 }

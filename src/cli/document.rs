@@ -1,28 +1,16 @@
 //! The members that every JSON object of the program begins with. They identify the object.
 
-use serde::Serialize;
 use serde_json::{Value, json};
 use sha2::{Digest as _, Sha256};
-use stick_slip::advice::Warning;
 use stick_slip::engine::{PROGRAM_VERSION, commit};
-use stick_slip::stats::Estimate;
 
 /// The schema version, one for all objects together (docs/commands.md). It rises where a key changes
 /// its meaning or is removed, and not where a key is added.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// A warning, with a name that programs can compare.
-#[derive(Clone, Debug, PartialEq, Eq, Serialize)]
-pub struct JsonWarning {
-    pub name: String,
-    pub text: String,
-}
-
-impl JsonWarning {
-    /// A warning about a scenario.
-    pub fn of(warning: &Warning) -> Self {
-        JsonWarning { name: warning.name().to_string(), text: warning.to_string() }
-    }
+/// Warnings as JSON, each with a name that programs can compare.
+pub fn named(warnings: &[(String, String)]) -> Value {
+    warnings.iter().map(|(name, text)| json!({ "name": name, "text": text })).collect()
 }
 
 /// One object of this kind as text with a line break at its end. Numbers that are not finite are
@@ -34,18 +22,6 @@ pub fn document(kind: &str, body: Value) -> String {
         document.extend(body);
     }
     format!("{document:#}\n")
-}
-
-/// A statistic with its interval and the bias of the step. Numbers that do not exist are null.
-pub fn estimate(e: &Estimate) -> Value {
-    json!({
-        "estimate": e.estimate,
-        "standard_error": e.standard_error,
-        "low": e.low,
-        "high": e.high,
-        "bias": e.bias.map(|bias| bias.estimate),
-        "bias_uncertainty": e.bias.map(|bias| bias.uncertainty),
-    })
 }
 
 /// The SHA-256 of a text in hexadecimal digits, as `sha256sum` prints it.

@@ -16,19 +16,15 @@ pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>)
 /// The error of a reader. A file of another kind is named, and so is the likeliest reason why
 /// something is missing from a file without a checksum.
 pub fn explained(path: &Path, error: StoreError) -> Failure {
-    let other = |what: &str, verbs: &str| {
+    let other = |what: &str, resume: &str| {
         let problem = format!("{} is {what}, which is not what this verb reads", path.display());
-        Failure::usage(problem, format!("{verbs} take it"))
+        Failure::usage(problem, format!("`mc show`, `mc plot`, `mc report`,{resume} and `mc verify` take it"))
     };
     match error {
         StoreError::Foreign { .. } => match store::kind(path) {
-            Ok(Some(FileKind::Trade)) => other("a trade", "`mc show`, `mc plot`, `mc report` and `mc verify`"),
-            Ok(Some(FileKind::Sweep)) => {
-                other("a sweep", "`mc show`, `mc plot`, `mc report`, `mc resume` and `mc verify`")
-            }
-            Ok(Some(FileKind::Calibration)) => {
-                other("a calibration", "`mc show`, `mc plot`, `mc report` and `mc verify`")
-            }
+            Ok(Some(FileKind::Trade)) => other("a trade", ""),
+            Ok(Some(FileKind::Sweep)) => other("a sweep", " `mc resume`"),
+            Ok(Some(FileKind::Calibration)) => other("a calibration", ""),
             // A run that the readers of runs do not know lacks its version.
             Ok(Some(FileKind::Run) | None) | Err(_) => error.into(),
         },

@@ -1,15 +1,14 @@
 //! `mc fit-temperature`: fits harmonics and noise of a scenario to a measured temperature.
 
 use super::document::document;
-use super::measurements::LayoutFlags;
-use super::numbers::{Digits, grouped, significant, time};
-use super::{Failure, TableRow, aligned, measurements, note, print, warn, writable};
+use super::measurements::MeasuredFlags;
+use super::report::{bearing, text};
+use super::{Failure, measurements, note, print, warn, writable};
 use serde_json::json;
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::weather::{NotTold, WeatherError, WeatherFit, fit, usual};
+use stick_slip::bearing::weather::{WeatherFit, fit, usual};
 use stick_slip::config;
-use stick_slip::data::{self, ColumnQuantity, Layout, Origin, Wanted};
+use stick_slip::data::{self, ColumnQuantity, Origin, Wording};
 use stick_slip::store;
 
 /// Arguments of `mc fit-temperature`.
@@ -26,14 +25,8 @@ pub struct Arguments {
     /// a day, as far as the samples tell them]
     #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
     periods: Vec<Period>,
-    /// The column of temperatures [default: the one whose name begins with `temperature`]
-    #[arg(long, value_name = "COLUMN")]
-    temperature: Option<String>,
-    /// The unit of temperatures, if the file does not say it: degC, K, degF or degR
-    #[arg(long, value_name = "U")]
-    temperature_unit: Option<String>,
     #[command(flatten)]
-    layout: LayoutFlags,
+    flags: MeasuredFlags,
     /// Write the temperature section of a scenario to FILE
     #[arg(short, long, value_name = "FILE.toml")]
     output: Option<PathBuf>,
@@ -58,10 +51,10 @@ impl Arguments {
         if (1..periods.len()).any(|i| periods[..i].contains(&periods[i])) {
             return Err(Failure::usage("--periods names one period twice", "name each period once, e.g. 365.25d,1d"));
         }
-        let wanted =
-            [Wanted::of(ColumnQuantity::Temperature, self.temperature.as_deref(), self.temperature_unit.as_deref())];
-        let layout = self.layout.over(&Layout::default());
-        let table = Origin::File(&self.data).read_in_seconds(&layout, &wanted)?;
+        let mut source = config::temperature_source(&self.flags.overrides(&["temperature"]))?;
+        source.layout.wording = Wording::Flag;
+        let wanted = [source.wanted(ColumnQuantity::Temperature)];
+        let table = Origin::File(&self.data).read_in_seconds(&source.layout, &wanted)?;
         measurements::note_repairs(&self.data, &table.repairs);
         let column = &table.columns[0];
         let (usual, remarks) = usual(&column.times);
@@ -71,17 +64,16 @@ impl Arguments {
         } else {
             periods
         };
-        let too_short = "leave that period out, e.g. --periods 1d; what a year does cannot be forecast then";
         let found = fit(&column.times, &column.values, &periods, usize::from(self.processes), column.averaged)
-            .map_err(|error| without_weather(&self.data, &error, too_short))?;
+            .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
             let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
             let start = start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
-            let text = part(&found, &self.data, &start);
-            store::write_whole(output, text.as_bytes(), self.force)?;
+            let part = part(&found, &self.data, &start);
+            store::write_whole(output, part.as_bytes(), self.force)?;
         }
-        print(&if self.json { json(&found) } else { report(&found) })?;
+        print(&if self.json { json(&found) } else { text(&bearing::weather(&found)) })?;
         if let Some(output) = &self.output {
             note(&format!("{} holds the temperature, to be added to a scenario without one", output.display()));
         }
@@ -89,60 +81,18 @@ impl Arguments {
     }
 }
 
-/// Says why there is no fit, and what to do. What to do about a record that is shorter than a
-/// period depends on the verb and is `too_short`.
-pub(super) fn without_weather(path: &Path, error: &WeatherError, too_short: &str) -> Failure {
-    let remedy = match error {
-        WeatherError::NotTold(NotTold::Short(_)) => too_short,
-        error => error.remedy(),
-    };
-    Failure::run_of(path, error, remedy)
-}
-
 /// The temperature section of a scenario.
 fn part(found: &WeatherFit, data: &Path, start: &str) -> String {
-    let mut text = format!(
+    let mut part = format!(
         "# The temperature of {}, fitted to {} samples; t = 0 is {start}.\n# In the tables: noise of intensity rho in \
          kelvin, whose v has the standard deviation 1.\n",
         data.file_name().unwrap_or_default().to_string_lossy(),
         found.samples
     );
-    for line in report(found).lines() {
-        let _ = writeln!(text, "{}", format!("# {line}").trim_end());
+    for line in text(&bearing::weather(found)).lines() {
+        part += &(format!("# {line}").trim_end().to_string() + "\n");
     }
-    text + &config::temperature_part(&found.temperature())
-}
-
-/// The fit as a table for people.
-fn report(found: &WeatherFit) -> String {
-    let mut rows = vec![TableRow::labelled("", ["estimate", "standard error", ""])];
-    let mut row = |name: &str, value: f64, error: f64, note: String| {
-        let digits = Digits::of(value, error);
-        let cells = [digits.show(value), significant(error, 2)];
-        rows.push(TableRow::labelled(name, cells).noted(note));
-    };
-    row("mean", found.mean().0, found.mean().1, "degrees".into());
-    for cycle in found.cycles() {
-        let name = format!("amplitude of {} d", significant(cycle.period / 86_400.0, 5));
-        row(&name, cycle.amplitude, cycle.error, format!("K, phase {}", significant(cycle.phase, 4)));
-    }
-    for process in found.processes() {
-        let sd = process.sd;
-        row("standard deviation of weather", sd, sd * process.sd_error, "K".into());
-        let hours = 1.0 / process.relaxation_rate / 3600.0;
-        row("  which it remembers for", hours, hours * process.rate_error, "h".into());
-    }
-    if let Some((tau, error)) = found.smoothing() {
-        row("time constant that smooths it", tau / 3600.0, tau / 3600.0 * error, "h".into());
-    }
-    let mut text = aligned(&rows, "  ");
-    let _ = writeln!(text, "\ndata      {} samples in {}", grouped(found.samples as u64), time(found.duration));
-    let white = match found.white {
-        0.0 => "none: adding it does not raise the likelihood".to_string(),
-        white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
-    };
-    let _ = writeln!(text, "sensor    {white}\nlog L     {:.1}", found.log_likelihood);
-    text
+    part + &config::temperature_part(&found.temperature())
 }
 
 /// The fit as JSON for programs, in seconds and kelvin.

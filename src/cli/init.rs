@@ -2,7 +2,7 @@
 
 use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
-use super::table::{TableRow, aligned};
+use super::report::aligned;
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, SHIPPED, Shipped, shipped};
 use stick_slip::store;
@@ -19,24 +19,6 @@ pub struct Arguments {
     /// What the scenario asks, in one line; sets the key `title`
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
-    /// Static friction f_s [friction.static]
-    #[arg(long, value_name = "F", allow_hyphen_values = true)]
-    f_s: Option<String>,
-    /// Dynamic friction f_d [friction.dynamic]
-    #[arg(long, value_name = "F", allow_hyphen_values = true)]
-    f_d: Option<String>,
-    /// Angular frequency w of the forcing [temperature.harmonics.0.angular_frequency]
-    #[arg(long, value_name = "W", allow_hyphen_values = true)]
-    omega: Option<String>,
-    /// Weight rho of the noise in the temperature [temperature.noise.intensity]
-    #[arg(long, value_name = "RHO", allow_hyphen_values = true)]
-    rho: Option<String>,
-    /// Relaxation rate theta of the noise [temperature.noise.relaxation_rate]
-    #[arg(long, value_name = "THETA", allow_hyphen_values = true)]
-    theta: Option<String>,
-    /// Diffusion sigma of the noise [temperature.noise.diffusion]
-    #[arg(long, value_name = "SIGMA", allow_hyphen_values = true)]
-    sigma: Option<String>,
     #[command(flatten)]
     overrides: Overrides,
     /// Where to write the scenario; `-` is standard output [default: NAME.toml]
@@ -51,12 +33,12 @@ pub struct Arguments {
 fn help() -> String {
     let row = |scenario: &Shipped| {
         let title = scenario.text.lines().find_map(|line| line.strip_prefix("title = "));
-        TableRow::labelled(format!("  {}", scenario.name), [""; 0]).noted(title.unwrap_or_default().trim_matches('"'))
+        vec![format!("  {}", scenario.name), title.unwrap_or_default().trim_matches('"').to_string()]
     };
     format!(
         "{}\n\nShipped scenarios:\n{}",
         include_str!("help/init.txt"),
-        aligned(&SHIPPED.iter().map(row).collect::<Vec<_>>(), "  ")
+        aligned(&SHIPPED.iter().map(row).collect::<Vec<_>>(), &[true; 2], "  ")
     )
 }
 
@@ -66,7 +48,8 @@ impl Arguments {
             let names = SHIPPED.map(|scenario| scenario.name).join(", ");
             Failure::usage(format!("there is no shipped scenario `{}`", self.from), format!("choose one of {names}"))
         })?;
-        let changes = [self.symbols(), self.overrides.without_goals()?].concat();
+        let title = self.title.iter().map(|title| Override::text("--title", "title", title));
+        let changes: Vec<Override> = self.overrides.without_goals()?.into_iter().chain(title).collect();
         let title = retitled(start.name, &changes);
         let scenario = start.parse(&[changes.as_slice(), title.as_slice()].concat())?;
         let text = introduction(start.name, start.text, &changes) + "\n" + &scenario.to_template();
@@ -82,22 +65,6 @@ impl Arguments {
         files[1..].iter().for_each(|(path, _)| note(&format!("wrote {}", path.display())));
         note(&format!("wrote {0}; next: mc check {0}", output.display()));
         Ok(())
-    }
-
-    /// The changes from flags that are named after symbols of the paper.
-    fn symbols(&self) -> Vec<Override> {
-        let named = [
-            ("--f-s", "friction.static", &self.f_s),
-            ("--f-d", "friction.dynamic", &self.f_d),
-            ("--omega", "temperature.harmonics.0.angular_frequency", &self.omega),
-            ("--rho", "temperature.noise.intensity", &self.rho),
-            ("--theta", "temperature.noise.relaxation_rate", &self.theta),
-            ("--sigma", "temperature.noise.diffusion", &self.sigma),
-        ];
-        let numbers =
-            named.into_iter().filter_map(|(flag, key, value)| Some(Override::flag(flag, key, value.as_ref()?)));
-        let title = self.title.iter().map(|title| Override::text("--title", "title", title));
-        numbers.chain(title).collect()
     }
 }
 

@@ -1,7 +1,8 @@
 //! `mc merge`: joins the parts of a run to the whole run.
 
+use super::promise::writable_hdf5;
 use super::sitting::{Leaves, RunOptions, Sitting};
-use super::{Failure, cost, files, stop_on_signals, writable};
+use super::{Failure, cost, files, stop_on_signals};
 use std::path::PathBuf;
 use stick_slip::store::{PartError, Parts, StoreError};
 
@@ -24,8 +25,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        writable(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
-        super::promise::check_hdf5(&self.output)?;
+        writable_hdf5(&self.output, self.force, self.parts.iter().map(PathBuf::as_path))?;
         self.parts.iter().for_each(|part| files::look(part));
         let parts = Parts::open(&self.parts)?;
         let (scenario, asked) = (&parts.question.scenario, parts.question.asked.clone());

@@ -3,7 +3,6 @@
 
 mod accuracy;
 mod calibrate;
-mod calibrate_report;
 mod check;
 mod completed;
 mod completions;
@@ -16,7 +15,6 @@ mod files;
 mod fit_temperature;
 mod forecast;
 mod heap;
-mod html;
 mod init;
 mod interrupt;
 mod man;
@@ -25,6 +23,7 @@ mod merge;
 mod mistakes;
 mod numbers;
 mod overrides;
+mod page;
 mod plot;
 mod progress;
 mod promise;
@@ -37,20 +36,16 @@ mod safe;
 mod show;
 mod sitting;
 mod sweep;
-mod sweep_report;
 mod sweep_sitting;
-mod table;
 mod terminal;
 mod threads;
 mod trade;
-mod trade_report;
 mod twin;
 mod verify;
 
 // What most verbs use.
 use failure::{Failure, note, print, print_data, warn, writable};
 use interrupt::stop_on_signals;
-use table::{TableRow, aligned};
 use threads::Threads;
 
 use clap::Parser as _;
@@ -107,7 +102,7 @@ verbs! {
     /// Draw a run, a path or a trade as SVG, PNG or PDF
     Plot(plot),
     /// Write a file as one page for a browser: table, warnings and pictures
-    Report(html),
+    Report(page),
     /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
     Replay(replay),
     /// Check a file against its checksum, and some of its paths against a second simulation

@@ -53,6 +53,12 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
     duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m, 2h or 4h50m".to_string())
 }
 
+/// Reads a finite number that lies in a range; if it does not, `wrong` says what to write.
+pub fn parse_number_in(text: &str, range: &impl RangeBounds<f64>, wrong: &str) -> Result<f64, String> {
+    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite() && range.contains(x));
+    number.ok_or_else(|| wrong.to_string())
+}
+
 /// Reads a share, as a number or as a percentage: 0.05 or 5%.
 fn parse_share(text: &str) -> Option<f64> {
     let text = text.trim();
@@ -140,16 +146,6 @@ impl Digits {
         };
         if self.exponent == 0 { text } else { format!("{text}e{}", self.exponent) }
     }
-
-    /// Several numbers in this format.
-    pub fn show_all<const N: usize>(self, numbers: [f64; N]) -> [String; N] {
-        numbers.map(|x| self.show(x))
-    }
-}
-
-/// An estimate and its standard error, to two digits of the error.
-pub fn with_error(estimate: f64, standard_error: f64) -> [String; 2] {
-    Digits::of(estimate, standard_error).show_all([estimate, standard_error])
 }
 
 /// floor(log10 x); 0 for zero.

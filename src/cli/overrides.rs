@@ -33,11 +33,25 @@ pub struct Overrides {
     /// repeatable
     #[arg(long, value_name = "T|GOAL", allow_hyphen_values = true)]
     until: Vec<String>,
+    #[command(flatten)]
+    set: Settings,
+}
+
+/// The option `--set`.
+#[derive(Debug, Default, clap::Args)]
+pub struct Settings {
     /// Any key of the scenario, e.g. friction.static=1.3 or temperature.harmonics.0.amplitude=2;
     /// repeatable
     #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
           hide_possible_values = true)]
     set: Vec<String>,
+}
+
+impl Settings {
+    /// The changes, in order.
+    pub fn list(&self) -> Result<Vec<Override>, ScenarioError> {
+        self.set.iter().map(|text| Override::set(text)).collect()
+    }
 }
 
 impl Overrides {
@@ -85,7 +99,7 @@ impl Overrides {
     }
 
     fn list(&self) -> Result<Vec<Override>, ScenarioError> {
-        let mut list = settings(&self.set)?;
+        let mut list = self.set.list()?;
         let named = [
             ("--paths", "ensemble.paths", &self.paths),
             ("--seed", "ensemble.seed", &self.seed),
@@ -100,11 +114,6 @@ impl Overrides {
         list.extend(ends.map(|value| Override::flag("--until", "time.end", value)));
         Ok(list)
     }
-}
-
-/// The changes of every `--set`, in order.
-pub fn settings(set: &[String]) -> Result<Vec<Override>, ScenarioError> {
-    set.iter().map(|text| Override::set(text)).collect()
 }
 
 /// The names of the schemes for which `of` is true, joined by commas and `word`: "a, b or c".

@@ -2,15 +2,15 @@
 
 use super::failure::{Failure, note, writable};
 use super::files;
-use super::numbers::counted;
-use super::overrides::settings;
+use super::numbers::{counted, parse_number_in};
+use super::overrides::Settings;
 use super::{results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, input_files};
 use stick_slip::figure::{self, Absent, COLUMN, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Statistic;
-use stick_slip::store::{self, FileKind, Stored};
+use stick_slip::store::{self, Content, FileKind, Stored};
 use stick_slip::study::sweep::Sweep;
 
 /// Arguments of `mc plot`.
@@ -52,11 +52,8 @@ pub struct Arguments {
     /// Logarithmic vertical axes for densities and shares
     #[arg(long)]
     log: bool,
-    /// Any key of the scenario, e.g. friction.static=1.3; repeatable; not for a file of results,
-    /// which holds what was run
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
-          hide_possible_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: Settings,
     /// Words at the axes for a key or its symbol, or for a statistic, e.g. V="speed of the belt";
     /// repeatable; for sweeps
     #[arg(long, value_name = "KEY=WORDS", value_parser = label)]
@@ -69,21 +66,13 @@ pub struct Arguments {
     force: bool,
 }
 
-/// The formats of a picture.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Format {
-    Svg,
-    Png,
-    Pdf,
-}
-
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let output = self.output.clone().unwrap_or_else(|| self.default_output());
-        let format = Format::of(&output)?;
+        writing(&output)?;
         writable(&output, self.force, std::iter::once(&self.subject).chain(&self.beside))?;
         let scene = self.scene(&output)?;
-        write(&scene, format, &output, self.force)?;
+        write(&scene, &output, self.force)?;
         note(&format!("{}: {}", output.display(), size(&scene)));
         if scene.left_out > 0 {
             note(&format!(
@@ -95,38 +84,46 @@ impl Arguments {
     }
 
     fn scene(&self, output: &Path) -> Result<Drawing, Failure> {
+        let shown = self.subject.display();
+        let refused = |problem: String, remedy: &str| Err(Failure::usage(problem, remedy));
         match files::read(&self.subject, store::kind)? {
             None => {
-                let mut overrides = settings(&self.set)?;
+                let mut overrides = self.set.list()?;
                 overrides.extend(self.window());
                 let scenario = Scenario::read(&self.subject, &overrides)?;
                 writable(output, self.force, input_files(&self.subject, &overrides))?;
-                self.draw(&Subject::Path(self.drawn(&scenario)?))
+                return self.draw(&Subject::Path(self.drawn(&scenario)?));
             }
-            kind if !self.label.is_empty() && kind != Some(FileKind::Sweep) => {
-                let problem =
-                    format!("--label names keys at the axes of a sweep, and {} is none", self.subject.display());
-                Err(Failure::usage(problem, "leave it out"))
+            Some(FileKind::Sweep) => {}
+            _ if !self.label.is_empty() => {
+                return refused(
+                    format!("--label names keys at the axes of a sweep, and {shown} is none"),
+                    "leave it out",
+                );
             }
-            kind if !self.beside.is_empty() && kind != Some(FileKind::Sweep) => {
-                let problem = format!("{} is no sweep", self.subject.display());
-                Err(Failure::usage(problem, "several files are drawn together if they are sweeps over the same key"))
+            _ if !self.beside.is_empty() => {
+                let remedy = "several files are drawn together if they are sweeps over the same key";
+                return refused(format!("{shown} is no sweep"), remedy);
             }
-            Some(_) if !self.set.is_empty() => {
-                let problem = format!("--set changes a scenario, and {} says what was run", self.subject.display());
-                Err(Failure::usage(problem, "give the scenario instead of the file, or leave --set out"))
-            }
-            Some(FileKind::Run) => self.scene_of_run(&files::read(&self.subject, store::read)?),
-            Some(FileKind::Sweep) => self.scene_of_sweeps(),
-            Some(FileKind::Calibration) => {
-                let stored = files::read(&self.subject, store::read_calibration)?;
+            _ => {}
+        }
+        if !self.set.list()?.is_empty() {
+            let problem = format!("--set changes a scenario, and {shown} says what was run");
+            return refused(problem, "give the scenario instead of the file, or leave --set out");
+        }
+        match files::read(&self.subject, store::content)? {
+            Content::Run(stored) => self.scene_of_run(&stored),
+            Content::Sweep(_) => self.scene_of_sweeps(),
+            Content::Calibration(stored) => {
                 self.draw(&Subject::Calibration { title: &stored.title, calibration: &stored.calibration })
             }
-            Some(FileKind::Trade) => {
-                let stored = files::read(&self.subject, store::read_trade)?;
+            Content::Trade(stored) => {
                 let nothing = || {
-                    let problem = format!("{}: no statistic in it has prices", self.subject.display());
-                    Failure::run(problem, "measure again with a larger --budget")
+                    Failure::run_of(
+                        &self.subject,
+                        "no statistic in it has prices",
+                        "measure again with a larger --budget",
+                    )
                 };
                 self.draw(&Subject::Trade(&stored.prices(self.statistic).ok_or_else(nothing)?))
             }
@@ -141,12 +138,6 @@ impl Arguments {
         let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
         let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
         let statistics: Vec<Statistic> = self.statistic.into_iter().collect();
-        let known: Vec<&str> = sweeps.iter().flat_map(|(_, sweep)| sweep.question.design.names()).collect();
-        let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
-        if let Some((name, _)) = self.label.iter().find(|(name, _)| !is_known(name)) {
-            let problem = format!("--label {name}=...: the sweep has no such key, and there is no such statistic");
-            return Err(Failure::usage(problem, format!("name a statistic, or one of {}", known.join(", "))));
-        }
         self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics })
     }
 
@@ -200,26 +191,25 @@ impl Arguments {
         self.check_only()?;
         let Arguments { theme, width, log, title, label, .. } = self;
         let style = Style { theme: *theme, width: *width, log: *log, title: title.as_deref(), labels: label };
-        match self.only {
-            Some(only) => only.draw(subject, &style).map_err(|absent| self.refused(only.figure.name, &absent)),
-            None => figure::page(subject, &style).map_err(|no| match no {
-                NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
-                NoPage::Empty => Failure::Run("there is nothing to draw: every path was lost".to_string()),
-            }),
-        }
+        figure::draw(self.only, subject, &style).map_err(|no| match no {
+            NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
+            NoPage::Empty => Failure::Run("there is nothing to draw: every path was lost".to_string()),
+            NoPage::Label(name, known) => {
+                let problem = format!("--label {name}=...: the sweep has no such key, and there is no such statistic");
+                Failure::usage(problem, format!("name a statistic, or one of {known}"))
+            }
+        })
     }
 
     fn refused(&self, figure: &str, absent: &Absent) -> Failure {
         let problem = format!("no figure {figure} of {}: {absent}", self.subject.display());
-        match absent {
-            Absent::Elsewhere(_) => Failure::usage(problem, "run it first, or choose another figure with --only"),
-            Absent::Nothing(_) => Failure::Run(problem),
-            Absent::Panel(..) => Failure::usage(
-                format!("{}: {absent}", self.only.map_or_else(String::new, |only| only.to_string())),
-                "choose one of them, or leave the letter out for all",
-            ),
-            Absent::Lost(_) => Failure::usage(problem, "choose another path with --path"),
-        }
+        let remedy = match absent {
+            Absent::Elsewhere(_) => "run it first, or choose another figure with --only",
+            Absent::Nothing(_) => return Failure::Run(problem),
+            Absent::Panel(..) => "choose one of them with --only, or leave the letter out for all",
+            Absent::Lost(_) => "choose another path with --path",
+        };
+        Failure::usage(problem, remedy)
     }
 
     /// `NAME.svg`, or `NAME-FIGURE.svg`, in the current directory.
@@ -235,32 +225,28 @@ fn size(scene: &Drawing) -> String {
     format!("{:.0} mm x {:.0} mm", millimetres(scene.width), millimetres(scene.height))
 }
 
-impl Format {
-    /// The format that belongs to the ending of a file name.
-    pub fn of(path: &Path) -> Result<Self, Failure> {
-        match super::promise::ending(path).as_str() {
-            "svg" => Ok(Format::Svg),
-            "png" => Ok(Format::Png),
-            "pdf" => Ok(Format::Pdf),
-            _ => {
-                let problem = format!("-o {}: the ending does not tell a format", path.display());
-                Err(Failure::usage(problem, "write a name that ends in .svg, .png or .pdf"))
-            }
+/// Resolution of a PNG.
+const DOTS_PER_INCH: f64 = 300.0;
+
+/// How a picture is written in the format that belongs to the ending of a file's name.
+type Writing = fn(&Drawing) -> Result<Vec<u8>, String>;
+
+fn writing(path: &Path) -> Result<Writing, Failure> {
+    match super::promise::ending(path).as_str() {
+        "svg" => Ok(|scene| Ok(figure::svg(scene).into_bytes())),
+        "png" => Ok(|scene| figure::png(scene, DOTS_PER_INCH).map_err(|error| error.to_string())),
+        "pdf" => Ok(|scene| figure::pdf(scene).ok_or_else(|| "a flaw in the program: no PDF".to_string())),
+        _ => {
+            let problem = format!("-o {}: the ending does not tell a format", path.display());
+            Err(Failure::usage(problem, "write a name that ends in .svg, .png or .pdf"))
         }
     }
 }
 
-/// Resolution of a PNG.
-const DOTS_PER_INCH: f64 = 300.0;
-
 /// Writes a picture under a temporary name and then renames it, so that the file under its name is
 /// always complete.
-pub fn write(scene: &Drawing, format: Format, output: &Path, force: bool) -> Result<(), Failure> {
-    let bytes = match format {
-        Format::Svg => figure::svg(scene).into_bytes(),
-        Format::Png => figure::png(scene, DOTS_PER_INCH).map_err(|error| Failure::Run(error.to_string()))?,
-        Format::Pdf => figure::pdf(scene).ok_or_else(|| Failure::Run("a flaw in the program: no PDF".to_string()))?,
-    };
+pub fn write(scene: &Drawing, output: &Path, force: bool) -> Result<(), Failure> {
+    let bytes = writing(output)?(scene).map_err(Failure::Run)?;
     Ok(store::write_whole(output, &bytes, force)?)
 }
 
@@ -282,6 +268,9 @@ fn label(text: &str) -> Result<(String, String), String> {
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
 fn width(text: &str) -> Result<f64, String> {
-    let width = text.parse::<f64>().ok().filter(|width| WIDTHS.contains(width));
-    width.ok_or_else(|| format!("write a number of millimetres from {} to {}", WIDTHS.start(), WIDTHS.end()))
+    parse_number_in(
+        text,
+        &WIDTHS,
+        &format!("write a number of millimetres from {} to {}", WIDTHS.start(), WIDTHS.end()),
+    )
 }

@@ -1,11 +1,16 @@
 //! What the ending of a file's name promises.
 
-use super::Failure;
+use super::{Failure, writable};
 use std::path::Path;
 
-/// Refuses to write HDF5 under a name whose ending promises something else, and names the command
-/// that makes that from the HDF5 file.
-pub fn check_hdf5(path: &Path) -> Result<(), Failure> {
+/// Checks like [`writable`] that results may be written at `path`. Refuses to write HDF5 under a name
+/// whose ending promises something else, and names the command that makes that from the HDF5 file.
+pub fn writable_hdf5<P: AsRef<Path>>(
+    path: &Path,
+    force: bool,
+    inputs: impl IntoIterator<Item = P>,
+) -> Result<(), Failure> {
+    writable(path, force, inputs)?;
     let (shown, file) = (path.display(), path.with_extension("h5"));
     let file = file.display();
     let makes = match ending(path).as_str() {

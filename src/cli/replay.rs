@@ -1,7 +1,8 @@
 //! `mc replay`: simulates one path of a stored ensemble again, with its events and the finest
 //! trajectory that its scheme has.
 
-use super::{Failure, files, note, print, results, writable};
+use super::promise::writable_hdf5;
+use super::{Failure, files, note, print, results};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use stick_slip::engine::{self, ReplayRows, Status, other_program};
@@ -46,8 +47,7 @@ impl Arguments {
         self.check_path(&scenario)?;
         let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
         let output = self.output.clone().unwrap_or_else(|| format!("{stem}-path-{}.h5", self.path).into());
-        writable(&output, self.force, [self.file.as_path()])?;
-        super::promise::check_hdf5(&output)?;
+        writable_hdf5(&output, self.force, [self.file.as_path()])?;
         replay(&scenario, self.path, &output, self.force)
     }
 

@@ -1,10 +1,10 @@
 //! Where results are written, and what the command says about them before and after a run.
 
-use super::document::JsonWarning;
 use super::failure;
 use super::numbers::counted;
 use super::{Failure, report};
 use std::path::{Path, PathBuf};
+use stick_slip::advice::Warning;
 use stick_slip::config::{Override, STANDARD_INPUT, ScenarioError};
 use stick_slip::engine::RunError;
 use stick_slip::ensemble::Flaw;
@@ -48,16 +48,15 @@ pub fn warn(scenario: &Scenario, measures_bias: bool, has_table: bool) {
 }
 
 /// All warnings about results: those of the scenario and those that follow from the statistics.
-pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<JsonWarning> {
+/// Each is a name and a sentence.
+pub fn warnings(summary: &Summary, scenario: Option<&Scenario>) -> Vec<(String, String)> {
     let due = scenario.map_or(Vec::new(), |scenario| scenario.warnings_of_run(summary.has_bias()));
-    let due = due.iter().map(|warning| (warning.name(), Some(warning.to_string())));
-    let found = [
-        ("dominating-bias", report::dominating_bias(summary)),
-        ("unsettled", report::unsettled(summary)),
-        ("too-few-events", report::too_few(summary)),
-    ];
-    let all = due.chain(found);
-    all.filter_map(|(name, text)| Some(JsonWarning { name: name.to_string(), text: text? })).collect()
+    named(&due).into_iter().chain(report::found(summary)).collect()
+}
+
+/// Names and sentences of warnings about a scenario.
+pub fn named(warnings: &[Warning]) -> Vec<(String, String)> {
+    warnings.iter().map(|warning| (warning.name().to_string(), warning.to_string())).collect()
 }
 
 impl From<RunError> for Failure {

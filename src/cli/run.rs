@@ -2,8 +2,9 @@
 
 use super::accuracy::{self, Chooser};
 use super::overrides::Overrides;
+use super::promise::writable_hdf5;
 use super::sitting::{RunOptions, Sitting};
-use super::{Failure, cost, note, results, stop_on_signals, writable};
+use super::{Failure, cost, note, results, stop_on_signals};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
@@ -59,8 +60,7 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let (mut scenario, goals) = self.overrides.scenario_and_goals(&self.scenario)?;
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, ".h5"));
-        writable(&output, self.force, self.overrides.inputs(&self.scenario)?)?;
-        super::promise::check_hdf5(&output)?;
+        writable_hdf5(&output, self.force, self.overrides.inputs(&self.scenario)?)?;
         let threads = self.options.threads();
         let is_open_ended = !goals.is_empty() && !self.overrides.gives_paths();
         let paths_of = |scenario: &Scenario| if is_open_ended { MOST_PATHS } else { scenario.ensemble.paths };

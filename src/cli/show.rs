@@ -1,16 +1,11 @@
 //! `mc show`: prints the results in a file and where they come from; several files are printed side
 //! by side.
 
-use super::failure::{Failure, note, print, print_data};
-use super::files;
-use super::report::{self, Chosen, Csv, RunInfo};
-use super::results;
-use super::table::{TableRow, comma_separated, latex, markdown};
-use super::{calibrate, calibrate_report, dataset, sweep, sweep_report, trade_report};
-use std::fmt::Write as _;
+use super::failure::{Failure, note, print, print_data, warn};
+use super::report::{self, Chosen, Report, RunInfo};
+use super::{dataset, files, results, sweep};
 use std::path::{Path, PathBuf};
 use stick_slip::dataset::Dataset;
-use stick_slip::engine::Provenance;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{Statistic, Summary};
 use stick_slip::store::{self, Content, FileKind, Stored};
@@ -27,7 +22,7 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = super::completed::STATISTIC, hide_possible_values = true,
           conflicts_with_all = ["all", "json"])]
     statistics: Vec<Statistic>,
-    /// Print all statistics that were measured
+    /// Print all statistics that were measured; for a trade, every measurement
     #[arg(long, conflicts_with = "json")]
     all: bool,
     /// Print all notes below the table of a run, and where its numbers come from
@@ -53,49 +48,94 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let has_none = |file: &&PathBuf| {
-            matches!(files::read(file, store::kind), Ok(Some(FileKind::Calibration | FileKind::Trade)))
-        };
-        if let Some(file) = self.files.iter().find(has_none).filter(|_| self.all || !self.statistics.is_empty()) {
-            let problem = format!("--statistics and --all are for runs and sweeps, and {} is none", file.display());
-            return Err(Failure::usage(problem, "leave them out"));
-        }
-        match self.format {
-            Some(TableFormat::Csv) => return self.print_csv(),
-            Some(TableFormat::Markdown) => return print_data(&markdown(&self.rows()?)),
-            Some(TableFormat::Latex) => return print_data(&latex(&self.rows()?)),
-            None => {}
-        }
         if self.cite {
             return self.print_citations();
         }
         if self.scenario {
             return self.print_scenario();
         }
-        match self.files.as_slice() {
-            [file] => self.print_alone(file),
-            files => self.print_several(files),
+        if self.json {
+            let objects = self.files.iter().map(|file| json(file)).collect::<Result<Vec<_>, _>>()?;
+            let [object] = objects.as_slice() else {
+                let objects: Vec<&str> = objects.iter().map(|object| object.trim_end()).collect();
+                return print_data(&format!("[{}]\n", objects.join(",\n")));
+            };
+            return print_data(object);
+        }
+        match self.format {
+            Some(TableFormat::Csv) => {
+                let named = |file: &PathBuf| Ok((file.display().to_string(), self.report(file)?));
+                print_data(&report::comma_separated(self.files.iter().map(named).collect::<Result<_, Failure>>()?))
+            }
+            Some(TableFormat::Markdown) => print_data(&report::markdown(self.all()?)),
+            Some(TableFormat::Latex) => print_data(&report::latex(self.all()?)),
+            None => {
+                let mut text = report::text(&self.all()?);
+                if self.notes
+                    && let [file] = self.files.as_slice()
+                {
+                    let scenario = files::read(file, store::content)?.scenario().0;
+                    let lines = scenario.lines().map(|line| format!("  {line}").trim_end().to_string() + "\n");
+                    text += &format!("\nscenario:\n{}", lines.collect::<String>());
+                }
+                print(&text)
+            }
         }
     }
 
-    /// Prints one file of any kind.
-    fn print_alone(&self, file: &Path) -> Result<(), Failure> {
-        match files::read(file, store::content)? {
-            Content::Run(run) => self.print_one(file, &run),
-            Content::Calibration(stored) => {
-                calibrate::show(&stored.title, &stored.calibration, &stored.warnings, self.json)
+    /// The report of one file, or of several runs beside each other.
+    fn all(&self) -> Result<Report, Failure> {
+        let [file] = self.files.as_slice() else {
+            let is_run =
+                |file: &&PathBuf| matches!(files::read(file, store::kind), Ok(Some(FileKind::Run) | None) | Err(_));
+            if let Some(file) = self.files.iter().find(|file| !is_run(file)) {
+                let problem = format!("{} is no run, and only runs are printed beside each other", file.display());
+                return Err(Failure::usage(problem, "show it alone, or several files with --format csv"));
             }
-            Content::Trade(trade) => match self.json {
-                true => print_data(&dataset::json(&Dataset::of_trade(&trade.scenario, &trade.trade), Some(file))),
-                false => print(&trade_report::stored_table(&trade)),
-            },
+            let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
+            let infos: Vec<RunInfo> = self.files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
+            let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
+            return Ok(report::comparison(&summaries, &infos, self.chosen()));
+        };
+        self.report(file)
+    }
+
+    /// The report of a file of any kind. Warnings are printed where people read it.
+    fn report(&self, file: &Path) -> Result<Report, Failure> {
+        let (is_text, chosen) = (self.format.is_none(), self.chosen());
+        Ok(match files::read(file, store::content)? {
+            Content::Run(stored) => {
+                let scenario = results::scenario("scenario", &stored, &[]).ok();
+                if let Some(scenario) = scenario.as_ref().filter(|_| is_text) {
+                    results::warn(scenario, stored.summary.has_bias(), true);
+                }
+                note_unfinished(&stored);
+                report::run(&stored.summary, &info(file, &stored, scenario.as_ref()), chosen, self.notes)
+            }
+            Content::Calibration(_) if !self.statistics.is_empty() => {
+                let problem = format!("--statistics: {} is a calibration, which has none", file.display());
+                return Err(Failure::usage(problem, "leave it out"));
+            }
+            Content::Calibration(stored) => {
+                stored.warnings.iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
+                report::bearing::calibration(&stored.title, &stored.calibration)
+            }
+            Content::Trade(stored) if self.all && is_text => report::trade(&stored.scenario.title, &stored.trade, None),
+            Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
             Content::Sweep(stored) => {
                 let sweep = sweep::stored(file, *stored)?;
-                match self.json {
-                    true => print_data(&dataset::json(&Dataset::of_sweep(&sweep), Some(file))),
-                    false => print(&sweep_report::table(&sweep, &self.statistics, file)),
-                }
+                report::warnings(&sweep).into_iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
+                report::sweep(&sweep, chosen, file)
             }
+        })
+    }
+
+    /// The statistics that a table has.
+    fn chosen(&self) -> Chosen<'_> {
+        match (self.statistics.as_slice(), self.all || self.format == Some(TableFormat::Csv)) {
+            ([], false) => Chosen::First,
+            ([], true) => Chosen::All,
+            (statistics, _) => Chosen::These(statistics),
         }
     }
 
@@ -113,50 +153,6 @@ impl Arguments {
         print_data(&text)
     }
 
-    fn print_one(&self, file: &Path, stored: &Stored) -> Result<(), Failure> {
-        let scenario = results::scenario("scenario", stored, &[]).ok();
-        let info = info(file, stored, scenario.as_ref());
-        if let Some(scenario) = &scenario {
-            results::warn(scenario, stored.summary.has_bias(), !self.json);
-        }
-        if let Some(unfinished) = &stored.unfinished {
-            note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
-        }
-        if self.json {
-            let warnings = results::warnings(&stored.summary, scenario.as_ref());
-            return print_data(&report::json(&stored.summary, &info, &warnings));
-        }
-        let table = report::table(&stored.summary, &info, self.chosen(), self.notes);
-        print(&if self.notes { table + &provenance(&stored.header) } else { table })
-    }
-
-    /// The statistics that a table has.
-    fn chosen(&self) -> Chosen<'_> {
-        match (self.statistics.as_slice(), self.all) {
-            ([], false) => Chosen::First,
-            ([], true) => Chosen::All,
-            (statistics, _) => Chosen::These(statistics),
-        }
-    }
-
-    fn print_several(&self, files: &[PathBuf]) -> Result<(), Failure> {
-        if let Some(file) = files.iter().find(|file| is_sweep(file)) {
-            let problem = format!("{} is a sweep, whose points are many runs", file.display());
-            return Err(Failure::usage(problem, "show it alone, or several files with --format csv"));
-        }
-        let runs = files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
-        let infos: Vec<RunInfo> = files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
-        if self.json {
-            let warnings =
-                |run: &Stored| results::warnings(&run.summary, results::scenario("scenario", run, &[]).ok().as_ref());
-            let objects = runs.iter().zip(&infos).map(|(run, info)| report::json(&run.summary, info, &warnings(run)));
-            let objects: Vec<String> = objects.map(|object| object.trim_end().to_string()).collect();
-            return print_data(&format!("[{}]\n", objects.join(",\n")));
-        }
-        let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
-        print(&report::comparison(&summaries, &infos, self.chosen()))
-    }
-
     fn print_citations(&self) -> Result<(), Failure> {
         let sentences = self.files.iter().map(|file| Ok(report::citation(&files::read(file, store::read)?)));
         let sentences: Vec<[String; 2]> = sentences.collect::<Result<_, Failure>>()?;
@@ -164,38 +160,32 @@ impl Arguments {
         let lines = sentences.into_iter().map(|[run, _]| run).chain(paper);
         print(&lines.map(|line| line + "\n").collect::<String>())
     }
+}
 
-    /// The table of one file of any kind, or of several runs beside each other, headings first.
-    fn rows(&self) -> Result<Vec<TableRow>, Failure> {
-        let [file] = self.files.as_slice() else {
-            let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
-            return Ok(report::compared(&runs.iter().map(|run| &run.summary).collect::<Vec<_>>(), self.chosen()));
-        };
-        Ok(match files::read(file, store::content)? {
-            Content::Run(run) => report::rows(&run.summary, &run.header.units, self.chosen(), None),
-            Content::Calibration(stored) => calibrate_report::quantities(&stored.calibration),
-            Content::Trade(trade) => trade_report::stored_rows(&trade, Statistic::name),
-            Content::Sweep(stored) => sweep_report::rows(&sweep::stored(file, *stored)?, &self.statistics),
-        })
-    }
-
-    fn print_csv(&self) -> Result<(), Failure> {
-        if let [file] = self.files.as_slice()
-            && let Ok(Some(FileKind::Calibration | FileKind::Trade)) = files::read(file, store::kind)
-        {
-            return print_data(&comma_separated(&self.rows()?));
-        }
-        let mut table = Csv::of(&self.statistics);
-        for file in &self.files {
-            let name = file.display().to_string();
-            if is_sweep(file) {
-                table.add_sweep(&name, &sweep::stored(file, files::read(file, store::read_sweep)?)?);
-            } else {
-                let run = files::read(file, store::read)?;
-                table.add(&name, &[], run.summary.reported().copied(), &run.header.units);
+/// A file of any kind as one JSON object.
+fn json(file: &Path) -> Result<String, Failure> {
+    Ok(match files::read(file, store::content)? {
+        Content::Run(stored) => {
+            let scenario = results::scenario("scenario", &stored, &[]).ok();
+            if let Some(scenario) = &scenario {
+                results::warn(scenario, stored.summary.has_bias(), false);
             }
+            note_unfinished(&stored);
+            let warnings = results::warnings(&stored.summary, scenario.as_ref());
+            report::json::of_run(&stored.summary, &info(file, &stored, scenario.as_ref()), &warnings)
         }
-        print_data(&table.text())
+        Content::Calibration(stored) => {
+            stored.warnings.iter().for_each(|(_, text)| warn(text));
+            report::json::of_calibration(&stored)
+        }
+        Content::Trade(stored) => dataset::json(&Dataset::of_trade(&stored.scenario, &stored.trade), Some(file)),
+        Content::Sweep(stored) => dataset::json(&Dataset::of_sweep(&sweep::stored(file, *stored)?), Some(file)),
+    })
+}
+
+fn note_unfinished(stored: &Stored) {
+    if let Some(unfinished) = &stored.unfinished {
+        note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
     }
 }
 
@@ -205,12 +195,6 @@ enum TableFormat {
     Csv,
     Markdown,
     Latex,
-}
-
-/// Whether the file holds a sweep. A file that cannot be read counts as no sweep here, because the
-/// reader that comes next reports the error.
-fn is_sweep(file: &Path) -> bool {
-    matches!(files::read(file, store::kind), Ok(Some(FileKind::Sweep)))
 }
 
 pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
@@ -231,16 +215,4 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
         status: *status,
         ended_by: ended_by.clone(),
     }
-}
-
-fn provenance(header: &Provenance) -> String {
-    let mut text = String::new();
-    let _ = writeln!(text, "written by mc {} ({})", header.program_version, header.git_hash);
-    let _ = writeln!(text, "noise   {}, seed {}", header.generator, header.seed);
-    let _ = writeln!(text, "blocks  of {} paths\n", header.block_size);
-    let _ = writeln!(text, "scenario:");
-    for line in header.scenario_text.lines() {
-        let _ = writeln!(text, "{}", format!("  {line}").trim_end());
-    }
-    text
 }

@@ -164,24 +164,17 @@ impl<'a> Sitting<'a> {
         let (summary, info) = (&outcome.summary, self.info(outcome));
         let (json, quiet) = (self.options.json, self.options.quiet);
         if json {
-            print_data(&report::json(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
+            print_data(&report::json::of_run(summary, &info, &results::warnings(summary, Some(self.scenario))))?;
         } else if !quiet {
-            print(&report::table(summary, &info, Chosen::First, false))?;
+            print(&report::text(&report::run(summary, &info, Chosen::First, false)))?;
         }
         // The table has these lines as remarks.
-        let remarks = [
-            report::lost(summary, &info),
-            report::unsettled(summary),
-            report::too_few(summary),
-            report::dominating_bias(summary),
-        ];
-        for line in remarks.into_iter().flatten().filter(|_| json || quiet) {
-            note(&format!("warning: {line}"));
-        }
+        let found = report::found(summary).into_iter().map(|(_, text)| text);
+        let remarks: Vec<String> = report::lost(summary, &info).into_iter().chain(found).collect();
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
         let broken =
             self.accuracy_goal.and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));
-        for line in missed.chain(broken) {
+        for line in remarks.into_iter().filter(|_| json || quiet).chain(missed).chain(broken) {
             note(&format!("warning: {line}"));
         }
         Ok(info)
@@ -226,24 +219,19 @@ impl<'a> Sitting<'a> {
         };
         let first = outcome.summary.diverged.first();
         let why = first.and_then(|path| self.scenario.plan().why_lost(*path, self.stop));
-        let (lost, remedy) = match why {
-            None if cause.is_empty() => (
-                "every path diverged, so there are no statistics".to_string(),
-                "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be",
-            ),
-            None => (
-                "every path diverged, so there are no statistics".to_string(),
-                "what the warnings of mc check say; a smaller step tells whether the step is the reason",
-            ),
-            Some(given_up) => {
-                let remedy = match given_up.why {
-                    Unresolved::TooLong => {
-                        "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
-                    }
-                    _ => "what the warnings of mc check say, or a shorter --until",
-                };
-                (format!("every path was given up, so there are no statistics; of the first, {given_up}"), remedy)
+        let lost = match &why {
+            None => "every path diverged, so there are no statistics".to_string(),
+            Some(why) => format!("every path was given up, so there are no statistics; of the first, {why}"),
+        };
+        let remedy = match why.map(|given_up| given_up.why) {
+            None if cause.is_empty() => {
+                "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be"
             }
+            None => "what the warnings of mc check say; a smaller step tells whether the step is the reason",
+            Some(Unresolved::TooLong) => {
+                "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
+            }
+            Some(_) => "what the warnings of mc check say, or a shorter --until",
         };
         format!("{lost}{cause}\n  fix: {remedy}")
     }

@@ -3,8 +3,10 @@
 
 use super::numbers::{bytes, duration, grouped, parse_share_in};
 use super::overrides::Overrides;
+use super::promise::writable_hdf5;
+use super::report::{self, Report};
 use super::sweep_sitting::SweepSitting;
-use super::{Failure, Threads, print, results, writable};
+use super::{Failure, Threads, print, results};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, symbol_and_meaning};
 use stick_slip::scenario::Scenario;
@@ -71,12 +73,11 @@ impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let question = self.question()?;
         if self.dry_run {
-            return print(&outlook(&question, self.threads.number()));
+            return print(&report::text(&outlook(&question, self.threads.number())));
         }
         let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.scenario, "-sweep.h5"));
         // An existing file is read before anything else: it may hold this sweep, done or half done.
-        writable(&output, true, self.overrides.inputs(&self.scenario)?)?;
-        super::promise::check_hdf5(&output)?;
+        writable_hdf5(&output, true, self.overrides.inputs(&self.scenario)?)?;
         let Arguments { force, threads, statistic: statistics, quiet, json, .. } = self;
         SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
             .simulate(question)
@@ -165,24 +166,22 @@ impl From<DesignError> for Failure {
 }
 
 /// The number of points and paths, and about how much time and disk space they take.
-fn outlook(question: &SweepQuestion, threads: usize) -> String {
+fn outlook(question: &SweepQuestion, threads: usize) -> Report {
     let design = &question.design;
     let shape = design.shape().iter().map(usize::to_string).collect::<Vec<_>>().join(" x ");
     let names = design.axes().iter().map(|axis| axis.name.as_str()).collect::<Vec<_>>().join(", ");
     let of = if names.is_empty() { String::new() } else { format!(" ({shape}: {names})") };
-    let paths: Vec<u64> = question.points.iter().map(|point| point.ensemble.paths).collect();
-    let all = paths.iter().fold(0_u64, |sum, paths| sum.saturating_add(*paths));
-    let each = match paths.iter().all(|n| *n == paths[0]) {
-        true => format!("{} at each point, ", grouped(paths[0])),
-        false => String::new(),
-    };
-    format!(
-        "points  {}{of}\npaths   {each}{} in all\ntime    about {} on {threads} threads\ndisk    about {}\n",
-        grouped(design.points() as u64),
-        grouped(all),
-        estimated_seconds(question, threads).map_or_else(|| "a time that no path showed".to_string(), duration),
-        bytes(sweep_bytes(design) as f64)
-    )
+    let paths = question.points.iter().map(|point| point.ensemble.paths);
+    let all = paths.fold(0_u64, u64::saturating_add);
+    let each = report::paths_of_each(question).map_or_else(String::new, |each| each + ", ");
+    let time = estimated_seconds(question, threads).map_or_else(|| "a time that no path showed".to_string(), duration);
+    let remarks = vec![
+        ("points", format!("{}{of}", grouped(design.points() as u64))),
+        ("paths", format!("{each}{} in all", grouped(all))),
+        ("time", format!("about {time} on {threads} threads")),
+        ("disk", format!("about {}", bytes(sweep_bytes(design) as f64))),
+    ];
+    Report { remarks, ..Report::default() }
 }
 
 fn share(text: &str) -> Result<f64, String> {

@@ -3,7 +3,8 @@
 
 use super::numbers::wrapped;
 use super::progress::Progress;
-use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, sweep_report, warn};
+use super::report::{self, Chosen};
+use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, warn};
 use std::collections::BTreeMap;
 use std::path::Path;
 use stick_slip::dataset::Dataset;
@@ -67,12 +68,13 @@ impl SweepSitting<'_> {
     }
 
     fn print(&self, sweep: &Sweep) -> Result<(), Failure> {
+        let chosen = if self.statistics.is_empty() { Chosen::First } else { Chosen::These(self.statistics) };
         if self.json {
             print_data(&dataset::json(&Dataset::of_sweep(sweep), Some(self.output)))?;
         } else if !self.quiet {
-            print(&sweep_report::table(sweep, self.statistics, self.output))?;
+            print(&report::text(&report::sweep(sweep, chosen, self.output)))?;
         }
-        sweep_report::remarks(sweep).into_iter().for_each(warn);
+        report::warnings(sweep).into_iter().for_each(|(_, text)| warn(text));
         let lost = sweep.points.iter().flatten().filter(|point| point.completed_paths == point.diverged_paths).count();
         if lost == sweep.points.len() {
             return Err(Failure::run("every path of every point diverged or was given up", "a smaller step"));

@@ -2,10 +2,11 @@
 //! target.
 
 use super::numbers::parse_duration;
-use super::overrides::settings;
-use super::plot::{self, Format};
+use super::overrides::Settings;
+use super::plot;
 use super::progress::measuring;
-use super::trade_report::{self, AskedPrices};
+use super::promise::writable_hdf5;
+use super::report;
 use super::{Failure, Threads, dataset, note, print, print_data, stop_on_signals, warn, writable};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -30,10 +31,8 @@ pub struct Arguments {
     /// The statistic that the picture shows [default: the first for which there is an answer]
     #[arg(long, value_name = "NAME", value_parser = super::completed::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
-    /// Any key of the scenario, e.g. friction.static=1.3; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
-          hide_possible_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: Settings,
     /// Seed [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
@@ -52,7 +51,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let mut overrides = settings(&self.set)?;
+        let mut overrides = self.set.list()?;
         overrides.extend(self.seed.iter().map(|seed| Override::flag("--seed", "ensemble.seed", seed)));
         let scenario = Scenario::read(&self.scenario, &overrides)?;
         if let Some(output) = &self.output {
@@ -65,13 +64,13 @@ impl Arguments {
         let measure = |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
         let trade = measuring(self.budget, false, &stop, measure)?;
         let shown = self.statistic.or_else(|| trade.answerable().first().copied());
-        let asked = AskedPrices { scenario: &scenario, path: &self.scenario, shown };
+        let asked = shown.map(|statistic| (self.scenario.as_path(), statistic));
         if let Some(output) = &self.output {
             self.write(output, &scenario, &trade, shown)?;
         }
         match self.json {
             true => print_data(&dataset::json(&Dataset::of_trade(&scenario, &trade), self.output.as_deref()))?,
-            false => print(&trade_report::table(&trade, &asked))?,
+            false => print(&report::text(&report::trade(&scenario.title, &trade, asked)))?,
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
@@ -81,8 +80,7 @@ impl Arguments {
             let problem = format!("{} is the name of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
-        writable(output, self.force, inputs)?;
-        super::promise::check_hdf5(output)?;
+        writable_hdf5(output, self.force, inputs)?;
         pictures(output).iter().try_for_each(|picture| writable(picture, self.force, inputs))
     }
 
@@ -102,8 +100,8 @@ impl Arguments {
             return Ok(());
         };
         let [svg, png] = pictures(output);
-        plot::write(&scene, Format::Svg, &svg, self.force)?;
-        plot::write(&scene, Format::Png, &png, self.force)
+        plot::write(&scene, &svg, self.force)?;
+        plot::write(&scene, &png, self.force)
     }
 }
 

@@ -1,11 +1,12 @@
 //! `mc twin`: makes synthetic measurements of a bearing with known parameters.
 
-use super::numbers::{grouped, parse_duration, parse_share_in, significant};
-use super::overrides::settings;
-use super::{Failure, TableRow, aligned, measurements, note, print, writable};
+use super::numbers::{grouped, parse_duration, parse_number_in, parse_share_in};
+use super::overrides::Settings;
+use super::report::{bearing, text};
+use super::{Failure, measurements, note, print, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Quantity, Twin, twin, values};
+use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Twin, twin, values};
 use stick_slip::config::{Override, input_files, shipped_at};
 use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
@@ -59,10 +60,8 @@ pub struct Arguments {
     /// Time between samples, if the scenario has no measured temperature
     #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse_seconds)]
     every: f64,
-    /// Any key of the scenario, e.g. friction.static=5e5; repeatable
-    #[arg(long, value_name = "KEY=VALUE", allow_hyphen_values = true, value_parser = super::completed::SETTING,
-          hide_possible_values = true)]
-    set: Vec<String>,
+    #[command(flatten)]
+    set: Settings,
     /// Where to write the synthetic measurements
     #[arg(short, long, value_name = "FILE.csv")]
     output: PathBuf,
@@ -79,7 +78,7 @@ const MOST: f64 = 1e7;
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let set = settings(&self.set)?;
+        let set = self.set.list()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, input_files(&self.scenario, &set))?;
         let (start, air) = match &scene.temperature_source.file {
@@ -105,12 +104,7 @@ impl Arguments {
         let made = twin(&response, &air, &flaws, self.seed);
         store::write_whole(&self.output, csv(&made, start, &scene)?.as_bytes(), self.force)?;
         let truth = values(&response, scene.shear_stiffness);
-        let row = |quantity: &Quantity| {
-            let value = truth[*quantity as usize];
-            let value = if value.is_finite() { significant(value, 7) } else { "none".to_string() };
-            TableRow::labelled(quantity.key(), [quantity.symbol().to_string(), value])
-        };
-        print(&aligned(&Quantity::ALL.iter().map(row).collect::<Vec<_>>(), "  "))?;
+        print(&text(&bearing::truth(&truth)))?;
         let samples = grouped(made.times.len() as u64);
         note(&format!("{}: {samples} samples, {} slips", self.output.display(), made.slips));
         Ok(())
@@ -174,8 +168,7 @@ fn sensor_noise(text: &str) -> Result<Flaws, String> {
 }
 
 fn not_negative(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-    number.ok_or_else(|| "write a number, 0 or above".to_string())
+    parse_number_in(text, &(0.0..), "write a number, 0 or above")
 }
 
 fn share(text: &str) -> Result<f64, String> {
@@ -187,8 +180,7 @@ fn parse_seconds(text: &str) -> Result<f64, String> {
 }
 
 fn number(text: &str) -> Result<f64, String> {
-    let number = text.trim().parse::<f64>().ok().filter(|x| x.is_finite());
-    number.ok_or_else(|| "write a number".to_string())
+    parse_number_in(text, &(..), "write a number")
 }
 
 fn zero_set(text: &str) -> Result<(f64, f64), String> {

@@ -8,6 +8,7 @@ use super::overrides::Override;
 use super::series::source;
 use super::source::{MeasuredFrom, Sources};
 use super::{shipped_at, text_of, tree};
+use crate::data::ColumnSource;
 use crate::scenario::BridgeScene;
 use std::path::Path;
 
@@ -25,6 +26,13 @@ impl BridgeScene {
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
         scene(&Sources::new(name, text, overrides, MeasuredFrom::Files))
     }
+}
+
+/// Where temperatures are measured, as overrides of `temperature.series` alone say.
+pub fn temperature_source(overrides: &[Override]) -> Result<ColumnSource, ScenarioError> {
+    let sources = Sources::new("", "", overrides, MeasuredFrom::Files);
+    let tree = tree::read(&sources)?;
+    sources.outcome(source(&Fields::root(&sources, &tree).table("temperature").table("series"), keys::VALUE, None))
 }
 
 fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {

@@ -31,6 +31,7 @@ mod tree;
 #[cfg(test)]
 mod tests;
 
+pub use bridge::temperature_source;
 pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};

@@ -1,32 +1,35 @@
 //! A forecast as a data set: what is expected of a year, and every year that was simulated.
 
 use super::calibration::units;
+use super::header::{Format, write_origin};
 use super::layout::{Unit, Variable, variable};
 use super::{Dataset, columns_of, counted, texts};
 use crate::bearing::forecast::{Forecast, ForecastLevel, ReturnLevel};
-use crate::engine::{PROGRAM_VERSION, commit};
 
-/// The attribute `format_name` of a forecast.
-const FORMAT_NAME: &str = "stick-slip forecast";
+/// Name and version of the format.
+const FORMAT: Format = ("stick-slip forecast", (1, 0));
 
 impl Dataset {
     /// The data set of a forecast. `title` is one line, and `scenario_text` is the scenario as it
     /// was written.
     pub fn of_forecast(title: &str, scenario_text: &str, forecast: &Forecast) -> Self {
-        let Forecast { question, years, levels, return_levels, .. } = forecast;
+        let Forecast { question, years, levels, return_levels, showed, usual, redrawn, .. } = forecast;
         let mut to = Dataset::new(&units());
-        for (name, value) in [
-            ("title", title),
-            ("format_name", FORMAT_NAME),
-            ("program_version", PROGRAM_VERSION),
-            ("git_hash", commit()),
-            ("scenario", scenario_text),
-        ] {
-            to.set_attribute(name, value);
-        }
+        write_origin(&mut to, FORMAT, title);
+        to.set_attribute("scenario", scenario_text);
         to.set_attribute("seed", question.seed);
         to.set_attribute("interval", question.level);
         to.set_attribute("share", question.share);
+        to.set_attribute("draws_redrawn", *redrawn);
+        for (name, value) in [
+            ("record_slips", showed.slips),
+            ("record_sliding_path", showed.path),
+            ("record_duration", showed.duration),
+            ("usual_slips_low", usual[0]),
+            ("usual_slips_high", usual[1]),
+        ] {
+            to.set_attribute(name, value);
+        }
         to.write(&QUANTITY, &texts(levels.iter().map(|level| level.quantity.name())));
         to.write(&QUANTITY_UNIT, &texts(levels.iter().map(|level| level.quantity.unit())));
         let of_level = |level: &ForecastLevel| {

@@ -3,7 +3,7 @@
 
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, read_attribute};
-use crate::engine::{NoPart, Part, Provenance, Status};
+use crate::engine::{NoPart, PROGRAM_VERSION, Part, Provenance, Status, commit};
 use crate::model::{NamedSeries, PAPER};
 use crate::stats::Units;
 
@@ -48,6 +48,17 @@ pub(super) fn walk_origin(
     walk.derived_attribute("source", format!("stick-slip {version}"));
     walk.attribute("program_version", version)?;
     walk.attribute("git_hash", hash)
+}
+
+/// Write what a data set is, and that this program made it.
+pub(super) fn write_origin(to: &mut Dataset, format: Format, title: &str) {
+    let done = walk_origin(
+        &mut Walk::Writing(to),
+        format,
+        &mut title.into(),
+        [&mut PROGRAM_VERSION.into(), &mut commit().into()],
+    );
+    debug_assert_eq!(done, Ok(()));
 }
 
 fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {

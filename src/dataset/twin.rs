@@ -2,18 +2,16 @@
 
 use super::Dataset;
 use super::calibration::{TIME, of_quantity, units, write_quantities};
+use super::header::write_origin;
 use super::layout::{Unit, Variable, variable};
 use crate::bearing::calibration::{Twin, Values};
-use crate::engine::{PROGRAM_VERSION, commit};
 
 impl Dataset {
     /// The data set of synthetic measurements, with the true values that a calibration should find
-    /// in them. `start` is the time stamp of t = 0.
-    pub fn of_twin(start: &str, truth: &Values, twin: &Twin) -> Self {
+    /// in them. `title` is one line, and `start` is the time stamp of t = 0.
+    pub fn of_twin(title: &str, start: &str, truth: &Values, twin: &Twin) -> Self {
         let mut to = Dataset::new(&units());
-        to.set_attribute("format_name", "stick-slip twin");
-        to.set_attribute("program_version", PROGRAM_VERSION);
-        to.set_attribute("git_hash", commit());
+        write_origin(&mut to, ("stick-slip twin", (1, 0)), title);
         to.set_attribute("start", start);
         to.set_attribute("slips", twin.slips);
         write_quantities(&mut to);

@@ -45,7 +45,7 @@ mod words;
 
 pub use kit::{Drawing, escaped, pdf, png, svg};
 pub use only::Only;
-pub use page::{NoPage, page};
+pub use page::{NoPage, draw, page};
 pub use subject::{Absent, DrawnPath, Figure, Subject};
 pub use theme::{COLUMN, Style, Theme};
 

@@ -1,10 +1,12 @@
 //! All figures of a subject on one page, in two columns of the same height.
 
 use super::kit::{Align, Drawing, Item, Label};
+use super::only::Only;
 use super::sheet::Sheet;
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{LETTERS, SMALL, Style};
 use super::{FIGURES, overview, section};
+use crate::stats::Statistic;
 
 /// The space between figures.
 const GAP: f64 = 14.0;
@@ -26,6 +28,28 @@ pub enum NoPage {
     Without(&'static Figure, Absent),
     /// Nothing belongs to the subject.
     Empty,
+    /// A label has this name, which is neither that of a statistic nor one of these keys.
+    Label(String, String),
+}
+
+/// One figure or panel of a subject, or else the page of all of them.
+///
+/// # Errors
+///
+/// It cannot be drawn, or a label names nothing that is at its axes.
+pub fn draw(only: Option<Only>, subject: &Subject, style: &Style) -> Result<Drawing, NoPage> {
+    let known: Vec<&str> = match subject {
+        Subject::Sweep { sweeps, .. } => sweeps.iter().flat_map(|(_, sweep)| sweep.question.design.names()).collect(),
+        _ => Vec::new(),
+    };
+    let is_known = |name: &str| known.contains(&name) || Statistic::from_name(name).is_some();
+    if let Some((name, _)) = style.labels.iter().find(|(name, _)| !is_known(name)) {
+        return Err(NoPage::Label(name.clone(), known.join(", ")));
+    }
+    match only {
+        Some(only) => only.draw(subject, style).map_err(|absent| NoPage::Without(only.figure, absent)),
+        None => page(subject, style),
+    }
 }
 
 /// The page, with a heading and a line of text below it. The letters of panels run through it,

@@ -105,7 +105,7 @@ pub enum AccuracyError {
         statistic: Statistic,
     },
     /// No statistic of this scenario has a relative error.
-    #[error("no statistic of this scene has an error to choose for")]
+    #[error("no statistic of this scene has an error to choose for: each is zero, absent or without a limit")]
     NothingToChoose,
     /// No setting has a bias that is small enough.
     #[error("it cannot be guaranteed: {refusal}")]
@@ -116,7 +116,10 @@ pub enum AccuracyError {
         instead: Option<Alternative>,
     },
     /// The cheapest run takes longer than allowed.
-    #[error("it takes about {seconds:.0} s")]
+    #[error(
+        "it takes about {seconds:.0} s, for {} --paths {}: more than the time limit, or 30 days without one, allows",
+        choice.scheme, choice.paths
+    )]
     TooLong {
         /// The cheapest run.
         choice: Choice,

@@ -43,6 +43,12 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
         done(path, &["show", "fit.h5"]).lines().next(),
         Some("Viaduct bearing: 300 days, a sample every ten minutes")
     );
+    // A table for programs has every digit; JSON is read to a unit in the last place.
+    let csv = done(path, &["show", "fit.h5", "--format", "csv"]);
+    let row = csv.lines().find(|line| line.starts_with("fit.h5,oscillator.stiffness,K,")).expect("a row");
+    let there: f64 = row.split(',').nth(3).and_then(|cell| cell.parse().ok()).expect("a number");
+    assert!((there / stiffness - 1.0).abs() < 1e-15, "{csv}");
+    refused(path, &["show", "fit.h5", "--statistics", "jump_mean"], 2, &["fit.h5 is a calibration"]);
     done(path, &["plot", "fit.h5", "-o", "page.svg"]);
     refused(path, &["calibrate", SCENARIO, DATA, "--method", "slips", "-o", "fit.h5"], 2, &["--force"]);
 }

@@ -358,21 +358,29 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
         // The CSV file of the example must be provided by the user.
         assert!(error.as_ref().is_none_or(|error| error.contains("temperature.csv")), "{section}: {error:?}");
     }
-    let flags =
-        ["init", "--rho", "0.4", "--omega", "0.5", "--f-s", "1.4", "--title", "1.5", "--paths", "20k", "-o", "-"];
-    let changed = desk.mc(&flags);
+    let [noise, omega, f_s] =
+        ["temperature.noise.intensity=0.4", "temperature.harmonics.0.angular_frequency=0.5", "friction.static=1.4"];
+    let flags = ["--set", f_s, "--set", omega, "--set", noise, "--title", "1.5", "--paths", "20k", "-o", "-"];
+    let changed = desk.mc(&[&["init"], &flags[..]].concat());
     let made = scene(changed.done()).unwrap();
     let temperature = &made.model.temperature;
     assert_eq!((temperature.noise.unwrap().intensity, temperature.harmonics[0].angular_frequency), (0.4, 0.5));
     assert_eq!((made.model.friction.static_force, made.title.as_str(), made.ensemble.paths), (1.4, "1.5", 20_000));
     assert!(
-        changed.out.starts_with("# The shipped scenario rho025, with --f-s 1.4 --omega 0.5 --rho 0.4"),
+        changed
+            .out
+            .starts_with(&format!("# The shipped scenario rho025, with --set {f_s} --set {omega} --set {noise}")),
         "{}",
         changed.out
     );
-    let untitled = desk.mc(&["init", "--rho", "0.4", "-o", "-"]);
-    assert_eq!(scene(untitled.done()).unwrap().title, "rho025 with --rho 0.4", "not the title of another noise");
-    desk.mc(&["init", "--f-s", "0.5", "-o", "-"]).refused(&["`friction.dynamic` = 1.0 is above", "fix: "]);
+    let untitled = desk.mc(&["init", "--set", noise, "-o", "-"]);
+    assert_eq!(
+        scene(untitled.done()).unwrap().title,
+        format!("rho025 with --set {noise}"),
+        "not the title of another noise"
+    );
+    desk.mc(&["init", "--set", "friction.static=0.5", "-o", "-"])
+        .refused(&["`friction.dynamic` = 1.0 is above", "fix: "]);
     desk.mc(&["init", "--from", "nowhere"]).refused(&["nowhere", "rho025", "shaw"]);
 }
 

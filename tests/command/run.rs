@@ -514,7 +514,7 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     let first = json(&all)["statistics"]["first_stick_duration_mean"]["estimate"].as_f64().expect("a number");
     assert!((first / 2.574_004_435_173_1 - 1.0).abs() <= 1e-3, "{first}");
     for (more, says) in [
-        (&["--statistic", "displacement_end_sd"][..], "displacement_end_sd is exactly zero"),
+        (&["--statistic", "displacement_end_sd"][..], "displacement_end_sd: exactly zero"),
         (&["--statistic", "drift_velocity", "--until", "20"], "drift_velocity: does not exist in this scene"),
         (&["--until", "0"], "`time.end` is 0"),
     ] {

@@ -345,7 +345,7 @@ fn a_dry_run_says_points_paths_time_and_disk_and_writes_nothing() {
     done(&output);
     let text = out(&output);
     assert!(text.contains("points  18 (6 x 3: rho, f_s)"), "{text}");
-    assert!(text.contains("1 024 at each point, 18 432 in all"), "{text}");
+    assert!(text.contains("1 024 paths at each point, 18 432 in all"), "{text}");
     assert!(text.contains("time    about") && text.contains("disk    about"), "{text}");
     assert_eq!(std::fs::read_dir(folder.path()).expect("a folder").count(), 0);
     // The announced size is that of the file, to within a fifth.
@@ -394,8 +394,12 @@ fn show_prints_a_sweep_again_and_csv_has_a_line_for_each_statistic_of_each_point
     let csv = out(&mc(here, &["show", "s.h5", "run.h5", "--format", "csv"]));
     let lines: Vec<&str> = csv.lines().collect();
     assert_eq!(lines.len(), 1 + 21 * 7);
-    assert!(lines[0].starts_with("file,temperature.noise.intensity,statistic,unit,estimate,"), "{}", lines[0]);
-    assert!(lines[1].starts_with("s.h5,0.1,stick_duration_mean,,") && lines[127].starts_with("run.h5,,"), "{csv}");
+    assert!(
+        lines[0].starts_with("file,temperature.noise.intensity,statistic,estimate,standard_error,"),
+        "{}",
+        lines[0]
+    );
+    assert!(lines[1].starts_with("s.h5,0.1,stick_duration_mean,") && lines[127].starts_with("run.h5,,"), "{csv}");
     let refused = mc(here, &["show", "s.h5", "run.h5"]);
     assert_eq!(refused.status.code(), Some(2), "{}", out(&refused));
 }

@@ -367,6 +367,17 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
     let shown = values("data_vars", "rung_bias")[0][0].as_f64().expect("a number");
     assert!((biases[0] - shown).abs() <= 2.0 * f64::EPSILON * shown.abs(), "{} {shown}", biases[0]);
 
+    // The file prints all that was measured, or what is asked of it, in every format.
+    let shown = |more: &[&str]| {
+        let output = mc(folder.path(), &[&["show", "trade.h5"], more].concat());
+        assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).expect("UTF-8")
+    };
+    assert!(shown(&["--all"]).contains("RMSE 0.01 %"));
+    let csv = shown(&["--statistics", "sticks_per_path,drift_velocity", "--format", "csv"]);
+    let names: Vec<&str> = csv.lines().skip(1).filter_map(|line| line.split(',').nth(1)).collect();
+    assert_eq!(names, [["sticks_per_path"; 4], ["drift_velocity"; 4]].concat());
+
     let png = std::fs::read(folder.path().join("trade.png")).expect("a PNG");
     assert!(png.starts_with(b"\x89PNG"));
     let svg = std::fs::read_to_string(folder.path().join("trade.svg")).expect("an SVG");

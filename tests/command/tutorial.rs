@@ -50,7 +50,7 @@ fn every_command_of_the_tutorial_runs_and_prints_what_it_says() {
             other => panic!("a block of {other}"),
         }
     }
-    assert_eq!((commands, compared), (10, 3));
+    assert_eq!((commands, compared), (10, 4));
     for file in ["fit.svg", "year.h5", "years.csv", "twin-1.csv"] {
         assert!(folder.path().join(file).is_file(), "{file}");
     }

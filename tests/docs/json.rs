@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 
 /// Objects whose keys are names of statistics, quantities or keys of a scenario. All of these names
 /// have the same description.
-const NAMED: [&str; 7] = ["statistics", "parameters", "derived", "levels", "attrs", "coords", "data_vars"];
+const NAMED: [&str; 6] = ["statistics", "parameters", "derived", "attrs", "coords", "data_vars"];
 
 /// Collects the path of every value that is not an object.
 fn paths(value: &Value, path: &str, into: &mut BTreeSet<String>) {
@@ -59,7 +59,7 @@ fn every_key_of_every_object_is_described() {
         ("verification", vec!["verify", "a.h5"]),
         ("calibration", vec!["calibrate", &bearing, &data]),
         ("weather", vec!["fit-temperature", &data]),
-        ("forecast", vec!["forecast", &bearing, &data, "--draws", "2", "--years", "2"]),
+        ("data set", vec!["forecast", &bearing, &data, "--draws", "2", "--years", "2"]),
     ];
     let format = Page::read("docs/output-format.md");
     let of_file: BTreeSet<&str> = format.spans().into_iter().collect();

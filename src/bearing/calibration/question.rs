@@ -190,7 +190,11 @@ impl CalibrationError {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
             CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
             CalibrationError::Absurd { .. } => "mend the sample, or remove it",
-            CalibrationError::NoSlips | CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
+            CalibrationError::NoSlips => {
+                "measure for longer, until tens of slips are in the record; the method `err` needs none, but beware of its \
+                 estimates"
+            }
+            CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
                 "measure for longer, until tens of slips are in the record"
             }
             CalibrationError::NotSlips { .. } => {

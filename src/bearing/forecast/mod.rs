@@ -24,10 +24,11 @@ pub use question::{ForecastError, ForecastQuestion};
 pub use summary::{Forecast, ForecastLevel, ReturnLevel, Showed};
 pub use year::{BURN_IN, ForecastQuantity, YEAR, Year};
 
-use super::calibration::Calibration;
-use super::weather::WeatherFit;
+use super::calibration::{Calibration, CalibrationMethod, CalibrationQuestion, MeasuredRecord, calibrate};
+use super::weather::{PERIODS, WeatherFit, fit};
 use crate::ensemble::in_order;
 use crate::noise::Stream;
+use crate::scenario::BridgeScene;
 use draw::{BearingDraws, DrawnSteel};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -36,6 +37,48 @@ use year::{SteelOfAYear, YearAndRecord, year};
 
 /// Number of years in a piece of work.
 const PIECE: u64 = 10;
+
+/// A forecast, with the calibration and the weather that it is made from.
+#[derive(Clone, Debug)]
+pub struct Foreseen {
+    /// The calibration from the slips, because only that method gives errors of the parameters to
+    /// draw from.
+    pub calibration: Calibration,
+    /// The model of the weather at the thermometer's own samples.
+    pub weather: WeatherFit,
+    /// The years to come.
+    pub forecast: Forecast,
+}
+
+impl Foreseen {
+    /// The forecast of a record, with at most so many processes in the weather. `None` if `stop` is
+    /// raised before two draws are done.
+    ///
+    /// # Errors
+    ///
+    /// It fails if there is no calibration, no model of the weather, or no forecast from them.
+    pub fn of(
+        scene: &BridgeScene,
+        record: &MeasuredRecord,
+        question: &ForecastQuestion,
+        processes: usize,
+        threads: usize,
+        stop: &AtomicBool,
+    ) -> Result<Option<Self>, ForecastError> {
+        let (method, level) = (CalibrationMethod::Slips, question.level);
+        let asked = CalibrationQuestion { method, level, ..CalibrationQuestion::of(scene, record) };
+        let calibration = calibrate(record, &asked, threads, stop)?;
+        let [times, temperatures] = calibration.record.thermometer();
+        let weather = fit(&times, &temperatures, &PERIODS, processes, calibration.record.averaged[0])?;
+        let forecast = forecast(&calibration, &weather, question, threads, stop)?;
+        Ok(forecast.map(|forecast| Foreseen { calibration, weather, forecast }))
+    }
+
+    /// Reasons why the years may mislead, besides those of the calibration.
+    pub fn warnings(&self) -> Vec<String> {
+        self.weather.warnings().into_iter().chain(self.forecast.warnings()).collect()
+    }
+}
 
 /// Simulate years with parameters drawn from a calibration by slips and from a model of the
 /// weather, in seconds and kelvin. If `stop` is raised, the forecast has fewer draws than asked

@@ -1,5 +1,8 @@
 //! What is asked of a forecast, and why there may be none.
 
+use crate::bearing::calibration::CalibrationError;
+use crate::bearing::weather::{NotTold, WeatherError};
+
 /// What is asked of a forecast.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ForecastQuestion {
@@ -21,6 +24,12 @@ pub(super) const LIKELIEST: u64 = 10;
 /// Why there is no forecast.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ForecastError {
+    /// The bearing cannot be calibrated.
+    #[error(transparent)]
+    Bearing(#[from] CalibrationError),
+    /// There is no model of the weather.
+    #[error(transparent)]
+    Weather(#[from] WeatherError),
     /// Most of the parameters that the calibration leaves open are those of no bearing.
     #[error(
         "the record tells too little of the bearing: most of the parameters that it leaves open are those of no bearing"
@@ -49,6 +58,14 @@ impl ForecastError {
     /// What to do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
+            ForecastError::Bearing(CalibrationError::NoSlips) => {
+                "measure for longer, until tens of slips are in the record"
+            }
+            ForecastError::Bearing(error) => error.remedy(),
+            ForecastError::Weather(WeatherError::NotTold(NotTold::Short(_))) => {
+                "measure for at least half a year: a forecast needs to know the seasons"
+            }
+            ForecastError::Weather(error) => error.remedy(),
             ForecastError::Unknown => "measure for longer, so that the parameters are known better",
             ForecastError::NotTheRecord { .. } => {
                 "take a thermometer of the air in the shade, give `averaged` if the logger stores means, and see the residuals of \

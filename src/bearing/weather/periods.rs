@@ -27,7 +27,7 @@ impl NotTold {
     /// What the user can do about it.
     pub fn remedy(&self) -> &'static str {
         match self {
-            NotTold::Short(_) => "measure for at least half of that period",
+            NotTold::Short(_) => "measure for at least half of that period, or leave it out",
             NotTold::Sparse { .. } => "leave that harmonic out, or sample more often",
             NotTold::Twice(_) => "name it once",
         }

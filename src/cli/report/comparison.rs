@@ -1,60 +1,51 @@
 //! Several files as one table: the statistics of each, and their differences from the first file.
 
-use super::{Chosen, RunInfo};
-use crate::cli::numbers::{counted, with_error, wrapped};
-use crate::cli::table::{TableRow, aligned};
-use std::fmt::Write as _;
+use super::{Cell, Chosen, Column, INTERVAL, Report, Row, RunInfo, Table};
+use crate::cli::numbers::counted;
 use stick_slip::engine::Provenance;
 use stick_slip::stats::{Statistic, Summary};
 
-/// Half the width of a 95 % interval, in standard errors.
-const INTERVAL: f64 = 1.96;
-
-/// The table for people. Differences are taken from the first file, and their errors are those of
-/// independent runs.
-pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> String {
-    let mut text = String::new();
+/// The report, in which files have the letters a, b, c, ... Differences are taken from the first
+/// file, and their errors are those of independent runs.
+pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> Report {
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
-    for (letter, info) in letters.iter().zip(infos) {
+    let about = letters.iter().zip(infos).map(|(letter, info)| {
         let Provenance { scheme, step, seed, paths, .. } = &info.provenance;
         let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
-        let paths = counted(*paths, "path");
-        let _ = writeln!(text, "{letter:<3}{}: {scheme}{step}, seed {seed}, {paths}", info.file);
-    }
-    let _ = writeln!(text, "\n{}", aligned(&compared(summaries, chosen), "  "));
-    text.push_str(&wrapped(&legend(infos, &letters), ""));
-    text
-}
-
-/// The rows of the table, headings first. The files have the letters a, b, c, ...
-pub fn compared(summaries: &[&Summary], chosen: Chosen) -> Vec<TableRow> {
-    let letters: Vec<String> = (0..summaries.len()).map(letter).collect();
-    let mut headings = vec![letters[0].clone(), "std. error".to_string()];
+        format!("{letter:<3}{}: {scheme}{step}, seed {seed}, {}", info.file, counted(*paths, "path"))
+    });
+    let of = |name: String| {
+        let error = Column::of(format!("{name} error"), "std. error");
+        [Column::of(name.clone(), name), error]
+    };
+    let mut columns = vec![Column::of("statistic", "statistic")];
+    columns.extend(of(letters[0].clone()));
     for letter in &letters[1..] {
-        let difference = format!("{letter} - {}", letters[0]);
-        headings.extend([letter, "std. error", &difference, "std. error", ""].map(String::from));
+        columns.extend(of(letter.clone()).into_iter().chain(of(format!("{letter} - {}", letters[0]))));
+        columns.push(Column::of(format!("{letter} differs"), ""));
     }
-    let mut rows = vec![TableRow::labelled("statistic", headings)];
     let mut asked: Vec<Statistic> = Vec::new();
     for statistic in summaries.iter().flat_map(|summary| chosen.of(summary)) {
         if !asked.contains(statistic) {
             asked.push(*statistic);
         }
     }
-    for statistic in asked {
-        let first = summaries[0].estimate(statistic);
-        let mut cells = with_error(first.estimate, first.standard_error).to_vec();
-        for summary in &summaries[1..] {
-            let other = summary.estimate(statistic);
-            let difference = other.estimate - first.estimate;
-            let error = first.standard_error.hypot(other.standard_error);
-            cells.extend(with_error(other.estimate, other.standard_error));
-            cells.extend(with_error(difference, error));
-            cells.push(if difference.abs() > INTERVAL * error { "*".into() } else { String::new() });
+    let row = |statistic: Statistic| {
+        let of =
+            |summary: &&Summary| (summary.estimate(statistic).estimate, summary.estimate(statistic).standard_error);
+        let (first, error) = of(&summaries[0]);
+        let mut cells = Cell::all([first, error], error).to_vec();
+        for (other, other_error) in summaries[1..].iter().map(of) {
+            let (difference, both) = (other - first, error.hypot(other_error));
+            cells.extend(Cell::all([other, other_error], other_error));
+            cells.extend(Cell::all([difference, both], both));
+            cells.push(if difference.abs() > INTERVAL * both { "*" } else { "" }.into());
         }
-        rows.push(TableRow::labelled(statistic.name(), cells));
-    }
-    rows
+        Row::of(statistic.name(), cells)
+    };
+    let rows = asked.into_iter().map(row).collect();
+    let table = Table { columns, rows, below: legend(infos, &letters), ..Table::default() };
+    Report { title: about.collect::<Vec<_>>().join("\n"), tables: vec![table], ..Report::default() }
 }
 
 /// The label of file i: a, b, ..., z, then numbers.
@@ -72,8 +63,7 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
     let same = letters.iter().zip(infos).skip(1).filter(|(_, info)| info.provenance.seed == first.seed);
     let same: Vec<&str> = same.map(|(letter, _)| letter.as_str()).collect();
     if !same.is_empty() {
-        let _ = write!(
-            legend,
+        legend += &format!(
             ". {} and {} have the same seed: if they share their noise as well (one scheme, or discrete-vi \
              and corrected-vi, at one step), differences are more certain than these errors say; `mc sweep` \
              computes their errors, and --seed makes runs independent",
@@ -90,8 +80,9 @@ fn legend(infos: &[RunInfo], letters: &[String]) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::{info, row, set, summary};
+    use super::super::sample_tests::{info, row, set, summary};
     use super::*;
+    use crate::cli::report::text;
 
     /// 3 +- 0.03 and 4 +- 0.04 differ by 1 +- 0.05, which is significant. The difference of 3 and
     /// 3.05 is not.
@@ -105,7 +96,7 @@ mod tests {
         set(&mut b, Statistic::JumpMean, f64::NAN);
         let provenance = Provenance { seed: 2, ..info().provenance };
         let other = RunInfo { provenance, ..info() };
-        let table = comparison(&[&a, &b, &a], &[info(), other, info()], Chosen::All);
+        let table = text(&comparison(&[&a, &b, &a], &[info(), other, info()], Chosen::All));
         let cells: Vec<&str> = row(&table, "sub_phases_mean").split_whitespace().skip(1).collect();
         assert_eq!(
             cells,

@@ -1,17 +1,21 @@
-//! The report for programs: one JSON object.
+//! A run and a calibration for programs, as one JSON object each. A number that does not exist is
+//! null.
 
 use super::RunInfo;
-use crate::cli::document::{JsonWarning, document, estimate, sha256};
+use crate::cli::document::{document, named, sha256};
 use serde_json::{Map, Value, json};
+use std::collections::BTreeMap;
+use stick_slip::bearing::calibration::{Lag, ParameterEstimate, Quantity};
+use stick_slip::dataset::StoredCalibration;
 use stick_slip::scenario::Units;
 use stick_slip::stats::{Estimate, LimitCycle, Statistic, Summary, Transient};
 
-/// The report as one JSON object. A number that does not exist is null.
-pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> String {
+/// A run. Each warning is a name and a sentence.
+pub fn of_run(summary: &Summary, info: &RunInfo, warnings: &[(String, String)]) -> String {
     let (sticks, run) = (&summary.stick_durations, &info.provenance);
     let Units { time, length, force, temperature } = &run.units;
     let unsettled = summary.unsettled().map(|unsettled| unsettled.into_iter().map(Statistic::name).collect::<Vec<_>>());
-    let statistics = summary.reported().map(|e| (e.statistic.name().to_string(), corrected_estimate(e)));
+    let statistics = summary.reported().map(|e| (e.statistic.name().to_string(), estimate(e)));
     let report = json!({
         "scenario": info.scenario,
         "title": run.title,
@@ -53,7 +57,7 @@ pub fn json(summary: &Summary, info: &RunInfo, warnings: &[JsonWarning]) -> Stri
         // where the paths are too few to decide.
         "unsettled": unsettled,
         "statistics": statistics.collect::<Map<_, _>>(),
-        "warnings": warnings,
+        "warnings": named(warnings),
     });
     document("run", report)
 }
@@ -85,20 +89,72 @@ fn start(Transient { end, sticks, slips, displacement, .. }: Transient) -> Value
     })
 }
 
-/// A statistic with its bias taken off.
-fn corrected_estimate(e: &Estimate) -> Value {
-    let (mut known, corrected) = (estimate(e), e.corrected());
-    known["bias_order"] = json!(e.bias.and_then(|bias| bias.order));
-    known["estimate_corrected"] = json!(corrected.map(|corrected| corrected.estimate));
-    known["estimate_corrected_low"] = json!(corrected.map(|corrected| corrected.low));
-    known["estimate_corrected_high"] = json!(corrected.map(|corrected| corrected.high));
-    known
+/// A statistic with its interval, the bias of the step, and both without it.
+fn estimate(e: &Estimate) -> Value {
+    let corrected = e.corrected();
+    json!({
+        "estimate": e.estimate,
+        "standard_error": e.standard_error,
+        "low": e.low,
+        "high": e.high,
+        "bias": e.bias.map(|bias| bias.estimate),
+        "bias_uncertainty": e.bias.map(|bias| bias.uncertainty),
+        "bias_order": e.bias.and_then(|bias| bias.order),
+        "estimate_corrected": corrected.map(|corrected| corrected.estimate),
+        "estimate_corrected_low": corrected.map(|corrected| corrected.low),
+        "estimate_corrected_high": corrected.map(|corrected| corrected.high),
+    })
+}
+
+/// A calibration.
+pub fn of_calibration(StoredCalibration { calibration, warnings, .. }: &StoredCalibration) -> String {
+    let of = |quantities: &[Quantity]| -> BTreeMap<&str, Value> {
+        quantities.iter().map(|quantity| (quantity.key(), parameter(calibration.estimate(*quantity)))).collect()
+    };
+    let (parameters, derived) = Quantity::ALL.split_at(Quantity::PARAMETERS);
+    let (lag, profile) = (&calibration.lag, calibration.lag_profile.as_ref());
+    let starts = calibration.starts.iter().zip(calibration.start_values()).map(|(start, values)| {
+        let of_start = parameters.iter().map(|quantity| (quantity.key(), values[*quantity as usize]));
+        json!({ "err": start.err, "parameters": of_start.collect::<BTreeMap<_, _>>() })
+    });
+    let slips = calibration.slips.iter().map(
+        |slip| json!({ "time": slip.time, "temperature": slip.temperature, "jump": slip.jump, "usual": slip.is_usual }),
+    );
+    let object = json!({
+        "parameters": of(parameters),
+        "derived": of(derived),
+        "interval": calibration.question.level,
+        "slips": slips.collect::<Vec<_>>(),
+        "lag": {
+            "estimate": lag.estimate,
+            "low": lag.low,
+            "high": lag.high,
+            "estimated": calibration.question.lag == Lag::Auto,
+            "likeliest": profile.map(|profile| profile.likeliest),
+            "gain": profile.map(|profile| profile.gain),
+            "clock": profile.and_then(|profile| profile.clock),
+            "profile": profile.map_or(&[][..], |profile| &profile.profile[..]),
+        },
+        "roughness": calibration.roughness,
+        "zero": { "drift_per_year": calibration.zero.drift_per_year(), "steps": calibration.zero.steps },
+        "starts": starts.collect::<Vec<_>>(),
+        "residuals": {
+            "rms": calibration.residuals.rms,
+            "autocorrelation": calibration.residuals.autocorrelation,
+        },
+        "warnings": named(warnings),
+    });
+    document("calibration", object)
+}
+
+fn parameter(ParameterEstimate { estimate, low, high }: ParameterEstimate) -> Value {
+    json!({ "estimate": estimate, "low": low, "high": high })
 }
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::table;
-    use super::super::sample::{info, set, summary};
+    use super::super::sample_tests::table;
+    use super::super::sample_tests::{info, set, summary};
     use super::*;
     use stick_slip::engine::Status;
     use stick_slip::stats::Bias;
@@ -108,7 +164,7 @@ mod tests {
         let mut summary = summary();
         set(&mut summary, Statistic::DriftVelocity, f64::NAN);
         set(&mut summary, Statistic::JumpMean, f64::INFINITY);
-        let text = json(&summary, &info(), &[]);
+        let text = of_run(&summary, &info(), &[]);
         let value: serde_json::Value = serde_json::from_str(&text).expect("valid JSON");
         for key in ["scenario", "scheme", "step", "seed", "paths", "completed_paths", "diverged_paths", "threads"] {
             assert!(!value[key].is_null(), "{key}");
@@ -132,7 +188,7 @@ mod tests {
     fn a_corrected_estimate_stands_beside_its_bias() {
         let mut summary = summary();
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: None });
-        let value: serde_json::Value = serde_json::from_str(&json(&summary, &info(), &[])).expect("valid JSON");
+        let value: serde_json::Value = serde_json::from_str(&of_run(&summary, &info(), &[])).expect("valid JSON");
         let entry = |statistic: &str, key: &str| value["statistics"][statistic][key].as_f64();
         // The correction takes off 1 - (0.0311/0.0955)^4 = 0.98875 of the bias; the ends of the
         // interval are 0.0311044 from 0.538572 - 0.0955.
@@ -148,7 +204,7 @@ mod tests {
         let stored =
             RunInfo { seconds: None, bias_seconds: None, threads: None, status: Status::Interrupted, ..info() };
         assert!(table(&summary(), &stored).contains("interrupted"));
-        let value: serde_json::Value = serde_json::from_str(&json(&summary(), &stored, &[])).expect("valid JSON");
+        let value: serde_json::Value = serde_json::from_str(&of_run(&summary(), &stored, &[])).expect("valid JSON");
         assert!(value["seconds"].is_null() && value["ns_per_path_step"].is_null() && value["threads"].is_null());
         assert_eq!(value["status"], "interrupted");
     }

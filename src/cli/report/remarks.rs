@@ -1,10 +1,9 @@
 //! The remarks below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
-use super::bias::beyond_intervals;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant, some_of};
 use std::fmt::Write as _;
-use stick_slip::engine::Status;
+use stick_slip::engine::{Provenance, Status};
 use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient};
 
 /// What stands below the table, as labels and lines: everything, or what nobody must miss and where
@@ -12,22 +11,24 @@ use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCoun
 pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static str, String)> {
     let rest = |line: Option<String>| line.filter(|_| all);
     let file = if all { info.file.clone() } else { format!("{0}; for more, `mc show {0} --all --notes`", info.file) };
+    let Provenance { program_version, git_hash, generator, seed, block_size, .. } = &info.provenance;
     let lines = [
         ("sticks", rest(Some(sticks(summary)))),
         ("", rest(multiples(summary))),
         ("slips", rest(Some(slips(summary)))),
         ("", rest(long_slips(summary))),
         ("cycle", summary.cycle.as_ref().map(|cycle| of_cycle(cycle, info))),
-        ("", rest(spectrum(summary))),
         ("start", rest(start(summary, info))),
         ("drift", unsettled(summary)),
         ("bias", bias(summary, info, all)),
-        ("", rest(without_bias(summary))),
         ("few", too_few(summary)),
         ("paths", Some(paths(summary, info))),
-        (info.loss(), lost(summary, info).map(|line| format!(" {line}"))),
+        (info.loss(), lost(summary, info)),
         ("time", rest(time(summary, info))),
         ("file", Some(file)),
+        ("program", rest(Some(format!("mc {program_version} ({git_hash})")))),
+        ("noise", rest(Some(format!("{generator}, seed {seed}")))),
+        ("blocks", rest(Some(format!("of {block_size} paths")))),
     ];
     lines.into_iter().filter_map(|(label, line)| Some((label, line?))).collect()
 }
@@ -101,23 +102,6 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     format!("{name}{advance}; amplitude {amplitude}{symmetry}; {rest}")
 }
 
-/// Says how the spectrum is formed, and what has none.
-fn spectrum(summary: &Summary) -> Option<String> {
-    let spectrum = summary.spectrum.as_ref()?;
-    let variables = [("x", &spectrum.displacement), ("x'", &spectrum.velocity)];
-    let alike = variables.iter().filter(|(_, of)| of.spectrum.iter().all(|power| power.is_nan()));
-    let alike: Vec<&str> = alike.map(|(name, _)| *name).collect();
-    if !alike.is_empty() {
-        return Some(format!(
-            "no spectrum of {}: all paths are alike at every row of the output grid",
-            alike.join(" and ")
-        ));
-    }
-    let segments = counted(spectrum.segments, "segment");
-    let rows = 2 * spectrum.lag.len();
-    Some(format!("spectra are means over paths and {segments} of some {rows} rows, with Hann's taper"))
-}
-
 /// Says what is left out of the statistics because it happened before the time from which on they
 /// count.
 fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
@@ -136,9 +120,19 @@ fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     ))
 }
 
+/// What may mislead a reader of the statistics: the names of warnings, and their sentences.
+pub fn found(summary: &Summary) -> Vec<(String, String)> {
+    let all = [
+        ("dominating-bias", beyond_intervals(summary).map(|words| format!("bias {words}"))),
+        ("unsettled", unsettled(summary)),
+        ("too-few-events", too_few(summary)),
+    ];
+    all.into_iter().filter_map(|(name, text)| Some((name.to_string(), text?))).collect()
+}
+
 /// Says that the motion has not settled, so that the drift is a remainder of the start, where it
 /// is.
-pub fn unsettled(summary: &Summary) -> Option<String> {
+fn unsettled(summary: &Summary) -> Option<String> {
     let limit = |statistic| match statistic {
         Statistic::DriftVelocity => summary.periods.drift_limit.unwrap_or(0.0),
         _ => 0.0,
@@ -165,20 +159,21 @@ fn bias(summary: &Summary, info: &RunInfo, all: bool) -> Option<String> {
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
 }
 
-/// Says why the median has no bias where other statistics have one.
-fn without_bias(summary: &Summary) -> Option<String> {
-    let median = summary.estimate(Statistic::StickDurationMedian);
-    let is_missing = summary.has_bias() && median.estimate.is_finite() && median.bias.is_none();
-    is_missing.then(|| {
+/// Says in how many statistics the bias of the step is certain and larger than the statistical
+/// interval suggests, and what to do. None if there is no such statistic.
+fn beyond_intervals(summary: &Summary) -> Option<String> {
+    let dominated = summary.dominated_by_bias();
+    (!dominated.is_empty()).then(|| {
         format!(
-            "that of {} is not known: the reference run of this run has too few paths to bound it",
-            median.statistic.name()
+            "of the step exceeds {} of {} intervals; `event-driven` has none",
+            dominated.len(),
+            summary.asked.len(),
         )
     })
 }
 
 /// Says which numbers have no interval because too few paths carry them.
-pub fn too_few(summary: &Summary) -> Option<String> {
+fn too_few(summary: &Summary) -> Option<String> {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
     let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
     (!names.is_empty())
@@ -241,10 +236,9 @@ pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::sample::table;
-    use super::super::sample::{info, info_in, set, summary};
+    use super::super::sample_tests::table;
+    use super::super::sample_tests::{info, info_in, set, summary};
     use super::*;
-    use stick_slip::engine::Provenance;
     use stick_slip::scenario::Units;
     use stick_slip::stats::{Bias, Statistic, Transient};
     use stick_slip::sums::Measurement;
@@ -261,18 +255,6 @@ mod tests {
         let table = table(&summary(), &info());
         assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running (censored)"), "{table}");
-    }
-
-    #[test]
-    fn a_median_without_a_bias_says_why() {
-        let bias = Some(Bias { estimate: 0.1, uncertainty: 0.01, order: None });
-        let mut summary = summary();
-        assert!(!table(&summary, &info()).contains("is not known"), "nobody asked");
-        summary.estimates[Statistic::StickDurationMean.index()].bias = bias;
-        let reported = table(&summary, &info());
-        assert!(reported.contains("that of stick_duration_median is not known"), "{reported}");
-        summary.estimates[Statistic::StickDurationMedian.index()].bias = bias;
-        assert!(!table(&summary, &info()).contains("is not known"));
     }
 
     #[test]
@@ -362,12 +344,28 @@ mod tests {
         assert!(table.contains("4720, ...") && !table.contains("4721"), "{table}");
         summary.diverged = (0..10_000).collect();
         set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
-        assert!(super::super::sample::table(&summary, &info()).contains("every path diverged"));
+        assert!(super::super::sample_tests::table(&summary, &info()).contains("every path diverged"));
         let without_step = RunInfo { provenance: Provenance { step: None, ..info().provenance }, ..info() };
-        let table = super::super::sample::table(&summary, &without_step);
+        let table = super::super::sample_tests::table(&summary, &without_step);
         assert!(
             table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),
             "{table}"
         );
+    }
+
+    #[test]
+    fn a_bias_beyond_the_interval_is_told() {
+        let bias = |estimate, uncertainty| Some(Bias { estimate, uncertainty, order: None });
+        let mut summary = summary();
+        assert_eq!(beyond_intervals(&summary), None);
+        // The half-widths of the intervals of the sample are 0.00052, 0.0143 and 0.0314.
+        summary.estimates[0].bias = bias(0.0005, 0.0001);
+        assert_eq!(beyond_intervals(&summary), None, "within the interval");
+        summary.estimates[0].bias = bias(0.0955, 0.1);
+        assert_eq!(beyond_intervals(&summary), None, "in doubt");
+        summary.estimates[0].bias = bias(0.0955, 0.0311);
+        summary.estimates[1].bias = bias(0.5, 0.1);
+        let line = beyond_intervals(&summary).expect("two are dominated");
+        assert!(line.contains("exceeds 2 of 21 intervals"), "{line}");
     }
 }

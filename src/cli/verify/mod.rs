@@ -7,12 +7,13 @@ use super::document::document;
 use super::failure::{Failure, note, print, print_data};
 use super::files;
 use super::numbers::grouped;
+use super::report::{Report, text};
 use super::threads::Threads;
 use serde_json::{Value, json};
 use std::path::PathBuf;
 use std::time::Duration;
 use stick_slip::saved::{BlocksAgain, Difference};
-use stick_slip::store::{self, FileKind, Sealed};
+use stick_slip::store::{self, Content, FileKind, Sealed, Verified};
 
 /// How long a file may take to be computed again as a whole if nobody asked for that.
 const UNASKED: Duration = Duration::from_secs(5);
@@ -50,39 +51,38 @@ struct Checked {
     not_compared: Option<String>,
     /// The same in JSON, without what all kinds of files have in common.
     fields: Value,
-    values: u64,
+    found: Verified,
     /// The program that wrote the file, if it was not this one.
     other_program: Option<String>,
-    difference: Option<Difference>,
 }
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let kind = files::read(&self.file, store::kind)?;
         let is_unfinished = self.file.is_dir() || !self.file.exists();
-        if is_unfinished && matches!(kind, Some(FileKind::Run)) {
+        if is_unfinished && matches!(files::read(&self.file, store::kind)?, Some(FileKind::Run)) {
             let problem = format!("{}: the run is not finished", self.file.display());
             return Err(Failure::usage(problem, "finish it with `mc resume`, which checks what was saved"));
         }
         let sealed = store::check_bytes(&self.file)?;
-        let checked = match kind {
-            Some(FileKind::Sweep) => self.sweep(&files::read(&self.file, store::read_sweep)?)?,
-            Some(FileKind::Trade) => self.trade(&files::read(&self.file, store::read_trade)?)?,
-            Some(FileKind::Calibration) => self.calibration(files::read(&self.file, store::read_calibration)?)?,
-            Some(FileKind::Run) | None => self.run(&files::read(&self.file, store::read)?)?,
+        let checked = match files::read(&self.file, store::content)? {
+            Content::Run(stored) => self.run(&stored)?,
+            Content::Sweep(stored) => self.sweep(&stored)?,
+            Content::Trade(stored) => self.trade(&stored)?,
+            Content::Calibration(stored) => self.calibration(&stored)?,
         };
         if let Some(other) = &checked.other_program {
             note(&format!("warning: {} was {other}", self.file.display()));
         }
-        if self.json {
-            print_data(&self.object(&checked, sealed))?;
-        } else {
-            print(&self.report(&checked, sealed))?;
+        match self.json {
+            true => print_data(&self.object(&checked, sealed))?,
+            false => print(&self.report(&checked, sealed))?,
         }
-        match &checked.difference {
-            Some(difference) => Err(Failure::Run(self.refusal(difference, &checked))),
-            None => Ok(()),
-        }
+        let Some(difference) = &checked.found.difference else { return Ok(()) };
+        let remedy = match &checked.other_program {
+            Some(_) => "verify it with the program that wrote it, because another version may compute other numbers",
+            None => "take the file as it was written; its scenario, its seed or its numbers were changed since",
+        };
+        Err(Failure::run_of(&self.file, difference.of("file"), remedy))
     }
 
     /// How many blocks or points are to be simulated again.
@@ -90,37 +90,26 @@ impl Arguments {
         self.blocks.unwrap_or(BlocksAgain::Within(UNASKED))
     }
 
-    fn refusal(&self, difference: &Difference, checked: &Checked) -> String {
-        let remedy = match &checked.other_program {
-            Some(_) => "verify it with the program that wrote it, because another version may compute other numbers",
-            None => "take the file as it was written; its scenario, its seed or its numbers were changed since",
-        };
-        format!("{}: {}\n  fix: {remedy}", self.file.display(), difference.of("file"))
-    }
-
     /// The result for people.
-    fn report(&self, checked: &Checked, sealed: Sealed) -> String {
-        let Checked { simulated, compared, not_compared, values, difference, .. } = checked;
-        let mut text = format!("{}\n{}", self.file.display(), checksum(sealed));
-        text += &format!("simulated    {simulated}\ncompared     {compared}: {} values\n", grouped(*values));
-        if difference.is_none() {
-            if let Some(why) = not_compared {
-                text += &format!("not compared {why}\n");
-            }
-            text += "all of that is the same, bit for bit\n";
+    fn report(&self, checked: &Checked, Sealed { bytes, has_checksum }: Sealed) -> String {
+        let Checked { simulated, compared, not_compared, found, .. } = checked;
+        let checksum = match has_checksum {
+            true => format!("that of its {} bytes is right", grouped(bytes)),
+            false => "none: another program changed the file, or an earlier version of mc wrote it".into(),
+        };
+        let compared = format!("{compared}: {} values", grouped(found.values));
+        let mut remarks = vec![("checksum", checksum), ("simulated", simulated.clone()), ("compared", compared)];
+        if found.difference.is_none() {
+            remarks.extend(not_compared.clone().map(|why| ("not compared", why)));
+            remarks.push(("result", "all of that is the same, bit for bit".into()));
         }
-        text
+        text(&Report { title: self.file.display().to_string(), remarks, ..Report::default() })
     }
 
     fn object(&self, checked: &Checked, sealed: Sealed) -> String {
-        let difference = checked.difference.as_ref().map(|difference| {
-            json!({
-                "variable": difference.variable,
-                "path": difference.path,
-                "index": difference.index,
-                "stored": difference.stored,
-                "computed": difference.computed,
-            })
+        let difference = checked.found.difference.as_ref().map(|difference| {
+            let Difference { variable, path, index, stored, computed } = difference;
+            json!({ "variable": variable, "path": path, "index": index, "stored": stored, "computed": computed })
         });
         let mut object = json!({
             "file": self.file.display().to_string(),
@@ -128,20 +117,12 @@ impl Arguments {
             "bytes": sealed.bytes,
             "has_checksum": sealed.has_checksum,
             "same_program": checked.other_program.is_none(),
-            "values_checked": checked.values,
+            "values_checked": checked.found.values,
             "difference": difference,
         });
         if let (Value::Object(all), Value::Object(own)) = (&mut object, checked.fields.clone()) {
             all.extend(own);
         }
         document("verification", object)
-    }
-}
-
-fn checksum(Sealed { bytes, has_checksum }: Sealed) -> String {
-    let bytes = grouped(bytes);
-    match has_checksum {
-        true => format!("checksum     that of its {bytes} bytes is right\n"),
-        false => "checksum     none: another program changed the file, or an earlier version of mc wrote it\n".into(),
     }
 }

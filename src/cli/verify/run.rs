@@ -10,7 +10,7 @@ use std::ops::Range;
 use stick_slip::engine::other_program;
 use stick_slip::saved::Again;
 use stick_slip::stats::Record;
-use stick_slip::store::{self, Stored};
+use stick_slip::store::{self, Stored, Verified};
 
 impl Arguments {
     /// Check a run.
@@ -61,9 +61,8 @@ fn checked(again: Again, stored: &Stored, record: &Record) -> Checked {
             "paths_checked": again_paths,
             "statistics_checked": has_statistics,
         }),
-        values,
+        found: Verified { values, difference },
         other_program: other_program(&stored.header.program_version, &stored.header.git_hash),
-        difference,
     }
 }
 

@@ -17,7 +17,6 @@ use stick_slip::study::sweep::{Sweep, SweepSimulation};
 impl Arguments {
     /// Check a sweep: points are simulated again, and all comparisons are computed again.
     pub(super) fn sweep(&self, stored: &StoredSweep) -> Result<Checked, Failure> {
-        let other_program = stored.other_program.clone();
         let mut again = sweep::stored(&self.file, stored.clone())?;
         let all = again.points.len() as u64;
         let (wanted, limit) = match self.sample() {
@@ -33,7 +32,6 @@ impl Arguments {
             self.simulate_point(&mut again, point as usize)?;
             done.insert(point);
         }
-        let verified = store::verify_whole(&self.file, &Dataset::of_sweep(&again))?;
         let is_whole = done.len() as u64 == all;
         Ok(Checked {
             simulated: format!("{} of {} points", grouped(done.len() as u64), grouped(all)),
@@ -41,9 +39,8 @@ impl Arguments {
             not_compared: (!is_whole)
                 .then(|| "the other points with a simulation: --blocks all simulates every point".to_string()),
             fields: json!({ "points": all, "points_checked": done, "statistics_checked": is_whole }),
-            values: verified.values,
-            other_program,
-            difference: verified.difference,
+            found: store::verify_whole(&self.file, &Dataset::of_sweep(&again))?,
+            other_program: stored.other_program.clone(),
         })
     }
 
@@ -61,7 +58,6 @@ impl Arguments {
 
     /// Check a trade: everything that follows from its measurements is computed again.
     pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
-        let verified = store::verify_whole(&self.file, &Dataset::of_trade(&stored.scenario, &stored.trade))?;
         Ok(Checked {
             simulated: "nothing: times cannot be measured twice, and estimates depend on the time that there was"
                 .into(),
@@ -70,27 +66,23 @@ impl Arguments {
                 .into(),
             not_compared: Some("the measurements with a simulation".into()),
             fields: json!({ "statistics_checked": false }),
-            values: verified.values,
+            found: store::verify_whole(&self.file, &Dataset::of_trade(&stored.scenario, &stored.trade))?,
             other_program: stored.other_program.clone(),
-            difference: verified.difference,
         })
     }
 
     /// Check a calibration: the fit is repeated with the record that is in the file.
-    pub(super) fn calibration(&self, stored: StoredCalibration) -> Result<Checked, Failure> {
-        let other_program = stored.other_program.clone();
+    pub(super) fn calibration(&self, stored: &StoredCalibration) -> Result<Checked, Failure> {
         let again = calibrate_again(&stored.calibration, self.threads.number(), &AtomicBool::new(false));
         let again = again.map_err(|error| Failure::Run(format!("{}: {error}", self.file.display())))?;
         let again = StoredCalibration::of(&stored.title, &stored.scenario_text, again);
-        let verified = store::verify_whole(&self.file, &Dataset::of_calibration(&again))?;
         Ok(Checked {
             simulated: "the fit, with the record in the file".into(),
             compared: "estimates, intervals, slips, the model, attributes, coordinates and units".into(),
             not_compared: None,
             fields: json!({ "statistics_checked": true }),
-            values: verified.values,
-            other_program,
-            difference: verified.difference,
+            found: store::verify_whole(&self.file, &Dataset::of_calibration(&again))?,
+            other_program: stored.other_program.clone(),
         })
     }
 }

@@ -109,7 +109,7 @@ pub fn info_in(units: Units) -> RunInfo {
 
 /// The table with everything in it.
 pub fn table(summary: &Summary, info: &RunInfo) -> String {
-    super::table(summary, info, Chosen::All, true)
+    super::text(&super::run(summary, info, Chosen::All, true))
 }
 
 pub fn set(summary: &mut Summary, statistic: Statistic, estimate: f64) {

@@ -1,12 +1,12 @@
-//! The table of statistics: a row for each, with its interval, its bias and its unit.
+//! The report of a run: a row for each statistic, with its interval, its bias and its unit.
 
-use super::bias::{bias_cells, corrected_cell};
-use crate::cli::numbers::{Digits, significant, wrapped};
-use crate::cli::table::{TableRow, aligned};
-use crate::cli::terminal::columns;
-use stick_slip::scenario::{Period, PeriodSource, Units};
+use super::remarks::remarks;
+use super::{Cell, Column, FOR_PEOPLE, Format, INTERVAL, Report, Row, RunInfo, TEXT, Table, of_estimate};
+use crate::cli::numbers::{Digits, counted, significant};
+use stick_slip::engine::{Provenance, Status};
+use stick_slip::scenario::{Period, PeriodSource};
 use stick_slip::scheme::Timeline;
-use stick_slip::stats::{Estimate, Statistic, Summary};
+use stick_slip::stats::{Bias, Estimate, Statistic, Summary};
 
 /// The statistics that a table has.
 #[derive(Clone, Copy, Debug)]
@@ -44,133 +44,85 @@ impl<'a> Chosen<'a> {
     }
 }
 
-/// The rows of the table, headings first. What does not exist has the reason.
-pub fn rows(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> Vec<TableRow> {
-    table(summary, units, chosen, period).into_iter().map(StatisticLine::with_reason).collect()
-}
-
-/// The table as text, at most as wide as the terminal, without standard errors, which intervals
-/// show.
-pub(super) fn statistics(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> String {
-    let lines = shown(summary, units, chosen, period);
-    let columns = columns();
-    let full: Vec<TableRow> = lines.iter().cloned().map(StatisticLine::with_reason).collect();
-    let is_narrow = columns.is_some_and(|columns| columns < width(&full));
-    let (rows, reasons) = footnotes(lines, is_narrow);
-    match columns {
-        Some(columns) => narrowed(rows, columns) + &reasons,
-        None => aligned(&rows, if width(&rows) > LINE { " " } else { GAP }) + &reasons,
+/// The report of these statistics, with all remarks or with what nobody must miss.
+pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -> Report {
+    let Provenance { title, scheme, step, seed, paths, antithetic, units, .. } = &info.provenance;
+    let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
+    let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { *paths }, "path");
+    let pairs = if *antithetic { " in antithetic pairs" } else { "" };
+    let rows = chosen.of(summary).iter().map(|statistic| {
+        let e = summary.estimate(*statistic);
+        let cells = cells(e, summary.has_bias()).into_iter().chain([statistic.dimension().label(units).into()]);
+        let absence = summary.absence(e).map(String::from).or_else(|| of_period(summary, *statistic, info.period));
+        Row { why: absence.unwrap_or_default(), ..Row::of(statistic.name(), cells) }
+    });
+    let table = Table { columns: columns(), rows: rows.collect(), ..Table::default() };
+    Report {
+        title: title.clone(),
+        about: format!("{scheme}{step}, seed {seed}, {paths}{pairs}"),
+        tables: vec![table],
+        remarks: remarks(summary, info, has_notes),
+        ..Report::default()
     }
 }
 
-/// The lines that the text has, without standard errors.
-fn shown(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> Vec<StatisticLine> {
-    let mut lines = table(summary, units, chosen, period);
-    for line in &mut lines {
-        line.row.cells.remove(STANDARD_ERROR);
+/// The columns of [`cells`] between a statistic and its unit. Intervals show standard errors, and
+/// what is corrected follows from the bias.
+fn columns() -> Vec<Column> {
+    let [estimate, standard_error, low, high] = of_estimate();
+    let corrected = Column::of("estimate_corrected", "corrected").not_in(&[Format::Narrow]);
+    let ends = ["low", "high"].map(|end| Column::of(format!("estimate_corrected_{end}"), "").not_in(FOR_PEOPLE));
+    let [low_corrected, high_corrected] = ends;
+    vec![
+        Column::of("statistic", "statistic"),
+        estimate,
+        standard_error.not_in(TEXT),
+        low,
+        high,
+        Column::of("bias", "bias"),
+        Column::of("bias_uncertainty", "+-"),
+        corrected,
+        low_corrected,
+        high_corrected,
+        Column::unit("unit"),
+    ]
+}
+
+/// The numbers of a statistic, with as many digits as its standard error justifies.
+fn cells(e: &Estimate, has_bias: bool) -> Vec<Cell> {
+    let mut cells = estimate_cells(e).to_vec();
+    cells.extend(if has_bias { bias_cells(e.bias) } else { Default::default() });
+    cells.extend(corrected_cells(e));
+    cells
+}
+
+/// An estimate, its standard error and its interval, if it has one.
+pub(super) fn estimate_cells(e: &Estimate) -> [Cell; 4] {
+    let mut cells = Cell::all([e.estimate, e.standard_error, e.low, e.high], e.standard_error);
+    if !(e.low.is_finite() && e.high.is_finite()) {
+        cells[2].text = "none".into();
+        cells[3].text.clear();
     }
-    lines
+    cells
 }
 
-/// A row whose note is a unit, and the reason why a number in it is missing.
-#[derive(Clone)]
-struct StatisticLine {
-    row: TableRow,
-    reason: Option<String>,
-}
-
-impl StatisticLine {
-    /// The row with a remark in brackets behind its unit.
-    fn with(mut self, remark: &str) -> TableRow {
-        self.row.note = format!("{} ({remark})", self.row.note).trim_start().to_string();
-        self.row
-    }
-
-    fn with_reason(mut self) -> TableRow {
-        match self.reason.take() {
-            Some(reason) => self.with(&reason),
-            None => self.row,
-        }
+/// A bias and its uncertainty, to two digits of the uncertainty; `none` where the bias is not
+/// known.
+pub(super) fn bias_cells(bias: Option<Bias>) -> [Cell; 2] {
+    match bias {
+        Some(Bias { estimate, uncertainty, .. }) => Cell::all([estimate, uncertainty], uncertainty),
+        None => [Cell::missing("none"), Cell::missing("")],
     }
 }
 
-/// The rows with letters in the place of reasons, and each reason once as a footnote. A reason that
-/// only one row has stays in its row, unless it is long or the terminal is too narrow.
-fn footnotes(lines: Vec<StatisticLine>, is_narrow: bool) -> (Vec<TableRow>, String) {
-    let all: Vec<String> = lines.iter().filter_map(|line| line.reason.clone()).collect();
-    let is_shared = |reason: &String| all.iter().filter(|other| *other == reason).count() > 1;
-    let mut below: Vec<String> = Vec::new();
-    let mut row = |line: StatisticLine| match &line.reason {
-        Some(reason) if is_narrow || reason.len() > LONG || is_shared(reason) => {
-            if !below.contains(reason) {
-                below.push(reason.clone());
-            }
-            let number = below.iter().position(|known| known == reason).unwrap_or_default();
-            line.with(&mark(number).to_string())
-        }
-        _ => line.with_reason(),
-    };
-    let rows = lines.into_iter().map(&mut row).collect();
-    let numbered = below.iter().enumerate();
-    (rows, numbered.map(|(number, reason)| wrapped(&format!("({}) {reason}", mark(number)), "    ")).collect())
-}
-
-/// A reason of more letters than this has no room in its row.
-const LONG: usize = 40;
-
-/// The mark of a footnote: a, b, c, ... There are fewer reasons than letters.
-fn mark(number: usize) -> char {
-    (b'a'..=b'z').nth(number).map_or('z', char::from)
-}
-
-/// The space between two columns.
-const GAP: &str = "  ";
-
-/// The columns that are left out of a table that is too wide, in this order. Their numbers follow
-/// from the columns that stay.
-const SPARE: [&str; 1] = ["corrected"];
-
-/// The place of the standard error in a row.
-const STANDARD_ERROR: usize = 2;
-
-/// The longest line where there is no terminal, in characters, if narrow gaps make it fit.
-const LINE: usize = 80;
-
-/// The length of the longest line of a table.
-fn width(table: &[TableRow]) -> usize {
-    aligned(table, GAP).lines().map(|line| line.chars().count()).max().unwrap_or(0)
-}
-
-/// The table as text, without the columns that do not fit.
-fn narrowed(mut table: Vec<TableRow>, columns: usize) -> String {
-    if width(&table) <= columns {
-        return aligned(&table, GAP);
-    }
-    let mut left_out = Vec::new();
-    for heading in SPARE {
-        let place = table.first().and_then(|row| row.cells.iter().position(|cell| cell == heading));
-        if let Some(place) = place.filter(|_| width(&table) > columns) {
-            left_out.push(heading);
-            table.iter_mut().filter(|row| place < row.cells.len()).for_each(|row| drop(row.cells.remove(place)));
-        }
-    }
-    let note = format!("(no room for {}; a wider terminal and --json show it)", left_out.join(" and "));
-    let gap = if width(&table) > columns { " " } else { GAP };
-    aligned(&table, gap) + &if left_out.is_empty() { String::new() } else { wrapped(&note, "") }
-}
-
-/// The lines of the statistics, headings first.
-fn table(summary: &Summary, units: &Units, chosen: Chosen, period: Option<Period>) -> Vec<StatisticLine> {
-    let has_bias = summary.has_bias();
-    let estimates = || chosen.of(summary).iter().map(|statistic| summary.estimate(*statistic));
-    let labels: Vec<String> = estimates().map(|e| e.statistic.dimension().label(units)).collect();
-    let headings = headings(has_bias, labels.iter().any(|label| !label.is_empty()));
-    let of = |(e, note): (&Estimate, String)| {
-        let reason = summary.absence(e).map(String::from).or_else(|| of_period(summary, e.statistic, period));
-        StatisticLine { row: row(e, has_bias).noted(note), reason }
-    };
-    let lines = estimates().zip(labels).map(of);
-    std::iter::once(StatisticLine { row: headings, reason: None }).chain(lines).collect()
+/// The corrected estimate to two digits of its own error, and its interval. Without text where the
+/// correction does not improve the plain estimate.
+pub(super) fn corrected_cells(e: &Estimate) -> [Cell; 3] {
+    let Some(c) = e.corrected() else { return [""; 3].map(Cell::missing) };
+    let digits = Digits::of(c.estimate, (c.high - c.low) / 2.0 / INTERVAL);
+    let is_better = e.bias.is_some_and(|bias| bias.weight() > 0.0);
+    let text = |x| if is_better { digits.show(x) } else { String::new() };
+    [c.estimate, c.low, c.high].map(|x| Cell::number(x, text(x)))
 }
 
 /// What the period is from which the numbers at its ends follow, where no forcing sets it or the run
@@ -188,32 +140,11 @@ fn of_period(summary: &Summary, statistic: Statistic, period: Option<Period>) ->
     is_preset.then(|| format!("from the ends of periods P = {}, {}", significant(length, 4), source.words()))
 }
 
-/// The headings.
-fn headings(has_bias: bool, has_unit: bool) -> TableRow {
-    let headings: &[&str] = match has_bias {
-        true => &["estimate", "std. error", "95 % from", "to", "bias", "+-", "corrected"],
-        false => &["estimate", "std. error", "95 % from", "to"],
-    };
-    TableRow::labelled("statistic", headings.iter().copied()).noted(if has_unit { "unit" } else { "" })
-}
-
-/// The row of one statistic, with as many digits as its standard error justifies.
-fn row(e: &Estimate, has_bias: bool) -> TableRow {
-    let digits = Digits::of(e.estimate, e.standard_error);
-    let has_interval = e.low.is_finite() && e.high.is_finite();
-    let mut cells = digits.show_all([e.estimate, e.standard_error]).to_vec();
-    cells.extend(if has_interval { digits.show_all([e.low, e.high]) } else { ["none".into(), String::new()] });
-    if has_bias {
-        cells.extend(bias_cells(e.bias));
-        cells.push(corrected_cell(e));
-    }
-    TableRow::labelled(e.statistic.name(), cells)
-}
-
 #[cfg(test)]
 mod tests {
     use super::super::RunInfo;
-    use super::super::sample::{info, info_in, reason, row, set, summary, table};
+    use super::super::sample_tests::{info, info_in, reason, row, set, summary, table};
+    use super::super::text::of_table;
     use super::Chosen;
     use stick_slip::scenario::{Period, PeriodSource, Units};
     use stick_slip::stats::{Bias, Estimate, Statistic};
@@ -250,14 +181,13 @@ mod tests {
     fn a_narrow_terminal_leaves_out_what_follows_from_the_rest() {
         let mut summary = summary();
         summary.estimates[0].bias = Some(Bias { estimate: 0.0955, uncertainty: 0.0311, order: Some(0.58) });
-        let (rows, _) = super::footnotes(super::shown(&summary, &Units::default(), Chosen::All, None), true);
-        let wide = super::narrowed(rows.clone(), 200);
-        assert_eq!(wide, super::aligned(&rows, super::GAP));
-        let narrow = super::narrowed(rows, 70);
+        let table = &super::run(&summary, &info(), Chosen::All, false).tables[0];
+        let [wide, narrow] = [200, 70].map(|columns| of_table(table, Some(columns)));
+        assert!(wide.contains("corrected") && !wide.contains("no room"), "{wide}");
         assert!(narrow.lines().all(|line| line.chars().count() <= 70), "{narrow}");
         let cells: Vec<&str> = row(&narrow, "stick_duration_mean").split_whitespace().collect();
         assert_eq!(cells[..4], ["stick_duration_mean", "0.53857", "0.53805", "0.53909"], "{narrow}");
-        assert!(narrow.contains("no room for corrected"), "{narrow}");
+        assert!(narrow.contains("no room for all columns") && !narrow.contains("corrected"), "{narrow}");
     }
 
     #[test]
@@ -272,7 +202,9 @@ mod tests {
         assert_eq!(unit("friction_work_mean"), "N m");
         // A label of a unit may contain brackets, which are not the brackets of a reason.
         let units = Units { length: "(mm)".to_string(), ..Units::default() };
-        assert!(row(&super::super::sample::table(&self::summary(), &info_in(units)), "jump_mean").ends_with("(mm)"));
+        assert!(
+            row(&super::super::sample_tests::table(&self::summary(), &info_in(units)), "jump_mean").ends_with("(mm)")
+        );
     }
 
     #[test]
@@ -304,8 +236,8 @@ mod tests {
     fn a_table_has_the_statistics_that_are_asked_for() {
         let chosen = [Statistic::JumpMean, Statistic::StickDurationMean];
         let names = |chosen| -> Vec<String> {
-            let rows = super::rows(&summary(), &Units::default(), chosen, None);
-            rows.into_iter().skip(1).map(|row| row.cells[0].clone()).collect()
+            let rows = &super::run(&summary(), &info(), chosen, false).tables[0].rows;
+            rows.iter().map(|row| row.cells[0].text.clone()).collect()
         };
         assert_eq!(names(Chosen::These(&chosen)), ["jump_mean", "stick_duration_mean"]);
         assert_eq!((names(Chosen::First).len(), names(Chosen::All).len()), (9, summary().asked.len()));
