@@ -46,8 +46,8 @@ def check(
     """Check a scenario without running it, like `mc check`.
 
     Args:
-        scenario, paths, seed, scheme, step, tolerance, until, set, temperature, inputs: as for `run`;
-            `until` is a time.
+        scenario, paths, seed, scheme, step, tolerance, until, set, temperature, inputs: as for
+            `run`; `until` is a time.
 
     Returns:
         The scenario in full, the numbers that follow from it, and warnings.

@@ -307,7 +307,8 @@ def of_run(run: xr.Dataset, paths: int | None = None) -> _native.Scenario:
     )
     stored = []
     if "series_time" in run:
-        stored = [("temperature.series", run.series_time.values.copy(), run.series_temperature.values.copy())]
+        times, values = run.series_time.values, run.series_temperature.values
+        stored = [("temperature.series", times.copy(), values.copy())]
     for i, name in enumerate(run.input.values) if "input" in run else ():
         own = run.input_sample.values == i
         stored.append((f"input.{name}", run.input_time.values[own], run.input_value.values[own]))

@@ -47,6 +47,7 @@ pub use harmonic_clock::HarmonicClock;
 pub use impulse_response::ImpulseResponse;
 pub(crate) use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::{Drive, Oscillator};
+pub(crate) use series::usual_spacing;
 pub use series::{NamedSeries, NoSeries, Series};
 pub(crate) use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]

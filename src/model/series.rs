@@ -111,6 +111,11 @@ impl Series {
         self.values.windows(2).map(|pair| (pair[1] - pair[0]).abs()).sum()
     }
 
+    /// The median time between two samples; of two middle ones the longer.
+    pub fn usual_spacing(&self) -> f64 {
+        usual_spacing(&self.times)
+    }
+
     /// The longest time between two samples.
     pub fn longest_spacing(&self) -> f64 {
         self.times.windows(2).fold(0.0, |longest, pair| (pair[1] - pair[0]).max(longest))
@@ -123,6 +128,14 @@ impl Series {
         let bytes = numbers.flat_map(|x| x.to_bits().to_le_bytes());
         bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
     }
+}
+
+/// The median time between two of these, of which there are two or more; of two middle ones the
+/// longer.
+pub(crate) fn usual_spacing(times: &[f64]) -> f64 {
+    let mut spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let middle = spacings.len() / 2;
+    *spacings.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

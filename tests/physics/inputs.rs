@@ -36,7 +36,7 @@ fn coarse() -> NamedSeries {
 }
 
 /// Every event is that of a program that shares nothing with this one (tests/reference/load.py),
-/// within 1e-9, with the input in the force and in the load. A step across a kink is off by more.
+/// within 1e-9, with the input in the force and in the load.
 #[test]
 fn a_coarse_input_gives_every_event_of_an_independent_program() {
     for (name, lines) in [

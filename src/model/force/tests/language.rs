@@ -135,10 +135,10 @@ fn equal_expressions_are_equal_forces() {
 }
 
 #[test]
-fn time_and_unused_parameters_are_known() {
+fn time_and_unused_names_are_known() {
     assert!(expression("sin(t)").uses_time() && !expression("x*mu").uses_time());
-    assert!(expression("mu*x*vs^0").unused_parameters().next().is_none());
-    assert_eq!(expression("vs").unused_parameters().collect::<Vec<_>>(), ["mu"]);
+    assert!(expression("mu*x*vs^0").unused_names().next().is_none());
+    assert_eq!(expression("vs").unused_names().collect::<Vec<_>>(), ["mu"]);
 }
 
 #[test]

@@ -5,6 +5,7 @@
 //! inside a cell. The time between two samples is divided into the smallest number of equal cells that are not
 //! longer than this length.
 
+use crate::model::usual_spacing;
 use std::sync::Arc;
 
 /// The division of time into cells.
@@ -79,13 +80,6 @@ impl StepLadder {
         let at = |part: u64| if part == parts { to } else { from + part as f64 * length };
         CellPlace { start: at(done), end: at(done + 1), length, sample: from }
     }
-}
-
-/// The median time between two of these; of two middle ones the longer.
-fn usual_spacing(times: &[f64]) -> f64 {
-    let mut spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let middle = spacings.len() / 2;
-    *spacings.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 /// Two lengths whose relative difference is smaller than this differ only by the rounding of the
