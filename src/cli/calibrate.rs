@@ -75,7 +75,7 @@ impl Arguments {
         stored.warnings.iter().for_each(|(_, warning)| warn(warning));
         print(&match self.json {
             true => report::json::of_calibration(&stored),
-            false => report::text(&bearing::calibration(&stored.title, &stored.calibration)),
+            false => report::text(&bearing::calibration(&stored.title, &stored.calibration, false)),
         })?;
         if let Some(output) = &self.output {
             note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));

@@ -100,7 +100,7 @@ pub fn of_forecast(scene: &BridgeScene, foreseen: &Foreseen) -> String {
 /// make them.
 fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String {
     let StoredCalibration { title, scenario_text, calibration, .. } = stored;
-    let mut report = report::bearing::calibration(title, calibration);
+    let mut report = report::bearing::calibration(title, calibration, true);
     let years = foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
     let own = stored.warnings.iter().map(|(_, text)| text.clone());

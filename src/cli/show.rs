@@ -118,7 +118,7 @@ impl Arguments {
             }
             Content::Calibration(stored) => {
                 stored.warnings.iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
-                report::bearing::calibration(&stored.title, &stored.calibration)
+                report::bearing::calibration(&stored.title, &stored.calibration, false)
             }
             Content::Trade(stored) if self.all && is_text => report::trade(&stored.scenario.title, &stored.trade, None),
             Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),

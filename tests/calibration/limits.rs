@@ -142,6 +142,7 @@ fn a_dozen_slips_make_a_wide_forecast_or_none() {
                 found += 1;
             }
             Err(ForecastError::Unknown | ForecastError::NotTheRecord { .. }) => refused += 1,
+            Err(error) => panic!("seed {seed}: {error}"),
         }
     }
     println!("{found} forecasts, {refused} refused");

@@ -9,8 +9,8 @@ use stick_slip::bearing::forecast::{Forecast, ForecastQuantity, YEAR};
 use stick_slip::bearing::weather::WeatherFit;
 use stick_slip::data::Start;
 
-/// The report of a calibration.
-pub fn calibration(title: &str, calibration: &Calibration) -> Report {
+/// The report of a calibration, in the units of a scenario, or for a page in millimetres.
+pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Report {
     let level = percent(calibration.question.level);
     let columns = vec![
         Column::of("quantity", "").not_in(&[Format::Html]),
@@ -24,11 +24,14 @@ pub fn calibration(title: &str, calibration: &Calibration) -> Report {
     let row = |quantity: &Quantity| {
         let ParameterEstimate { estimate, low, high } = calibration.estimate(*quantity);
         let names = [quantity.words(), quantity.symbol()].map(Cell::from).into_iter();
-        let numbers = Cell::all([estimate, low, high], (high - low) / 4.0);
-        Row::of(quantity.key(), names.chain(numbers).chain([quantity.unit().into()]))
+        let (factor, unit) = if is_page { millimetres(quantity.unit()) } else { (1.0, quantity.unit().into()) };
+        let numbers = Cell::all([estimate, low, high].map(|number| factor * number), factor * (high - low) / 4.0);
+        Row::of(quantity.key(), names.chain(numbers).chain([unit.as_str().into()]))
     };
     let rows = Quantity::ALL.iter().map(row).collect();
-    let below = format!("The truth lies between the two ends with {level}, if the bearing is as the model says.");
+    let of_100 = significant(100.0 * calibration.question.level, 4);
+    let below =
+        format!("In {of_100} of 100 records the truth lies between the two ends, if the bearing is as the model says.");
     let has_starts = !calibration.starts.is_empty();
     Report {
         title: title.into(),
@@ -62,11 +65,7 @@ fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
         (Lag::Auto, Some(_)) if estimate > 0.0 => {
             format!("{} min ({} to {}), estimated", minutes(estimate), minutes(low), minutes(high))
         }
-        (Lag::Auto, Some(profile)) => format!(
-            "none: the most likely one, {} min, raises twice the log-likelihood by {}, and 15 is required",
-            minutes(profile.likeliest),
-            significant(profile.gain, 2)
-        ),
+        (Lag::Auto, Some(_)) => "none: no lag describes the record clearly better".to_string(),
         (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
     };
     let between = match calibration.roughness {
@@ -152,6 +151,14 @@ pub fn seen(calibration: &Calibration) -> String {
     )
 }
 
+/// The factor and the unit in which people read a quantity: lengths of a bearing in millimetres.
+fn millimetres(unit: &str) -> (f64, String) {
+    match unit {
+        "m" | "m/K" => (1e3, format!("m{unit}")),
+        _ => (1.0, unit.replace('1', "")),
+    }
+}
+
 /// The report of the true values of synthetic measurements.
 pub fn truth(values: &Values) -> Report {
     let row = |quantity: &Quantity| {
@@ -176,10 +183,11 @@ pub fn forecast(title: &str, found: &Forecast) -> Report {
         Column::unit(""),
     ];
     let row = |label: String, value: f64, ranges: [[f64; 2]; 2], unit: &str| {
-        let [[low, high], [least, most]] = ranges;
-        let mut cells = Cell::all([value, low, high, least, most], (high - low) / 4.0);
+        let ([[low, high], [least, most]], (factor, unit)) = (ranges, millimetres(unit));
+        let numbers = [value, low, high, least, most].map(|number| factor * number);
+        let mut cells = Cell::all(numbers, factor * (high - low) / 4.0);
         cells[3..].iter_mut().filter(|_| least.is_nan()).for_each(|cell| cell.text.clear());
-        Row::of(label, cells.into_iter().chain([unit.replace('1', "").into()]))
+        Row::of(label, cells.into_iter().chain([unit.as_str().into()]))
     };
     let levels = found.levels.iter().map(|level| {
         let ranges = [level.expected_interval, level.year_interval];
@@ -189,10 +197,10 @@ pub fn forecast(title: &str, found: &Forecast) -> Report {
         let label = format!("|z| exceeded in one of {} years", level.years);
         row(label, level.expected, [level.interval, [f64::NAN; 2]], "m")
     });
-    let level = percent(found.question.level);
     let below = format!(
-        "The expected value of a year lies between `from` and `to` with {level}, for what is not known of bearing and weather; a single \
-         year lies between `year from` and `year to` with {level}."
+        "The mean of many years lies between `from` and `to` for {0} of 100 records like this one; {0} of 100 single years lie between \
+         `year from` and `year to`.",
+        significant(100.0 * found.question.level, 4)
     );
     let years: usize = found.years.iter().map(Vec::len).sum();
     let years = format!("{} with {} draws of the parameters", grouped(years as u64), found.years.len());
