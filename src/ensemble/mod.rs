@@ -22,7 +22,6 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::{Event, Model};
 use crate::noise;
-use crate::numbers::short;
 use crate::scheme::{Glide, Instant, Observer, Simulate as _, Simulation, Snapshot, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
@@ -88,7 +87,7 @@ impl Observer for PathMotion {
 
 /// Why a path is given up, and until where it was followed.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
-#[error("{why}, after t = {} at x = {}", short(*time), short(*displacement))]
+#[error("{why}, after t = {time:.4e} at x = {displacement:.4e}")]
 pub struct GivenUp {
     /// The reason.
     pub why: Unresolved,

@@ -543,7 +543,7 @@ fn an_interrupted_trade_prints_what_it_has() {
     let here = folder();
     let (code, table, said) = interrupted(&here, &["trade", RHO025, "--budget", "10m", "-o", "trade.h5"], 1);
     assert_eq!(code, Some(130), "{said}");
-    for part in ["RMSE 1 %", "not run: discrete-vi: the measuring ended", "event-driven, tolerance"] {
+    for part in ["RMSE 1 %", "not run discrete-vi: the measuring ended", "event-driven, tolerance"] {
         assert!(table.contains(part), "{part} in\n{table}");
     }
     for file in ["trade.h5", "trade.svg", "trade.png"] {

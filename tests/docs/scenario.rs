@@ -65,6 +65,11 @@ fn every_key_is_listed_and_every_listed_key_exists() {
         let resolved = shipped(name).expect("shipped").parse(&given).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     }
+    // White noise.
+    let given = ["temperature.noise={kind=\"white\", strength=1}", "friction.static=1", "scheme.kind=event-driven"];
+    let given = given.map(|set| Override::set(set).expect("well formed"));
+    let resolved = shipped("shaw").expect("shipped").parse(&given).expect("sound").to_toml();
+    keys(&resolved.parse().expect("TOML"), "", &mut of_code);
     // An input.
     let here = tempfile::tempdir().expect("a folder");
     let stamps = "time,N\n2020-01-01 00:00,1\n2020-01-01 00:10,2\n";
