@@ -125,7 +125,7 @@ def test_samples_in_memory_are_those_of_a_file(tmp_path):
 
 BLOCK = {
     "oscillator": {"mass": 1, "stiffness": 0, "dilatation": 0},
-    "friction": {"static": 2, "dynamic": 2},
+    "friction": {"static": 5, "dynamic": 5},
     "force": {"expression": "-ag"},
     "initial": {"displacement": 0},
     "time": {"end": 20},

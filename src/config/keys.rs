@@ -77,10 +77,11 @@ const fn table(name: &'static str) -> Key {
     other(name, "")
 }
 
-/// From one list: a constant for each key, and the tables with their keys.
+/// From one list: a constant for each key, and the tables with their keys. A key without a value is
+/// that of another table.
 macro_rules! keys {
-    ($($table:literal { $($KEY:ident = $key:expr;)+ })+) => {
-        $($(pub(super) const $KEY: Key = $key;)+)+
+    ($($table:literal { $($KEY:ident $(= $key:expr)?;)+ })+) => {
+        $($($(pub(super) const $KEY: Key = $key;)?)+)+
 
         /// The tables and the keys of each, in the order in which a resolved scenario is written.
         pub(super) const TABLES: &[(&str, &[Key])] = &[$(($table, &[$($KEY),+])),+];
@@ -149,19 +150,19 @@ keys! {
         HASH = other("hash", "of the samples");
     }
     "displacement" {
-        SENSOR_SERIES = table("series");
+        SERIES;
     }
     "displacement.series" {
-        SENSOR_FILE = FILE;
-        SENSOR_TIME = SERIES_TIME;
-        SENSOR_VALUE = VALUE;
-        SENSOR_UNIT = UNIT;
-        SENSOR_ZONE = ZONE;
-        SENSOR_DATES = DATES;
-        SENSOR_SKIP = SKIP;
-        SENSOR_MISSING = MISSING;
-        SENSOR_OUTLIERS = OUTLIERS;
-        SENSOR_DECIMAL = DECIMAL;
+        FILE;
+        SERIES_TIME;
+        VALUE;
+        UNIT;
+        ZONE;
+        DATES;
+        SKIP;
+        MISSING;
+        OUTLIERS;
+        DECIMAL;
     }
     "temperature.noise" {
         NOISE_KIND = other("kind", "\"ornstein-uhlenbeck\", or \"white\"");
@@ -173,16 +174,16 @@ keys! {
         PINNED = other("pinned", "v is zero at every sample of the series");
     }
     "input" {
-        INPUT_FILE = FILE;
-        INPUT_TIME = SERIES_TIME;
+        FILE;
+        SERIES_TIME;
         COLUMN = other("column", "its column of values");
-        INPUT_UNIT = UNIT;
-        INPUT_ZONE = ZONE;
-        INPUT_DATES = DATES;
-        INPUT_SKIP = SKIP;
-        INPUT_DECIMAL = DECIMAL;
-        INPUT_START = START;
-        INPUT_HASH = HASH;
+        UNIT;
+        ZONE;
+        DATES;
+        SKIP;
+        DECIMAL;
+        START;
+        HASH;
     }
     "force" {
         EXPRESSION = other("expression", "g(x, xdot, t), which is added to b");

@@ -209,8 +209,7 @@ fn load(model: &Model) -> Option<&Expression> {
 }
 
 fn friction(text: &mut Written, model: &Model, force: Option<&WrittenForce>) {
-    let sides = model.force.as_ref().and_then(Force::sides);
-    let both = sides.map_or([model.friction; 2], Sides::friction);
+    let both = model.friction_by_direction();
     let mut threshold = |key: Key, of: fn(&Friction) -> f64| match both.each_ref().map(of) {
         [forward, backward] if forward == backward => text.number(key, forward),
         both => {

@@ -97,10 +97,10 @@ pub struct GivenUp {
     pub displacement: f64,
 }
 
-/// Where a path was seen last, until a flag stops it.
-struct SeenLast<'a>([f64; 2], &'a AtomicBool);
+/// Where a path was seen last.
+struct SeenLast([f64; 2]);
 
-impl Observer for SeenLast<'_> {
+impl Observer for SeenLast {
     fn event(&mut self, _: usize, event: Event) {
         self.0 = [event.time, event.displacement];
     }
@@ -113,10 +113,6 @@ impl Observer for SeenLast<'_> {
 
     fn glide(&mut self, _: usize, glide: &Glide) {
         self.0 = [glide.end(), glide.displacement + glide.way];
-    }
-
-    fn is_stopped(&self) -> bool {
-        self.1.load(Ordering::Relaxed)
     }
 }
 
@@ -166,9 +162,9 @@ impl Plan {
     /// `stop` is set; none if it is not, and where lost paths have diverged.
     pub fn why_lost(&self, path: u64, stop: &AtomicBool) -> Option<GivenUp> {
         let drawn = drawn(&[path], self.antithetic);
-        let mut seen = SeenLast([0.0, self.model().initial_displacement], stop);
-        let why = self.simulation.why_lost(self.seed, drawn[0], &mut seen)?;
-        let [time, displacement] = seen.0;
+        let mut observers = (SeenLast([0.0, self.model().initial_displacement]), stop);
+        let why = self.simulation.why_lost(self.seed, drawn[0], &mut observers)?;
+        let [time, displacement] = observers.0.0;
         Some(GivenUp { why, time, displacement })
     }
 

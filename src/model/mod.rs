@@ -99,6 +99,11 @@ impl Model {
         direction.value() * size.unwrap_or(self.friction.dynamic_force)
     }
 
+    /// f_s and f_d forward and backward, without a load.
+    pub fn friction_by_direction(&self) -> [Friction; 2] {
+        self.force.as_ref().and_then(Force::sides).map_or([self.friction; 2], Sides::friction)
+    }
+
     /// Whether the force of friction in a slip is no constant.
     pub fn has_load(&self) -> bool {
         self.force.as_ref().is_some_and(|force| force.sides().is_some())

@@ -4,9 +4,7 @@
 use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
-use crate::model::{
-    Drive, Force, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Sides, Temperature, can_be_computed_with,
-};
+use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
 use crate::numbers::short;
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 
@@ -111,8 +109,7 @@ impl Statistics {
 
 /// f_d <= f_s, in each direction.
 fn friction(model: &Model) -> Option<Misfit> {
-    let sides = model.force.as_ref().and_then(Force::sides);
-    let [forward, backward] = sides.map_or([model.friction; 2], Sides::friction);
+    let [forward, backward] = model.friction_by_direction();
     let is_forward = forward.dynamic_force > forward.static_force;
     let Friction { static_force: f_s, dynamic_force: f_d } = if is_forward { forward } else { backward };
     if f_d <= f_s {

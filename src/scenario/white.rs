@@ -1,6 +1,6 @@
 //! White noise of the temperature, which is simulated as a fast Ornstein-Uhlenbeck process.
 
-use crate::model::{Force, InitialNoise, Model, Noise, Sides};
+use crate::model::{Friction, InitialNoise, Model, Noise};
 use crate::scheme::{Misfit, Scheme};
 
 /// White noise sqrt(2 D) xi(t) of the temperature, with xi of unit intensity.
@@ -41,8 +41,8 @@ impl WhiteNoise {
 
     /// Under white noise the force on a body at rest passes every threshold at once.
     pub(super) fn misfit(&self, model: &Model) -> Option<Misfit> {
-        let both = model.force.as_ref().and_then(Force::sides).map_or([model.friction; 2], Sides::friction);
-        let of = both.into_iter().find(|friction| friction.static_force > friction.dynamic_force)?;
+        let rubs = |friction: &Friction| friction.static_force > friction.dynamic_force;
+        let of = model.friction_by_direction().into_iter().find(rubs)?;
         let problem = format!(
             "is white noise, which passes every static friction at once, so `friction.static` = {:?} above \
              `friction.dynamic` = {:?} would act at no time",
