@@ -279,7 +279,7 @@ impl GeneralNoiseless {
         work: &mut WorkLeft,
     ) -> Result<Stretch, Unresolved> {
         let temperature = self.forces.near(start);
-        let slip = self.motion(&temperature, direction);
+        let slip = self.motion(&temperature, direction, displacement);
         let from = slip.with(displacement, velocity, 0.0, work)?;
         let horizon = start.until(self.timeline.end);
         let end = if horizon <= 0.0 {
@@ -306,8 +306,10 @@ impl GeneralNoiseless {
     /// not count as work of the path, which is the same whether it is followed or not.
     fn glides(&self, stretch: &Stretch, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
         let Phase::Slip(direction) = stretch.phase else { return Ok(()) };
-        let (motion, mut work) =
-            (self.motion(&stretch.temperature, direction), WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false));
+        let (motion, mut work) = (
+            self.motion(&stretch.temperature, direction, stretch.from.displacement),
+            WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false),
+        );
         let mut here = stretch.from;
         for i in 1..=PIECES {
             let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;
@@ -324,11 +326,11 @@ impl GeneralNoiseless {
         Ok(())
     }
 
-    /// The equation of motion of a sub-phase.
-    fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign) -> SlipMotion<'a> {
-        let rounding =
-            if self.forces.is_own_in_time() { ROUNDING_OF_TIME * temperature.start().value() / self.span } else { 0.0 };
-        SlipMotion {
+    /// The equation of motion of a sub-phase that begins at x.
+    fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign, x: f64) -> SlipMotion<'a> {
+        let start = temperature.start().value();
+        let rounding = if self.forces.is_own_in_time() { ROUNDING_OF_TIME * start / self.span } else { 0.0 };
+        let mut motion = SlipMotion {
             forces: &self.forces,
             temperature,
             direction,
@@ -336,7 +338,13 @@ impl GeneralNoiseless {
             mass: self.model.oscillator.mass,
             tolerance: self.tolerance.max(rounding),
             shortest: SHORTEST * self.span,
+        };
+        let of_inputs = self.forces.rounding_of_inputs(x, start);
+        if of_inputs > 0.0 {
+            let rest = Kinematics { after: 0.0, displacement: x, velocity: 0.0, acceleration: 0.0 };
+            motion.tolerance = motion.tolerance.max(of_inputs / (motion.mass * motion.size(&rest)));
         }
+        motion
     }
 
     /// x, x', T and whether the path is static, at a time within the stretch.
@@ -345,7 +353,8 @@ impl GeneralNoiseless {
         let Kinematics { displacement, .. } = stretch.from;
         let Phase::Slip(direction) = stretch.phase else { return Ok((displacement, 0.0, temperature, true)) };
         let after = stretch.temperature.start().until(t).max(0.0);
-        let motion = self.motion(&stretch.temperature, direction).at(stretch.from, after, work)?;
+        let motion =
+            self.motion(&stretch.temperature, direction, stretch.from.displacement).at(stretch.from, after, work)?;
         Ok((motion.displacement, motion.velocity, temperature, false))
     }
 }

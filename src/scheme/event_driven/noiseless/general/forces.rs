@@ -79,6 +79,17 @@ impl Forces {
         self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
     }
 
+    /// By how much b at rest and its limit change within some roundings of the time, where there is
+    /// an input: no time scale tells how steep it is here.
+    pub fn rounding_of_inputs(&self, x: f64, t: f64) -> f64 {
+        if self.own.as_ref().is_none_or(|(force, _)| force.kinks().is_empty()) {
+            return 0.0;
+        }
+        let rounding = 2.0 * f64::EPSILON * t;
+        let [before, after] = [t - rounding, t + rounding].map(|t| self.hold(x, t));
+        (after.pull - before.pull).abs() + (after.excess - before.excess).abs()
+    }
+
     /// Whether b at a fixed x and x' changes with time.
     pub fn depend_on_time(&self) -> bool {
         let temperature_changes = self.series.is_some() || self.fastest_rate() > 0.0 || self.line[1] != 0.0;
