@@ -9,7 +9,9 @@ use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
-use stick_slip::ensemble::{BLOCK_SIZE, check_threads};
+use stick_slip::ensemble::{BLOCK_SIZE, Plan, check_threads};
+use stick_slip::model::Event;
+use stick_slip::scheme::{Observer, Snapshot, Unresolved};
 use stick_slip::stats::{Estimate, Statistic};
 use stick_slip::study::trade::Limits;
 
@@ -33,8 +35,9 @@ enum ShownAs {
 
 impl Progress {
     /// For a run of this many paths, on standard error. Shows also the running estimate of a
-    /// statistic if one is given.
-    pub fn new(paths: u64, quiet: bool, watched: Option<Statistic>) -> Self {
+    /// statistic if one is given; with a plan and the number of the first path, which path takes
+    /// long.
+    pub fn new(paths: u64, quiet: bool, watched: Option<Statistic>, plan: Option<(Plan, u64)>) -> Self {
         let watched = watched.filter(|_| !quiet).map(Watched::new);
         let place = if quiet {
             ShownAs::Nowhere
@@ -49,13 +52,13 @@ impl Progress {
         };
         let ended = Arc::new(Mutex::new((0, Instant::now())));
         if !quiet {
-            tell_long_paths(&ended);
+            tell_long_paths(&ended, plan);
         }
         Progress { place, watched, ended }
     }
 
     /// The run is over: removes the bar. Lines stay.
-    pub fn finish(&self) {
+    pub fn finish(self) {
         if let ShownAs::Bar(bar) = &self.place {
             bar.finish_and_clear();
         }
@@ -110,8 +113,9 @@ impl stick_slip::engine::Progress for Progress {
     }
 }
 
-/// Says from time to time, until the progress is dropped, that a block of paths takes long.
-fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>) {
+/// Says from time to time, until the progress is dropped, that a block of paths takes long, and which
+/// path does.
+fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>) {
     let ended = Arc::downgrade(ended);
     let tell = move || {
         let mut next = LONG;
@@ -123,13 +127,38 @@ fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>) {
                 next = LONG;
             } else if since.elapsed() >= next {
                 next *= 2;
-                let (time, done) = (duration(since.elapsed().as_secs_f64()), grouped(done));
-                note(&format!("after {done} paths, the next {BLOCK_SIZE} have taken {time} so far"));
+                let time = duration(since.elapsed().as_secs_f64());
+                let which = plan.as_ref().and_then(|(plan, first)| long_path(plan, first + done));
+                let which = which.unwrap_or_default();
+                note(&format!("after {} paths, the next {BLOCK_SIZE} have taken {time} so far{which}", grouped(done)));
             }
         }
     };
     // Without a thread the run is only silent.
     let _ = thread::Builder::new().spawn(tell);
+}
+
+/// The first path of this block that takes long by itself, and where it is then, in words.
+fn long_path(plan: &Plan, first: u64) -> Option<String> {
+    (first..plan.paths.min(first + BLOCK_SIZE)).find_map(|path| {
+        let reached = plan.why_lost(path, Until(Instant::now() + LONG_PATH))?;
+        let is_long = reached.why == Unresolved::Stopped;
+        let (t, x) = (significant(reached.time, 4), significant(reached.displacement, 4));
+        is_long.then(|| format!("; path {path} comes to t = {t}, x = {x} within a second"))
+    })
+}
+
+/// Ignores a path, which it stops at this time.
+struct Until(Instant);
+
+impl Observer for Until {
+    fn event(&mut self, _: usize, _: Event) {}
+
+    fn snapshot(&mut self, _: stick_slip::scheme::Instant, _: Snapshot<'_>) {}
+
+    fn is_stopped(&self) -> bool {
+        Instant::now() >= self.0
+    }
 }
 
 /// The running estimate of a statistic.
@@ -186,6 +215,8 @@ pub fn measuring<T>(budget: Duration, quiet: bool, stop: &AtomicBool, measure: i
 const TICK: Duration = Duration::from_millis(250);
 /// The time after which a block of paths that has not ended is told.
 const LONG: Duration = Duration::from_secs(20);
+/// The time after which a path that has not ended is the one that takes long.
+const LONG_PATH: Duration = Duration::from_secs(1);
 /// The time between two lines of a log.
 const PERIOD: Duration = Duration::from_secs(30);
 /// A run that takes less than this prints no lines.

@@ -78,7 +78,8 @@ impl<'a> Sitting<'a> {
         let of_goal = || asked.goals.first().map(|goal| goal.statistic);
         let of_accuracy_goal = || self.accuracy_goal.map(|accuracy_goal| accuracy_goal.decisive);
         let watched = self.options.watch.or_else(of_goal).or_else(of_accuracy_goal);
-        let mut progress = Progress::new(asked.own_paths(), self.options.quiet, watched);
+        let plan = (asked.plan(self.scenario), asked.blocks().start * BLOCK_SIZE);
+        let mut progress = Progress::new(asked.own_paths(), self.options.quiet, watched, Some(plan));
         let run = Run::of(self.scenario)
             .asked(asked)
             .threads(self.options.threads())

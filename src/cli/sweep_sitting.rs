@@ -57,7 +57,8 @@ impl SweepSitting<'_> {
         let threads = self.threads.ready("the largest point of this sweep", used.fold(0.0, f64::max))?;
         let stop = stop_on_signals()?;
         let left = sweep.points.iter().zip(&sweep.question.points).filter(|(point, _)| point.is_none());
-        let mut progress = Progress::new(left.map(|(_, scenario)| scenario.ensemble.paths).sum(), self.quiet, None);
+        let paths = left.map(|(_, scenario)| scenario.ensemble.paths).sum();
+        let mut progress = Progress::new(paths, self.quiet, None, None);
         let simulation = SweepSimulation { threads, stop: &stop, progress: &mut progress };
         let ended = simulation.run(sweep, |sweep| file.save(sweep));
         progress.finish();

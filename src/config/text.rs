@@ -155,6 +155,7 @@ pub(super) fn template(scenario: &Scenario) -> String {
         (temperature.noise.is_none(), include_str!("parts/noise.toml")),
         (temperature.series.is_none(), include_str!("parts/series.toml")),
         (scenario.written_force.is_none(), include_str!("parts/force.toml")),
+        (scenario.measured.iter().all(|measured| measured.input().is_none()), include_str!("parts/input.toml")),
         (scenario.bearing.is_none(), include_str!("parts/bearing.toml")),
     ];
     let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();

@@ -159,8 +159,8 @@ impl Plan {
     }
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until
-    /// `stop` is set; none if it is not, and where lost paths have diverged.
-    pub fn why_lost(&self, path: u64, stop: &AtomicBool) -> Option<GivenUp> {
+    /// `stop` stops it; none if it is not, and where lost paths have diverged.
+    pub fn why_lost(&self, path: u64, stop: impl Observer) -> Option<GivenUp> {
         let drawn = drawn(&[path], self.antithetic);
         let mut observers = (SeenLast([0.0, self.model().initial_displacement]), stop);
         let why = self.simulation.why_lost(self.seed, drawn[0], &mut observers)?;

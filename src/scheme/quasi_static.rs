@@ -338,7 +338,7 @@ impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let ladder = scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end));
+        let ladder = scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end), timeline.end);
         let corridor = Corridor::new(&scene, rules.chord_error);
         NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: work_limit(1), closeness: 1 }
     }

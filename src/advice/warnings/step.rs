@@ -3,6 +3,7 @@
 use super::case::Case;
 use super::force;
 use super::steepness::Stiffened;
+use crate::model::Model;
 use crate::numbers::short;
 use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
@@ -139,15 +140,18 @@ pub(super) fn against_oscillator(case: &Case) -> Option<String> {
     })
 }
 
-/// One warning for each harmonic with few steps in its period.
+/// One warning for each harmonic, and for a force of the user's own, with few steps in its period.
 pub(super) fn against_forcing(case: &Case) -> Vec<String> {
     let Some(h) = case.step else { return Vec::new() };
-    let harmonics = case.scenario.model.temperature.harmonics.iter().filter(|harmonic| harmonic.amplitude != 0.0);
-    let steps = harmonics.map(|harmonic| (harmonic.angular_frequency, 2.0 * PI / (harmonic.angular_frequency * h)));
-    let few = steps.filter(|(_, steps)| *steps < 2.0 * FEW_STEPS);
-    few.map(|(frequency, steps)| {
+    let Model { temperature, force, .. } = &case.scenario.model;
+    let harmonics = temperature.harmonics.iter().filter(|harmonic| harmonic.amplitude != 0.0);
+    let harmonics = harmonics.map(|harmonic| ("harmonic", harmonic.angular_frequency));
+    let own = force.iter().map(|force| ("force or load", force.fastest_rate(case.scenario.time.end)));
+    let steps = harmonics.chain(own).map(|(what, w)| (what, w, 2.0 * PI / (w * h)));
+    let few = steps.filter(|(_, _, steps)| *steps < 2.0 * FEW_STEPS);
+    few.map(|(what, frequency, steps)| {
         format!(
-            "the step leaves only {} steps per period of the harmonic with angular frequency {}: the forcing is \
+            "the step leaves only {} steps per period of the {what} with angular frequency {}: the forcing is \
              poorly resolved",
             short(steps),
             short(frequency)

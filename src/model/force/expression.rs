@@ -3,6 +3,7 @@
 use super::error::ExpressionError;
 use super::law::ForceLaw;
 use super::parse::parse;
+use super::pulses::pulses;
 use super::tape::Tape;
 use super::tree::{DIRECTION, Formula, TIME};
 use super::words::Names;
@@ -137,7 +138,14 @@ impl ForceLaw for Expression {
         self.uses_time()
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        self.formula.used_inputs().flat_map(|input| input.times()).copied().collect()
+    fn fastest_rate(&self, end: f64) -> f64 {
+        self.formula.fastest_rate(end)
+    }
+
+    fn kinks(&self, end: f64) -> Vec<f64> {
+        let inputs = self.formula.used_inputs().flat_map(|input| input.times()).copied();
+        let at_rest = |x: f64| move |t: f64| self.tape.value::<f64>(x, 0.0, t);
+        let pulses = if self.formula.uses(TIME) { pulses(at_rest(0.0), end) } else { Vec::new() };
+        inputs.chain(pulses).collect()
     }
 }

@@ -26,8 +26,15 @@ pub trait ForceLaw: Debug + Send + Sync {
         true
     }
 
-    /// Times at which the slope of g in t may jump. Steps that are exact or of high order end there.
-    fn kinks(&self) -> Vec<f64> {
+    /// The fastest angular frequency at which g oscillates in t, from 0 to `end`; 0 where it does not.
+    /// Steps that are longer would not see it.
+    fn fastest_rate(&self, _end: f64) -> f64 {
+        0.0
+    }
+
+    /// Times from 0 to `end` at which the slope of g in t may jump, or g is large for a short time only.
+    /// Steps that are exact or of high order end there.
+    fn kinks(&self, _end: f64) -> Vec<f64> {
         Vec::new()
     }
 }

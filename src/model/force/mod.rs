@@ -9,6 +9,7 @@ mod expression;
 mod law;
 mod operation;
 mod parse;
+mod pulses;
 mod scan;
 mod sides;
 mod tape;
@@ -35,8 +36,6 @@ use std::sync::Arc;
 pub struct Force {
     law: Arc<dyn AnyLaw>,
     sides: Option<Arc<Sides>>,
-    /// The kinks in t, in order.
-    kinks: Arc<[f64]>,
 }
 
 impl Force {
@@ -46,10 +45,7 @@ impl Force {
     }
 
     fn of(law: Arc<dyn AnyLaw>, sides: Option<Arc<Sides>>) -> Self {
-        let mut kinks = law.kinks();
-        kinks.sort_by(f64::total_cmp);
-        kinks.dedup();
-        Force { law, sides, kinks: kinks.into() }
+        Force { law, sides }
     }
 
     /// g at one place and time.
@@ -82,9 +78,19 @@ impl Force {
         self.in_stick()[0].law.depends_on_time()
     }
 
-    /// The times at which the slope of g, or of the load of friction, in t may jump, in order.
-    pub fn kinks(&self) -> &[f64] {
-        &self.in_stick()[0].kinks
+    /// The fastest angular frequency at which g, or the load of friction, oscillates in t, from 0 to
+    /// `end`; 0 where it does not.
+    pub fn fastest_rate(&self, end: f64) -> f64 {
+        self.in_stick()[0].law.fastest_rate(end)
+    }
+
+    /// The times at which the slope of g, or of the load of friction, in t may jump, and from 0 to `end`
+    /// those at which they peak for a short time, in order.
+    pub fn kinks(&self, end: f64) -> Vec<f64> {
+        let mut kinks = self.in_stick()[0].law.kinks(end);
+        kinks.sort_by(f64::total_cmp);
+        kinks.dedup();
+        kinks
     }
 
     /// The beginning of the expression, for messages.
@@ -117,7 +123,8 @@ trait AnyLaw: Debug + Send + Sync {
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8];
     fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]);
     fn depends_on_time(&self) -> bool;
-    fn kinks(&self) -> Vec<f64>;
+    fn fastest_rate(&self, end: f64) -> f64;
+    fn kinks(&self, end: f64) -> Vec<f64>;
     fn as_any(&self) -> &dyn Any;
 }
 
@@ -142,8 +149,12 @@ impl<F: ForceLaw + 'static> AnyLaw for F {
         ForceLaw::depends_on_time(self)
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        ForceLaw::kinks(self)
+    fn fastest_rate(&self, end: f64) -> f64 {
+        ForceLaw::fastest_rate(self, end)
+    }
+
+    fn kinks(&self, end: f64) -> Vec<f64> {
+        ForceLaw::kinks(self, end)
     }
 
     fn as_any(&self) -> &dyn Any {

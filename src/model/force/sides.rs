@@ -185,8 +185,12 @@ impl AnyLaw for Held {
         self.own.depends_on_time() || self.load.as_ref().is_some_and(Force::depends_on_time)
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        [self.own.kinks(), self.load.as_ref().map_or(&[], Force::kinks)].concat()
+    fn fastest_rate(&self, end: f64) -> f64 {
+        self.own.fastest_rate(end).max(self.load.as_ref().map_or(0.0, |load| load.fastest_rate(end)))
+    }
+
+    fn kinks(&self, end: f64) -> Vec<f64> {
+        [Some(&self.own), self.load.as_ref()].into_iter().flatten().flat_map(|force| force.kinks(end)).collect()
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -222,8 +226,12 @@ impl AnyLaw for Facing {
         self.0[0].depends_on_time()
     }
 
-    fn kinks(&self) -> Vec<f64> {
-        self.0[0].kinks().to_vec()
+    fn fastest_rate(&self, end: f64) -> f64 {
+        self.0[0].fastest_rate(end)
+    }
+
+    fn kinks(&self, end: f64) -> Vec<f64> {
+        self.0[0].kinks(end)
     }
 
     /// That of the force forwards, whose expression is that of both.

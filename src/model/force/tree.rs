@@ -1,6 +1,6 @@
 //! An expression as a tree of operations, and what can be said of it algebraically.
 
-use super::operation::{Binary, Unary, whole_power};
+use super::operation::{Binary, Elementary, Unary, whole_power};
 use crate::model::Series;
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,6 +13,11 @@ pub(super) const TIME: usize = 2;
 pub(super) const DIRECTION: usize = 3;
 /// The first measured input. Inputs are not passed, but follow from the time.
 pub(super) const INPUT: usize = 4;
+
+/// The number of times after 0 at which rates are looked for, and the time over which each is taken, as
+/// a share of the whole.
+const LOOKS: u32 = 16;
+const APART: f64 = 1e-6;
 
 /// A number, a variable, or an operation on other nodes.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -59,6 +64,30 @@ impl Formula {
 
     pub fn uses(&self, variable: usize) -> bool {
         self.nodes.iter().any(|operation| operation.term == Term::Variable(variable))
+    }
+
+    /// The fastest change with t of what a sine, a cosine or a tangent is taken of, as it shows at some
+    /// times from 0 to `end` for a body at rest at 0 or 1: the rate of an oscillation.
+    pub fn fastest_rate(&self, end: f64) -> f64 {
+        let (mut before, mut after, mut fastest) = (Vec::new(), Vec::new(), 0.0);
+        let dt = end * APART;
+        for i in 0..=LOOKS {
+            let t = end * f64::from(i) / f64::from(LOOKS);
+            for x in [0.0, 1.0] {
+                self.evaluate([x, 0.0, t], &mut before);
+                self.evaluate([x, 0.0, t + dt], &mut after);
+                for operation in &self.nodes {
+                    let Term::Unary(Unary::Elementary(Elementary::Sin | Elementary::Cos | Elementary::Tan), of) =
+                        operation.term
+                    else {
+                        continue;
+                    };
+                    // Not a number is no rate.
+                    fastest = f64::max(fastest, (after[of] - before[of]).abs() / dt);
+                }
+            }
+        }
+        if fastest.is_finite() { fastest } else { 0.0 }
     }
 
     /// The inputs that the tree contains.

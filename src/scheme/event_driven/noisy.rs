@@ -85,7 +85,9 @@ impl Noisy {
         let slow = frequencies.iter().copied().fold(scene.noise_rate(), f64::max);
         let is_swift = fastest > TWO_SCALES * slow;
         let longest_cell = if is_swift { rules.slip_length / slow } else { longest };
-        let ladder = scene.ladder(cell_length(longest_cell.min(scene.longest_cell()), timeline.end));
+        // Whatever oscillates at rest is looked at often enough to be seen.
+        let longest_cell = longest_cell.min(rules.slip_length / scene.own_rate(timeline.end));
+        let ladder = scene.ladder(cell_length(longest_cell.min(scene.longest_cell()), timeline.end), timeline.end);
         let cell_length = ladder.length();
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);

@@ -130,6 +130,11 @@ impl Scene {
         self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
     }
 
+    /// The fastest angular frequency at which g, or the limit of b, oscillates in t until `end`.
+    pub fn own_rate(&self, end: f64) -> f64 {
+        self.own.as_ref().map_or(0.0, |(force, _)| force.fastest_rate(end))
+    }
+
     /// g(x, x', t) in a slip in this direction, or 0 where there is none.
     #[inline(always)]
     pub fn own_force(&self, direction: Sign, x: f64, velocity: f64, time: f64) -> f64 {
@@ -263,10 +268,10 @@ impl Scene {
 
     /// The cells for this scene, each of at most this length. All have the same length, except that
     /// a cell also ends at every sample of a measured temperature and at every kink of g.
-    pub fn ladder(&self, longest: f64) -> StepLadder {
+    pub fn ladder(&self, longest: f64, end: f64) -> StepLadder {
         let samples = self.series.as_ref().map_or(&[][..], |series| series.times());
-        let kinks = self.own.as_ref().map_or(&[][..], |(force, _)| force.kinks());
-        let mut cuts = [&[0.0], samples, kinks].concat();
+        let kinks = self.own.as_ref().map_or(Vec::new(), |(force, _)| force.kinks(end));
+        let mut cuts = [&[0.0], samples, &kinks].concat();
         cuts.retain(|time| *time >= 0.0 && time.is_finite());
         cuts.sort_by(f64::total_cmp);
         cuts.dedup();

@@ -59,7 +59,8 @@ pub struct GeneralNoiseless {
     /// The sticks of a scene without g, for a g that does not depend on time; none if b does not
     /// change with time, so that no stick ends.
     sticks: Option<Box<Noiseless>>,
-    /// The fastest time scale that is known.
+    /// The fastest rate of the forces in time, and the fastest time scale that is known.
+    rate: f64,
     span: f64,
     tolerance: f64,
     /// The number of evaluations that the path may make.
@@ -100,9 +101,10 @@ impl GeneralNoiseless {
     /// The scheme for a scene whose motion does not depend on noise.
     pub fn new(model: &Model, timeline: &Timeline) -> Self {
         let oscillator = model.oscillator;
-        let forces = Forces::new(model);
+        let forces = Forces::new(model, timeline.end);
         let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();
-        let fastest = forces.fastest_rate().max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
+        let rate = forces.fastest_rate(timeline.end);
+        let fastest = rate.max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
         let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
         let is_searched = forces.is_own_in_time() || forces.have_load() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
@@ -117,6 +119,7 @@ impl GeneralNoiseless {
             timeline: *timeline,
             forces,
             sticks,
+            rate,
             span,
             tolerance,
             work_limit: work_limit(WITHOUT_NOISE),
@@ -263,8 +266,7 @@ impl GeneralNoiseless {
     }
 
     fn search_steps(&self) -> SearchSteps {
-        let rate = self.forces.fastest_rate();
-        let longest = if rate > 0.0 { FIRST / rate } else { f64::INFINITY }.min(self.timeline.end / FEWEST);
+        let longest = if self.rate > 0.0 { FIRST / self.rate } else { f64::INFINITY }.min(self.timeline.end / FEWEST);
         SearchSteps { first: longest.min(FIRST * self.span), longest }
     }
 

@@ -17,6 +17,8 @@ pub struct Forces {
     line: [f64; 2],
     /// g, with the instructions that evaluate it.
     own: Option<(Force, InstructionSet)>,
+    /// Its kinks, in order.
+    kinks: Arc<[f64]>,
 }
 
 /// The temperature near a time: it is correct from this time up to the next kink.
@@ -32,8 +34,8 @@ pub struct LocalTemperature {
 }
 
 impl Forces {
-    /// The forces of a model without its diffusion.
-    pub fn new(model: &Model) -> Self {
+    /// The forces of a model without its diffusion, from 0 to `end`.
+    pub fn new(model: &Model, end: f64) -> Self {
         let harmonics = model.temperature.harmonics.iter().map(|h| ForcingTerm {
             amplitude: Complex::unit(h.phase) * h.amplitude,
             rate: Complex::new(0.0, h.angular_frequency),
@@ -49,12 +51,14 @@ impl Forces {
         let Model { oscillator, temperature, force, .. } = model;
         let (series, line) = (temperature.series.clone(), [temperature.offset, temperature.trend]);
         let own = force.clone().map(|force| (force, InstructionSet::detect()));
-        Forces { oscillator: *oscillator, terms, series, line, own }
+        let kinks = force.as_ref().map_or(Vec::new(), |force| force.kinks(end)).into();
+        Forces { oscillator: *oscillator, terms, series, line, own, kinks }
     }
 
-    /// The fastest rate of the temperature.
-    pub fn fastest_rate(&self) -> f64 {
-        self.terms.iter().map(|term| term.rate.abs()).fold(0.0, f64::max)
+    /// The fastest rate of the temperature, and of g until `end`.
+    pub fn fastest_rate(&self, end: f64) -> f64 {
+        let own = self.own.as_ref().map_or(0.0, |(force, _)| force.fastest_rate(end));
+        self.terms.iter().map(|term| term.rate.abs()).fold(own, f64::max)
     }
 
     /// g(x, x', t) in a slip in this direction, or where the body moves as its velocity says.
@@ -79,10 +83,10 @@ impl Forces {
         self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
     }
 
-    /// By how much b at rest and its limit change within some roundings of the time, where there is
-    /// an input: no time scale tells how steep it is here.
+    /// By how much b at rest and its limit change within some roundings of the time, where there are
+    /// kinks: no time scale tells how steep it is here.
     pub fn rounding_of_inputs(&self, x: f64, t: f64) -> f64 {
-        if self.own.as_ref().is_none_or(|(force, _)| force.kinks().is_empty()) {
+        if self.kinks.is_empty() {
             return 0.0;
         }
         let rounding = 2.0 * f64::EPSILON * t;
@@ -92,7 +96,8 @@ impl Forces {
 
     /// Whether b at a fixed x and x' changes with time.
     pub fn depend_on_time(&self) -> bool {
-        let temperature_changes = self.series.is_some() || self.fastest_rate() > 0.0 || self.line[1] != 0.0;
+        let temperature_changes =
+            self.series.is_some() || self.line[1] != 0.0 || self.terms.iter().any(|term| term.rate.abs() > 0.0);
         self.is_own_in_time() || (temperature_changes && self.oscillator.force_per_temperature() != 0.0)
     }
 
@@ -112,8 +117,7 @@ impl Forces {
                 local.until_kink = start.until(times[piece + 1]);
             }
         }
-        let kinks = self.own.as_ref().map_or(&[][..], |(force, _)| force.kinks());
-        if let Some(kink) = kinks.get(passed(kinks, start)) {
+        if let Some(kink) = self.kinks.get(passed(&self.kinks, start)) {
             local.until_kink = local.until_kink.min(start.until(*kink));
         }
         local

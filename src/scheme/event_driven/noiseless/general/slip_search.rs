@@ -138,5 +138,6 @@ fn zero(
         }
         u = if newton > low && newton < high { newton } else { low + 0.5 * (high - low) };
     }
-    Err(Unresolved::NoNumber)
+    // Late in a run of a quick force, the rounding of the time is more than that of u.
+    slip.at(from, high, work)
 }

@@ -114,6 +114,9 @@ fn crossing(
             return Ok(r);
         }
         let here = excess(b(r)?);
+        if here.is_nan() {
+            return Err(Unresolved::NoNumber);
+        }
         let is_high = here > 0.0;
         let (moved, other) = if is_high { (&mut high, &mut low) } else { (&mut low, &mut high) };
         *moved = (r, here);
@@ -122,5 +125,6 @@ fn crossing(
         }
         (last, last_is_high) = (r, Some(is_high));
     }
-    Err(Unresolved::NoNumber)
+    // Late in a run of a quick force, the rounding of the time is more than that of r.
+    Ok(high.0)
 }
