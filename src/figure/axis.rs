@@ -286,8 +286,11 @@ pub fn plain(x: f64) -> Label {
     written(x, 2)
 }
 
-/// The ends of an interval, with two significant digits of its width.
+/// The ends of an interval, with two significant digits of its width; one number if it has none.
 pub fn between([low, high]: [f64; 2]) -> Label {
+    if low == high {
+        return plain(low);
+    }
     let ratio = low.abs().max(high.abs()) / (high - low);
     let digits = if ratio > 1.0 && ratio.is_finite() { 2 + ratio.log10().ceil() as usize } else { 2 };
     written(low, digits).and(Label::verbatim(" to ")).and(written(high, digits))
@@ -326,7 +329,7 @@ mod tests {
     fn the_ends_of_an_interval_have_the_digits_that_its_width_needs() {
         assert_eq!(between([0.49992, 0.50032]).words(), "0.49992 to 0.50032");
         assert_eq!(between([-0.011, 0.31]).words(), "\u{2212}0.011 to 0.31");
-        assert_eq!(between([0.1, 0.1]).words(), "0.1 to 0.1");
+        assert_eq!(between([0.1, 0.1]).words(), "0.1");
     }
 
     fn labels(axis: &Axis, length: f64) -> Vec<String> {

@@ -77,13 +77,14 @@ fn reported(summary: &Summary) -> Vec<Label> {
         let range = || if is_known { between([e.low, e.high]) } else { Label::verbatim("of unknown interval") };
         e.estimate.is_finite().then(|| Label::verbatim(name).and(range()))
     };
-    let few = summary.counted_periods() < 3;
-    let verdict = match summary.unsettled() {
-        _ if few => "too few periods to tell a drift",
-        None => "the paths do not tell a drift",
-        Some(off) if off.is_empty() => "settled: no slope beyond chance",
-        Some(_) => "not settled: a slope beyond chance",
-    };
+    if summary.counted_periods() < 3 {
+        return vec![Label::verbatim("too few periods to tell a drift")];
+    }
+    // Without a spring nothing settles, and the numbers speak for themselves.
+    let verdict = summary.unsettled().map(|off| match off.is_empty() {
+        true => "settled: no slope beyond chance",
+        false => "not settled: a slope beyond chance",
+    });
     let numbers = [number(Statistic::DriftVelocity, "drift "), number(Statistic::DiffusionCoefficient, "diffusion ")];
-    numbers.into_iter().flatten().chain([Label::verbatim(verdict)]).collect()
+    numbers.into_iter().flatten().chain(verdict.map(Label::verbatim)).collect()
 }

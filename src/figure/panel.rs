@@ -209,11 +209,14 @@ impl Panel {
         let pen = || Stroke::solid(palette.ink, THIN);
         let corners = [[frame.x, frame.y], [frame.x, frame.bottom()], [frame.right(), frame.bottom()]];
         items.push(Item::stroked(Outline::line(&corners), pen()));
+        let mut written_to = f64::NEG_INFINITY;
         for tick in across.ticks(frame.width, X_ROOM) {
             let x = frame.x + tick.at * frame.width;
             items
                 .push(Item::stroked(Outline::line(&[[x, frame.bottom()], [x, frame.bottom() + tick.length()]]), pen()));
-            if let Some(label) = tick.label.filter(|_| self.is_labelled) {
+            let half = |label: &Label| 0.5 * SMALL * label.width();
+            if let Some(label) = tick.label.filter(|label| self.is_labelled && x - half(label) > written_to) {
+                written_to = x + half(&label) + GAP;
                 let at = [x, frame.bottom() + TICK + GAP + 0.75 * SMALL];
                 items.push(Item::words(label, at, Align::Middle, SMALL, palette.ink));
             }

@@ -52,7 +52,7 @@ fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
     let palette = style.palette();
     let ends = |bias: &Number| [-1.0, 1.0].map(|side| bias.value.abs() + side * TWO_SIDED * bias.error);
     let all = || prices.curves.iter().flat_map(|curve| &curve.biases).filter(|(_, bias)| bias.value != 0.0);
-    let seen = all().filter(|(_, bias)| ends(bias)[0] > 0.0).map(|(_, bias)| bias.value.abs());
+    let seen = all().filter(|(_, bias)| ends(bias)[0] > 0.0).flat_map(|(_, bias)| [bias.value.abs(), ends(bias)[1]]);
     let sizes = range_of(seen);
     if !sizes[0].is_finite() {
         return None;
