@@ -54,46 +54,8 @@ macro_rules! inlined {
 }
 use inlined;
 
-/// Implements the operations of [`Lanes`] that do the same in every lane, by a macro that receives
-/// their signatures.
-macro_rules! same_in_every_lane {
-    ($implement:ident) => {
-        $implement! {
-            methods {
-                sqrt() -> Self;
-                abs() -> Self;
-                mul_add(factor: Self, term: Self) -> Self;
-                gt(other: Self) -> Mask;
-                lt(other: Self) -> Mask;
-                ge(other: Self) -> Mask;
-                le(other: Self) -> Mask;
-                where_zero(zero: Self, other: Self) -> Self;
-                add_where(other: Self, keep: Mask) -> Self;
-                not_beyond(least: Self, most: Self, among: Mask) -> Mask;
-                to_bits() -> Bits;
-            }
-            functions {
-                select(mask: Mask, a: Self, b: Self) -> Self;
-                either(up: Mask, a: Self, down: Mask, b: Self) -> Self;
-                or(a: Mask, b: Mask) -> Mask;
-                and(a: Mask, b: Mask) -> Mask;
-                not(mask: Mask) -> Mask;
-                always() -> Mask;
-                from_bits(bits: Bits) -> Self;
-                from_integers(bits: Bits) -> Self;
-                add_bits(a: Bits, b: Bits) -> Bits;
-                mul_bits(a: Bits, b: Bits) -> Bits;
-                xor(a: Bits, b: Bits) -> Bits;
-                xor3(a: Bits, b: Bits, c: Bits) -> Bits;
-            }
-        }
-    };
-}
-use same_in_every_lane;
-
 mod functions;
 mod pair;
-mod portable;
 mod scalar;
 #[cfg(test)]
 mod tests;
@@ -101,7 +63,6 @@ mod tests;
 mod x86;
 
 pub use functions::{cosh_and_sinh_over, exp, log1p, small_unit};
-pub use portable::Portable;
 
 use std::ops::{Add, Div, Mul, Neg, Sub};
 
@@ -261,7 +222,7 @@ pub enum InstructionSet {
     Avx512,
     /// Four lanes. Needs AVX2 and FMA.
     Avx2,
-    /// Four lanes in plain Rust. Runs on every processor, but slowly on one without a fused
+    /// One lane in plain Rust. Runs on every processor, but slowly on one without a fused
     /// multiply-add.
     Portable,
 }
@@ -306,7 +267,7 @@ impl InstructionSet {
         }
     }
 
-    /// Runs a program on this instruction set's lanes, or on the portable ones if the processor
+    /// Runs a program on this instruction set's lanes, or on a single one if the processor
     /// lacks it; the result is the same either way.
     pub fn run(self, program: &mut impl LaneProgram) {
         match self {
@@ -314,7 +275,7 @@ impl InstructionSet {
             InstructionSet::Avx512 if self.is_available() => x86::run_avx512(program),
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 if self.is_available() => x86::run_avx2(program),
-            _ => program.run::<Portable>(),
+            _ => program.run::<f64>(),
         }
     }
 
@@ -326,7 +287,7 @@ impl InstructionSet {
             InstructionSet::Avx512 if self.is_available() => x86::run_avx512(program),
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 if self.is_available() => x86::run_avx2_paired(program),
-            _ => program.run::<Portable>(),
+            _ => program.run::<f64>(),
         }
     }
 }

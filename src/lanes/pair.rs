@@ -107,7 +107,35 @@ impl<L: Lanes> Lanes for Pair<L> {
     type Bits = (L::Bits, L::Bits);
     type Mask = (L::Mask, L::Mask);
 
-    super::same_in_every_lane!(in_both);
+    in_both! {
+        methods {
+            sqrt() -> Self;
+            abs() -> Self;
+            mul_add(factor: Self, term: Self) -> Self;
+            gt(other: Self) -> Mask;
+            lt(other: Self) -> Mask;
+            ge(other: Self) -> Mask;
+            le(other: Self) -> Mask;
+            where_zero(zero: Self, other: Self) -> Self;
+            add_where(other: Self, keep: Mask) -> Self;
+            not_beyond(least: Self, most: Self, among: Mask) -> Mask;
+            to_bits() -> Bits;
+        }
+        functions {
+            select(mask: Mask, a: Self, b: Self) -> Self;
+            either(up: Mask, a: Self, down: Mask, b: Self) -> Self;
+            or(a: Mask, b: Mask) -> Mask;
+            and(a: Mask, b: Mask) -> Mask;
+            not(mask: Mask) -> Mask;
+            always() -> Mask;
+            from_bits(bits: Bits) -> Self;
+            from_integers(bits: Bits) -> Self;
+            add_bits(a: Bits, b: Bits) -> Bits;
+            mul_bits(a: Bits, b: Bits) -> Bits;
+            xor(a: Bits, b: Bits) -> Bits;
+            xor3(a: Bits, b: Bits, c: Bits) -> Bits;
+        }
+    }
 
     super::inlined! {
         fn splat(value: f64) -> Self { Pair(L::splat(value), L::splat(value)) }

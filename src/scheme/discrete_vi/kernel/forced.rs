@@ -18,13 +18,10 @@ const TOGETHER: usize = 256;
 /// Steps whose increments of the noise are drawn at once.
 const DRAWN: usize = 8;
 
-/// The fewest lanes of a register.
-const NARROWEST: usize = 4;
-
 /// What the paths of a group need beside their states.
 struct Room<L: Lanes> {
     /// How each register of paths moves.
-    regimes: [Regime<L>; TOGETHER / NARROWEST],
+    regimes: [Regime<L>; TOGETHER],
     /// The increments of the noise, `[step][path]`.
     chi: [[f64; TOGETHER]; DRAWN],
     /// g of each path; with a load, that which starts a slip and that in a slip, upwards and
@@ -32,14 +29,12 @@ struct Room<L: Lanes> {
     g: [[f64; TOGETHER]; 4],
 }
 
-impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>
-    LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
-{
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN, NOISE, CORRECTED> {
     /// Takes every path through the whole run.
     #[inline(always)]
     pub(super) fn advance_forced<L: Lanes>(&mut self) {
         let c = Splat::<L>::new(self.c);
-        let regimes = [c.regime(L::splat(0.0)); TOGETHER / NARROWEST];
+        let regimes = [c.regime(L::splat(0.0)); TOGETHER];
         let mut room = Room { regimes, chi: [[0.0; TOGETHER]; DRAWN], g: [[0.0; TOGETHER]; 4] };
         let (lanes, steps) = (self.work.paths.noise.len(), self.work.forcing.len() - 1);
         let has_load = self.kernel.own.as_ref().is_some_and(|own| own.sides().is_some());
@@ -104,7 +99,7 @@ impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: b
         let mut lane = group.start;
         for (((((x, v), noise), g), chi), regime) in x.zip(v).zip(noise).zip(g).zip(chi).zip(&mut room.regimes) {
             let state = State { x: L::load(x), v: L::load(v), noise: if NOISE { L::load(noise) } else { zero } };
-            let b = c.force::<NOISE, DAMPING>(&state, forcing);
+            let b = c.force::<NOISE>(&state, forcing);
             let s = c.impulse(b + L::load(g), &state);
             let (turned, mut next_v);
             if LOAD {

@@ -188,7 +188,6 @@ pub(super) struct Kernel {
     pub coefficients: Coefficients,
     pub noise: NoiseScale,
     has_noise: bool,
-    has_damping: bool,
     is_corrected: bool,
     /// g.
     own: Option<Force>,
@@ -208,7 +207,6 @@ impl Kernel {
             coefficients: Coefficients::new(model, h, is_corrected, &noise),
             noise,
             has_noise: model.temperature.effective_noise().is_some(),
-            has_damping: model.oscillator.damping != 0.0,
             is_corrected,
             own: model.force.clone(),
             instructions,
@@ -254,26 +252,21 @@ impl Kernel {
     ) {
         turns.clear();
         let work = Work { n, forcing, streams, paths, turns };
-        match (self.has_noise, self.is_corrected) {
-            (false, false) => self.run_damping::<false, false>(work),
-            (false, true) => self.run_damping::<false, true>(work),
-            (true, false) => self.run_damping::<true, false>(work),
-            (true, true) => self.run_damping::<true, true>(work),
+        match (self.own.is_some(), self.has_noise, self.is_corrected) {
+            (false, false, false) => self.run::<false, false, false>(work),
+            (false, false, true) => self.run::<false, false, true>(work),
+            (false, true, false) => self.run::<false, true, false>(work),
+            (false, true, true) => self.run::<false, true, true>(work),
+            (true, false, false) => self.run::<true, false, false>(work),
+            (true, false, true) => self.run::<true, false, true>(work),
+            (true, true, false) => self.run::<true, true, false>(work),
+            (true, true, true) => self.run::<true, true, true>(work),
         }
     }
 
-    fn run_damping<const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
-        match (self.own.is_some(), self.has_damping) {
-            (false, false) => self.run::<false, NOISE, false, CORRECTED>(work),
-            (false, true) => self.run::<false, NOISE, true, CORRECTED>(work),
-            // Beside a force of the user's own, the damping costs nothing.
-            (true, _) => self.run::<true, NOISE, true, CORRECTED>(work),
-        }
-    }
-
-    fn run<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
+    fn run<const OWN: bool, const NOISE: bool, const CORRECTED: bool>(&self, work: Work<'_>) {
         let mut run =
-            LaneRun::<OWN, NOISE, DAMPING, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
+            LaneRun::<OWN, NOISE, CORRECTED> { kernel: self, c: &self.coefficients, scale: &self.noise, work };
         self.instructions.run(&mut run);
     }
 }
@@ -288,16 +281,14 @@ struct Work<'a> {
     turns: &'a mut Vec<Turn>,
 }
 
-struct LaneRun<'a, const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> {
+struct LaneRun<'a, const OWN: bool, const NOISE: bool, const CORRECTED: bool> {
     kernel: &'a Kernel,
     c: &'a Coefficients,
     scale: &'a NoiseScale,
     work: Work<'a>,
 }
 
-impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool> LaneProgram
-    for LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
-{
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneProgram for LaneRun<'_, OWN, NOISE, CORRECTED> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
         if OWN {
@@ -310,16 +301,15 @@ impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: b
                 (8, WIDE..) if !NOISE => self.advance_group::<L, { WIDE / 8 }>(lane),
                 (8, GROUP..) => self.advance_group::<L, { GROUP / 8 }>(lane),
                 (8, _) => self.advance_group::<L, 1>(lane),
-                (_, GROUP..) => self.advance_group::<L, { GROUP / 4 }>(lane),
-                (_, _) => self.advance_group::<L, 2>(lane),
+                (4, GROUP..) => self.advance_group::<L, { GROUP / 4 }>(lane),
+                (4, _) => self.advance_group::<L, 2>(lane),
+                (_, _) => self.advance_group::<L, 8>(lane),
             };
         }
     }
 }
 
-impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: bool>
-    LaneRun<'_, OWN, NOISE, DAMPING, CORRECTED>
-{
+impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN, NOISE, CORRECTED> {
     /// Takes `R` registers of paths, beginning at `lane`, through the whole run. Returns the number
     /// of lanes.
     #[inline(always)]
@@ -348,7 +338,7 @@ impl<const OWN: bool, const NOISE: bool, const DAMPING: bool, const CORRECTED: b
             let mut s = [forcing; R];
             let mut same = L::always();
             for r in 0..R {
-                s[r] = c.impulse(c.force::<NOISE, DAMPING>(&state[r], forcing), &state[r]);
+                s[r] = c.impulse(c.force::<NOISE>(&state[r], forcing), &state[r]);
                 same = regimes[r].holds(s[r], same);
             }
             if L::bitmask(same) == every_lane {
@@ -456,16 +446,13 @@ impl<L: Lanes> Splat<L> {
 
     /// b = K (beta T - X) - 2 alpha V, without g.
     #[inline(always)]
-    fn force<const NOISE: bool, const DAMPING: bool>(&self, at: &State<L>, forcing: L) -> L {
+    fn force<const NOISE: bool>(&self, at: &State<L>, forcing: L) -> L {
         let mut b = forcing;
         if NOISE {
             b = self.noise_force.mul_add(at.noise, b);
         }
         b = self.minus_stiffness.mul_add(at.x, b);
-        if DAMPING {
-            b = self.minus_two_alpha.mul_add(at.v, b);
-        }
-        b
+        self.minus_two_alpha.mul_add(at.v, b)
     }
 
     /// S = V + (h/m) b
