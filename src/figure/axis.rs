@@ -129,8 +129,8 @@ impl Axis {
         let room = if self.whole { room.min(WHOLE_ROOM) } else { room };
         let most = (length / room).max(2.0);
         match self.scale {
-            Scale::Linear => self.linear_ticks(most),
-            Scale::Log => self.log_ticks(most),
+            Scale::Log if !self.is_narrow() => self.log_ticks(most),
+            _ => self.linear_ticks(most),
         }
     }
 
@@ -139,11 +139,16 @@ impl Axis {
         if self.open {
             let most = (length / room).max(2.0);
             [self.low, self.high] = match self.scale {
-                Scale::Linear => self.linear_ends(most),
-                Scale::Log => self.log_ends(most),
+                Scale::Log if !self.is_narrow() => self.log_ends(most),
+                _ => self.linear_ends(most),
             };
         }
         self
+    }
+
+    /// Whether a logarithmic axis is so short that it has marks like a linear one.
+    fn is_narrow(&self) -> bool {
+        self.high < 2.0 * self.low
     }
 
     /// The distance of two marks, of which an axis of this range has at most so many.

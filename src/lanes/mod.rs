@@ -3,16 +3,16 @@
 //!
 //! [`Lanes`] is the arithmetic that noise and schemes need, so that a formula is written once for
 //! one path and for many. It is implemented by eight lanes of AVX-512, by four lanes of AVX2 with
-//! FMA, by four lanes in portable Rust, by a pair of registers as one, and by `f64` as a single
-//! lane. All of them compute the same bits: IEEE 754 defines the correct rounding of every
+//! FMA, by a pair of registers as one, and by `f64` as a single lane, which is all that other
+//! processors have: it takes the least time to build. All of them compute the same bits: IEEE 754 defines the correct rounding of every
 //! operation that is used, and a fused multiply-add is written out where it is wanted and never
 //! left to the compiler. Each run chooses the widest lanes that the processor has
 //! ([`InstructionSet::detect`], [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
 //! only wrap intrinsics of one instruction set, and code that uses them can only be reached through
-//! `run` and `run_paired`. These check with `is_x86_feature_detected!` that the processor has that
-//! instruction set.
+//! `run`, `run_single` and `run_paired`. These check with `is_x86_feature_detected!` that the
+//! processor has that instruction set.
 
 /// Implements the operators between two values of a lane type, and those between lanes and one
 /// number for every lane. The bodies are not passed as closures, because a closure would not be
@@ -275,6 +275,15 @@ impl InstructionSet {
             InstructionSet::Avx512 if self.is_available() => x86::run_avx512(program),
             #[cfg(target_arch = "x86_64")]
             InstructionSet::Avx2 if self.is_available() => x86::run_avx2(program),
+            _ => program.run::<f64>(),
+        }
+    }
+
+    /// The same for a program that follows one path at a time, for which AVX2 is as good as AVX-512.
+    pub fn run_single(self, program: &mut impl LaneProgram) {
+        match self {
+            #[cfg(target_arch = "x86_64")]
+            InstructionSet::Avx512 | InstructionSet::Avx2 if self.is_available() => x86::run_avx2(program),
             _ => program.run::<f64>(),
         }
     }

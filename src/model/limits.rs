@@ -31,7 +31,7 @@ impl Model {
         let times = if own.depends_on_time() { TIMES } else { 0 };
         let times = (0..=times).map(|i| end * f64::from(i) / f64::from(TIMES));
         let at = |time| (own.at(InstructionSet::detect(), self.initial_displacement, 0.0, time).abs(), time);
-        let kinks = own.kinks(end).into_iter().filter(|time| *time <= end);
+        let kinks = own.kinks(end, end / f64::from(TIMES)).into_iter().filter(|time| *time <= end);
         times.chain(kinks).map(at).fold((0.0, 0.0), |largest, now| if now.0 > largest.0 { now } else { largest })
     }
 

@@ -19,14 +19,18 @@ const PARAMETERS: &[Quantity] = Quantity::ALL.split_at(Quantity::PARAMETERS).0;
 /// fail.
 #[test]
 fn slips_tell_the_parameters_of_red_twins() {
-    for between in [Between::Weather, Between::Lines] {
-        slips_tell_the_parameters(&Campaign { between, ..RED_CAMPAIGN });
-    }
+    slips_tell_the_parameters(Between::Weather);
 }
 
-fn slips_tell_the_parameters(campaign: &Campaign) {
-    let all = by_slips(campaign, 100..124);
-    println!("{:?}", campaign.between);
+/// The same for steel that is straight between samples.
+#[test]
+#[ignore = "half a minute; rmse 2.0, 1.4 and 1.4 % of K, f_s and f_d, 20 to 22 of 24 held"]
+fn slips_tell_the_parameters_of_straight_twins() {
+    slips_tell_the_parameters(Between::Lines);
+}
+
+fn slips_tell_the_parameters(between: Between) {
+    let all = by_slips(&Campaign { between, ..RED_CAMPAIGN }, 100..124);
     for quantity in PARAMETERS {
         println!(
             "{:22} rmse {:.2} %, held {} of 24",
@@ -43,7 +47,7 @@ fn slips_tell_the_parameters(campaign: &Campaign) {
         assert!(covered(&all, *quantity) >= 17, "{quantity:?}");
     }
     let moves = |fit: &Calibration| if fit.roughness > 0.0 { Between::Weather } else { Between::Lines };
-    assert!(all.iter().all(|(fit, _)| moves(fit) == campaign.between), "{:?}", campaign.between);
+    assert!(all.iter().all(|(fit, _)| moves(fit) == between));
     let held: usize = PARAMETERS.iter().map(|quantity| covered(&all, *quantity)).sum();
     assert!(held >= 24 * 7 * 80 / 100, "{held} of {}", 24 * 7);
 }

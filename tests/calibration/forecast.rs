@@ -94,6 +94,7 @@ fn no_two_draws_see_the_same_weather() {
 /// the forecast has a third more slips than the truth, for each of four measurements, because it
 /// takes the slow weather for faster than it is.
 #[test]
+#[ignore = "a minute and a half; truth 198.7 +- 2.2, two processes 199.5, 11 of 12 held, one process 260.4"]
 fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {
     let (truth, error) = true_slips(WEATHER, 0.0, 60);
     let [mut sum, mut held, mut of_one] = [0.0; 3];

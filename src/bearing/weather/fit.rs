@@ -179,6 +179,7 @@ mod tests {
     /// 0.22. By chance it exceeds 1.9 once in 20 000 times and is below 0.35 once in 10 000. A
     /// factor of 2 in a standard error makes it 4 or 0.25. There are seven such numbers.
     #[test]
+    #[ignore = "half a minute; mean squares 1.41, 1.16, 0.82, 1.19, 1.27, 1.26 and 1.19"]
     fn parameters_are_off_by_as_much_as_their_errors_say() {
         let truth = truth();
         let expected = [12.0, 8.0, 4.0, 0.7, 3.5, 1.0 / 7200.0, 1.0 / (3.0 * DAY)];
@@ -234,6 +235,7 @@ mod tests {
     /// errors once in 16 000 times. Without the noise in the model, the rate would be a tenth too
     /// high.
     #[test]
+    #[ignore = "half a minute; 33 of 40 hold, off by -0.095 +- 0.038"]
     fn the_noise_of_a_thermometer_is_carried_with_its_error() {
         let (mut held, mut sum, mut square, records) = (0, 0.0, 0.0, 40);
         for seed in 200..200 + records {

@@ -142,10 +142,10 @@ impl ForceLaw for Expression {
         self.formula.fastest_rate(end)
     }
 
-    fn kinks(&self, end: f64) -> Vec<f64> {
+    fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
         let inputs = self.formula.used_inputs().flat_map(|input| input.times()).copied();
         let at_rest = |x: f64| move |t: f64| self.tape.value::<f64>(x, 0.0, t);
-        let pulses = if self.formula.uses(TIME) { pulses(at_rest(0.0), end) } else { Vec::new() };
+        let pulses = if self.formula.uses(TIME) { pulses(at_rest(0.0), end, step) } else { Vec::new() };
         inputs.chain(pulses).collect()
     }
 }

@@ -32,9 +32,9 @@ pub trait ForceLaw: Debug + Send + Sync {
         0.0
     }
 
-    /// Times from 0 to `end` at which the slope of g in t may jump, or g is large for a short time only.
-    /// Steps that are exact or of high order end there.
-    fn kinks(&self, _end: f64) -> Vec<f64> {
+    /// Times from 0 to `end` at which the slope of g in t may jump, or g is large for less than a step of
+    /// this length. Steps that are exact or of high order end there.
+    fn kinks(&self, _end: f64, _step: f64) -> Vec<f64> {
         Vec::new()
     }
 }

@@ -85,9 +85,9 @@ impl Force {
     }
 
     /// The times at which the slope of g, or of the load of friction, in t may jump, and from 0 to `end`
-    /// those at which they peak for a short time, in order.
-    pub fn kinks(&self, end: f64) -> Vec<f64> {
-        let mut kinks = self.in_stick()[0].law.kinks(end);
+    /// those at which they peak for less than a step of this length, in order.
+    pub fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
+        let mut kinks = self.in_stick()[0].law.kinks(end, step);
         kinks.sort_by(f64::total_cmp);
         kinks.dedup();
         kinks
@@ -124,14 +124,14 @@ trait AnyLaw: Debug + Send + Sync {
     fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]);
     fn depends_on_time(&self) -> bool;
     fn fastest_rate(&self, end: f64) -> f64;
-    fn kinks(&self, end: f64) -> Vec<f64>;
+    fn kinks(&self, end: f64, step: f64) -> Vec<f64>;
     fn as_any(&self) -> &dyn Any;
 }
 
 impl<F: ForceLaw + 'static> AnyLaw for F {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
         let mut program = One { law: self, at: [x, velocity, time], g: 0.0 };
-        instructions.run(&mut program);
+        instructions.run_single(&mut program);
         program.g
     }
 
@@ -153,8 +153,8 @@ impl<F: ForceLaw + 'static> AnyLaw for F {
         ForceLaw::fastest_rate(self, end)
     }
 
-    fn kinks(&self, end: f64) -> Vec<f64> {
-        ForceLaw::kinks(self, end)
+    fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
+        ForceLaw::kinks(self, end, step)
     }
 
     fn as_any(&self) -> &dyn Any {

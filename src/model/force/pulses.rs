@@ -1,30 +1,42 @@
-//! Times at which a force is so short that a scheme whose steps follow from slower things would pass it
-//! by.
+//! Times at which a force is large for so short a time that the steps of a scheme would pass it by.
 
-/// The number of samples in which pulses are looked for: one that is shorter than their distance is
-/// not seen.
-const SAMPLES: usize = 1 << 14;
+/// The most samples in which pulses are looked for: a shorter one is not seen.
+const MOST: f64 = 32_768.0;
 
-/// A pulse is higher than what is this share of the samples away on both sides.
-const AWAY: usize = SAMPLES / 64;
+/// The most samples in a step.
+const IN_STEP: f64 = 4096.0;
 
-/// How much higher, as a share of the range of the force.
-const HIGHER: f64 = 1e-3;
+/// A difference that is this share of both numbers is rounding.
+const ROUNDING: f64 = 1e-9;
 
-/// With more than this number, the force oscillates, and is found by its rate.
-const MOST: usize = 1000;
+/// A peak that is seen from step to step falls four times as far in two steps as in one, and a pulse
+/// hardly farther.
+const LEVEL: f64 = 2.0;
 
-/// The peaks of pulses of a function of t from 0 to `end`, up or down, as far as samples show them.
-pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64) -> Vec<f64> {
-    let time = |i: usize| end * i as f64 / SAMPLES as f64;
-    let values: Vec<f64> = (0..=SAMPLES).map(|i| g(time(i))).collect();
-    let most = |sign: f64| values.iter().fold(f64::NEG_INFINITY, |most, value| most.max(sign * value));
-    let higher = HIGHER * (most(1.0) + most(-1.0));
-    let is_peak = |i: usize, sign: f64| {
-        let above = |j: usize| sign * (values[i] - values[j]);
-        let away = [i.saturating_sub(AWAY), (i + AWAY).min(SAMPLES)];
-        above(i - 1) > 0.0 && above(i + 1) >= 0.0 && away.iter().all(|j| above(*j) > higher)
+/// The peaks, up or down, of pulses of a function of t that are shorter than a step, from 0 to `end`.
+/// The samples lie at parts of the step, so that those of a shorter run are some of them.
+pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
+    let parts = (MOST * step / end).min(IN_STEP);
+    if !(parts >= 2.0 && end > 0.0) {
+        return Vec::new();
+    }
+    let parts = 2usize.pow(libm::log2(parts) as u32);
+    let time = |i: usize| step * (i as f64 / parts as f64);
+    let values: Vec<f64> = (0..).map(time).take_while(|time| *time <= end).map(g).collect();
+    let at = |i: Option<usize>| i.and_then(|i| values.get(i)).copied().unwrap_or(f64::NAN);
+    let is_pulse = |i: usize, sign: f64| {
+        let above = |j: Option<usize>| sign * (values[i] - at(j));
+        // Beside the ends of the run, one side decides.
+        let is_level = |one: Option<usize>, two: Option<usize>| {
+            let is_peak = above(one) > ROUNDING * (values[i].abs() + at(one).abs());
+            (!at(two).is_nan()).then(|| is_peak && above(two) < LEVEL * above(one))
+        };
+        let sides =
+            [is_level(i.checked_sub(parts), i.checked_sub(2 * parts)), is_level(Some(i + parts), Some(i + 2 * parts))];
+        above(i.checked_sub(1)) > 0.0
+            && above(Some(i + 1)) >= 0.0
+            && sides.contains(&Some(true))
+            && !sides.contains(&Some(false))
     };
-    let peaks: Vec<f64> = (1..SAMPLES).filter(|i| is_peak(*i, 1.0) || is_peak(*i, -1.0)).map(time).collect();
-    if peaks.len() > MOST { Vec::new() } else { peaks }
+    (0..values.len()).filter(|i| is_pulse(*i, 1.0) || is_pulse(*i, -1.0)).map(time).collect()
 }

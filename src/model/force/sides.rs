@@ -189,8 +189,8 @@ impl AnyLaw for Held {
         self.own.fastest_rate(end).max(self.load.as_ref().map_or(0.0, |load| load.fastest_rate(end)))
     }
 
-    fn kinks(&self, end: f64) -> Vec<f64> {
-        [Some(&self.own), self.load.as_ref()].into_iter().flatten().flat_map(|force| force.kinks(end)).collect()
+    fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
+        [Some(&self.own), self.load.as_ref()].into_iter().flatten().flat_map(|force| force.kinks(end, step)).collect()
     }
 
     fn as_any(&self) -> &dyn Any {
@@ -230,8 +230,8 @@ impl AnyLaw for Facing {
         self.0[0].fastest_rate(end)
     }
 
-    fn kinks(&self, end: f64) -> Vec<f64> {
-        self.0[0].kinks(end)
+    fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
+        self.0[0].kinks(end, step)
     }
 
     /// That of the force forwards, whose expression is that of both.

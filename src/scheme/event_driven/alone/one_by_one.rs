@@ -91,7 +91,7 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
 
     fn cross(&mut self, cells: &[Cell], observer: &Watching<'_>) {
         let instructions = self.instructions;
-        instructions.run(&mut CrossOneByOne { all: self, cells, inside: None });
+        instructions.run_single(&mut CrossOneByOne { all: self, cells, inside: None });
         let mut observer = observer.borrow_mut();
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
@@ -104,7 +104,7 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
     fn cross_watched(&mut self, cell: &Cell, inside: &mut Inside) {
         let cells = std::slice::from_ref(cell);
         let instructions = self.instructions;
-        instructions.run(&mut CrossOneByOne { all: self, cells, inside: Some(inside) });
+        instructions.run_single(&mut CrossOneByOne { all: self, cells, inside: Some(inside) });
     }
 
     fn look(&self, passed: &Cell, columns: &mut StateColumns) {

@@ -270,7 +270,7 @@ impl Scene {
     /// a cell also ends at every sample of a measured temperature and at every kink of g.
     pub fn ladder(&self, longest: f64, end: f64) -> StepLadder {
         let samples = self.series.as_ref().map_or(&[][..], |series| series.times());
-        let kinks = self.own.as_ref().map_or(Vec::new(), |(force, _)| force.kinks(end));
+        let kinks = self.own.as_ref().map_or(Vec::new(), |(force, _)| force.kinks(end, longest));
         let mut cuts = [&[0.0], samples, &kinks].concat();
         cuts.retain(|time| *time >= 0.0 && time.is_finite());
         cuts.sort_by(f64::total_cmp);

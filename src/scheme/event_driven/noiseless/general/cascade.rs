@@ -59,8 +59,9 @@ pub struct GeneralNoiseless {
     /// The sticks of a scene without g, for a g that does not depend on time; none if b does not
     /// change with time, so that no stick ends.
     sticks: Option<Box<Noiseless>>,
-    /// The fastest rate of the forces in time, and the fastest time scale that is known.
-    rate: f64,
+    /// The longest step of a search in a stick.
+    longest: f64,
+    /// The fastest time scale that is known.
     span: f64,
     tolerance: f64,
     /// The number of evaluations that the path may make.
@@ -101,9 +102,11 @@ impl GeneralNoiseless {
     /// The scheme for a scene whose motion does not depend on noise.
     pub fn new(model: &Model, timeline: &Timeline) -> Self {
         let oscillator = model.oscillator;
-        let forces = Forces::new(model, timeline.end);
+        let forces = Forces::new(model);
         let own = (oscillator.stiffness / oscillator.mass).abs().sqrt();
         let rate = forces.fastest_rate(timeline.end);
+        let longest = if rate > 0.0 { FIRST / rate } else { f64::INFINITY }.min(timeline.end / FEWEST);
+        let forces = forces.with_kinks(timeline.end, longest);
         let fastest = rate.max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
         let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
         let is_searched = forces.is_own_in_time() || forces.have_load() || oscillator.stiffness == 0.0;
@@ -119,7 +122,7 @@ impl GeneralNoiseless {
             timeline: *timeline,
             forces,
             sticks,
-            rate,
+            longest,
             span,
             tolerance,
             work_limit: work_limit(WITHOUT_NOISE),
@@ -266,8 +269,7 @@ impl GeneralNoiseless {
     }
 
     fn search_steps(&self) -> SearchSteps {
-        let longest = if self.rate > 0.0 { FIRST / self.rate } else { f64::INFINITY }.min(self.timeline.end / FEWEST);
-        SearchSteps { first: longest.min(FIRST * self.span), longest }
+        SearchSteps { first: self.longest.min(FIRST * self.span), longest: self.longest }
     }
 
     /// A step of a sub-phase, or the part of it up to the first time after its start at which eps

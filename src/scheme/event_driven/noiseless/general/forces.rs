@@ -34,8 +34,8 @@ pub struct LocalTemperature {
 }
 
 impl Forces {
-    /// The forces of a model without its diffusion, from 0 to `end`.
-    pub fn new(model: &Model, end: f64) -> Self {
+    /// The forces of a model without its diffusion.
+    pub fn new(model: &Model) -> Self {
         let harmonics = model.temperature.harmonics.iter().map(|h| ForcingTerm {
             amplitude: Complex::unit(h.phase) * h.amplitude,
             rate: Complex::new(0.0, h.angular_frequency),
@@ -51,8 +51,13 @@ impl Forces {
         let Model { oscillator, temperature, force, .. } = model;
         let (series, line) = (temperature.series.clone(), [temperature.offset, temperature.trend]);
         let own = force.clone().map(|force| (force, InstructionSet::detect()));
-        let kinks = force.as_ref().map_or(Vec::new(), |force| force.kinks(end)).into();
-        Forces { oscillator: *oscillator, terms, series, line, own, kinks }
+        Forces { oscillator: *oscillator, terms, series, line, own, kinks: Arc::new([]) }
+    }
+
+    /// The same with the kinks from 0 to `end`, among them what steps of this length would pass by.
+    pub fn with_kinks(mut self, end: f64, step: f64) -> Self {
+        self.kinks = self.own.as_ref().map_or(Vec::new(), |(force, _)| force.kinks(end, step)).into();
+        self
     }
 
     /// The fastest rate of the temperature, and of g until `end`.
