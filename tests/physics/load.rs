@@ -325,11 +325,10 @@ fn what_oscillates_quickly_is_not_stepped_over() {
 fn a_short_pulse_is_not_stepped_over() {
     const BELL: &str = "exp(-((t - 20.3)/0.005)^2)";
     let bell = |t: f64| (-((t - 20.3) / 0.005).powi(2)).exp();
-    let cases: [(String, &dyn Fn(f64) -> [f64; 2]); 2] = [
-        (format!("friction.load = \"1 - 0.95*{BELL}\""), &|t| [1.0 - 0.95 * bell(t), 0.0]),
-        (format!("force.expression = \"8*{BELL}\""), &|t| [1.0, 8.0 * bell(t)]),
-    ];
-    for (line, load_and_force) in cases {
+    let cases = [("friction.load = \"1 - 0.95*", [-0.95, 0.0]), ("force.expression = \"8*", [0.0, 8.0])];
+    for (line, [of_load, of_force]) in cases {
+        let line = format!("{line}{BELL}\"");
+        let load_and_force = |t: f64| [1.0 + of_load * bell(t), of_force * bell(t)];
         let (h, mut t, mut x, mut v) = (2e-7, 20.25, 0.0, 0.0);
         let a = |t: f64, x: f64| {
             let [load, force] = load_and_force(t);
