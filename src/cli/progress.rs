@@ -10,9 +10,9 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 use stick_slip::ensemble::{BLOCK_SIZE, Plan, check_threads};
-use stick_slip::model::Event;
-use stick_slip::scheme::{Observer, Snapshot, Unresolved};
+use stick_slip::scheme::Unresolved;
 use stick_slip::stats::{Estimate, Statistic};
+use stick_slip::study::pace::TimeLimit;
 use stick_slip::study::trade::Limits;
 
 /// Shows the progress of a run. The engine calls it after every finished block of paths.
@@ -113,8 +113,8 @@ impl stick_slip::engine::Progress for Progress {
     }
 }
 
-/// Says from time to time, until the progress is dropped, that a block of paths takes long, and which
-/// path does.
+/// Says from time to time, until the progress is dropped, that a block of paths takes long, and
+/// which path does.
 fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>) {
     let ended = Arc::downgrade(ended);
     let tell = move || {
@@ -128,8 +128,7 @@ fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>
             } else if since.elapsed() >= next {
                 next *= 2;
                 let time = duration(since.elapsed().as_secs_f64());
-                let which = plan.as_ref().and_then(|(plan, first)| long_path(plan, first + done));
-                let which = which.unwrap_or_default();
+                let which = plan.as_ref().and_then(|(plan, first)| long_path(plan, first + done)).unwrap_or_default();
                 note(&format!("after {} paths, the next {BLOCK_SIZE} have taken {time} so far{which}", grouped(done)));
             }
         }
@@ -141,24 +140,11 @@ fn tell_long_paths(ended: &Arc<Mutex<(u64, Instant)>>, plan: Option<(Plan, u64)>
 /// The first path of this block that takes long by itself, and where it is then, in words.
 fn long_path(plan: &Plan, first: u64) -> Option<String> {
     (first..plan.paths.min(first + BLOCK_SIZE)).find_map(|path| {
-        let reached = plan.why_lost(path, Until(Instant::now() + LONG_PATH))?;
-        let is_long = reached.why == Unresolved::Stopped;
+        let reached = plan.why_lost(path, TimeLimit::of(LONG_PATH))?;
+        let is_long = matches!(reached.why, Unresolved::Stopped | Unresolved::TooLong);
         let (t, x) = (significant(reached.time, 4), significant(reached.displacement, 4));
         is_long.then(|| format!("; path {path} comes to t = {t}, x = {x} within a second"))
     })
-}
-
-/// Ignores a path, which it stops at this time.
-struct Until(Instant);
-
-impl Observer for Until {
-    fn event(&mut self, _: usize, _: Event) {}
-
-    fn snapshot(&mut self, _: stick_slip::scheme::Instant, _: Snapshot<'_>) {}
-
-    fn is_stopped(&self) -> bool {
-        Instant::now() >= self.0
-    }
 }
 
 /// The running estimate of a statistic.
@@ -215,7 +201,7 @@ pub fn measuring<T>(budget: Duration, quiet: bool, stop: &AtomicBool, measure: i
 const TICK: Duration = Duration::from_millis(250);
 /// The time after which a block of paths that has not ended is told.
 const LONG: Duration = Duration::from_secs(20);
-/// The time after which a path that has not ended is the one that takes long.
+/// The CPU time after which a path that has not ended is the one that takes long.
 const LONG_PATH: Duration = Duration::from_secs(1);
 /// The time between two lines of a log.
 const PERIOD: Duration = Duration::from_secs(30);

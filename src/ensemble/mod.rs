@@ -230,8 +230,8 @@ impl Plan {
         Some(delivered)
     }
 
-    /// Simulate these paths. Returns the lanes of those that are lost. A panic says which paths they
-    /// were.
+    /// Simulate these paths. Returns the lanes of those that are lost. A panic says which paths
+    /// they were.
     fn simulated(&self, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
         let doing = || match paths {
             [first, .., last] => format!("in the simulation of paths {first} to {last}"),

@@ -235,8 +235,8 @@ impl Panel {
             items.push(Item::words(across.title(), at, Align::Middle, LETTERS, palette.ink));
         }
         let x = frame.x - TICK - GAP - self.number_width() - GAP - 0.3 * LETTERS;
-        // A title that is longer than the frame extends below it, because the letter is above it, and
-        // is smaller where it would reach the next panel.
+        // A title that is longer than the frame extends below it, because the letter is above it,
+        // and is smaller where it would reach the next panel.
         let size = LETTERS.min((frame.height + BELOW) / self.y.title().width());
         let at = [x, frame.y + frame.height.max(size * self.y.title().width()) / 2.0];
         items.push(Item::words_upwards(self.y.title(), at, Align::Middle, size, palette.ink));

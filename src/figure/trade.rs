@@ -1,5 +1,5 @@
-//! What accuracy costs: the CPU time of the cheapest run that reaches a target, and the bias against
-//! the step, for every scheme, on logarithmic axes.
+//! What accuracy costs: the CPU time of the cheapest run that reaches a target, and the bias
+//! against the step, for every scheme, on logarithmic axes.
 
 use super::theme::{LINE, Palette};
 use super::{

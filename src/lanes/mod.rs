@@ -4,10 +4,10 @@
 //! [`Lanes`] is the arithmetic that noise and schemes need, so that a formula is written once for
 //! one path and for many. It is implemented by eight lanes of AVX-512, by four lanes of AVX2 with
 //! FMA, by a pair of registers as one, and by `f64` as a single lane, which is all that other
-//! processors have: it takes the least time to build. All of them compute the same bits: IEEE 754 defines the correct rounding of every
-//! operation that is used, and a fused multiply-add is written out where it is wanted and never
-//! left to the compiler. Each run chooses the widest lanes that the processor has
-//! ([`InstructionSet::detect`], [`InstructionSet::run`]).
+//! processors have: it takes the least time to build. All of them compute the same bits: IEEE 754
+//! defines the correct rounding of every operation that is used, and a fused multiply-add is
+//! written out where it is wanted and never left to the compiler. Each run chooses the widest lanes
+//! that the processor has ([`InstructionSet::detect`], [`InstructionSet::run`]).
 //!
 //! This is the only module that uses `unsafe` for speed. It is sound because the x86 lane types
 //! only wrap intrinsics of one instruction set, and code that uses them can only be reached through
@@ -279,7 +279,8 @@ impl InstructionSet {
         }
     }
 
-    /// The same for a program that follows one path at a time, for which AVX2 is as good as AVX-512.
+    /// The same for a program that follows one path at a time, for which AVX2 is as good as
+    /// AVX-512.
     pub fn run_single(self, program: &mut impl LaneProgram) {
         match self {
             #[cfg(target_arch = "x86_64")]

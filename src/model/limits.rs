@@ -18,8 +18,8 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {
-    /// The largest |g(x0, 0, t)| up to `end`: that at many times and at all kinks, where g depends on time; 0 where
-    /// there is no g or where it is not a number.
+    /// The largest |g(x0, 0, t)| up to `end`: that at many times and at all kinks, where g depends
+    /// on time; 0 where there is no g or where it is not a number.
     pub fn own_force_at_start(&self, end: f64) -> f64 {
         self.largest_at_start(end).0
     }

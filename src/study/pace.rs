@@ -10,11 +10,18 @@ use crate::sums::Unit;
 use std::time::Duration;
 
 /// An observer that ends a simulation at a given time and records how far it came.
-struct TimeLimit {
+pub struct TimeLimit {
     /// The end, in CPU seconds of this thread.
     until: f64,
     /// The simulated time of the last row of the output grid that was reached.
     reached: f64,
+}
+
+impl TimeLimit {
+    /// Ends a simulation on this thread after so much of its CPU time.
+    pub fn of(limit: Duration) -> Self {
+        TimeLimit { until: thread_seconds() + limit.as_secs_f64(), reached: 0.0 }
+    }
 }
 
 impl Observer for TimeLimit {
@@ -36,9 +43,8 @@ pub fn seconds_per_path(scenario: &Scenario, limit: Duration) -> Option<f64> {
     let plan = scenario.plan();
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();
     let begun = thread_seconds();
-    let time_limit = TimeLimit { until: begun + limit.as_secs_f64(), reached: 0.0 };
     let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths, Unit::Path);
-    let mut watching = (block, time_limit);
+    let mut watching = (block, TimeLimit::of(limit));
     plan.simulation.simulate(plan.seed, &drawn(&paths, plan.antithetic), &mut watching);
     let spent = thread_seconds() - begun;
     let end = scenario.time.end;

@@ -133,8 +133,8 @@ fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
 /// Kills `kills` times, on two threads.
 fn many_kills(seeds: [u64; 2], kills: u32) {
     let _ = LONG_FILE.len();
-    // A sitting must have the time to write the file, whatever the machine: a shorter one would never
-    // come to an end.
+    // A sitting must have the time to write the file, whatever the machine: a shorter one would
+    // never come to an end.
     let start = Instant::now();
     let _ = undisturbed(RUN);
     let longest = start.elapsed();

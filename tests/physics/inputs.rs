@@ -140,8 +140,8 @@ fn a_block_on_an_incline_slides_as_newmark_says() {
 }
 
 /// With noise: the mean of x at the end under the input is that under the same force written out.
-/// The schemes with a step see the same noise, and agree within 1e-3; `event-driven` has other cells,
-/// and agrees within 4 standard errors of the difference of two means.
+/// The schemes with a step see the same noise, and agree within 1e-3; `event-driven` has other
+/// cells, and agrees within 4 standard errors of the difference of two means.
 #[test]
 fn every_scheme_knows_an_input() {
     let times: Vec<f64> = (0..=2000).map(|i| f64::from(i) * 0.01).collect();
@@ -175,8 +175,8 @@ fn every_scheme_knows_an_input() {
 
 /// A pulse of 2 ms in a minute of silence is not stepped over: a block that was thrown at 2 on
 /// friction 0.05 gets the impulse 1/2 at t = 10, and stops at t = 50 (momentum) and x = 57.4996
-/// (energy, and the areas of the triangle); a block at rest leaves when the pulse passes f_s = 1, 2e-6
-/// after its start.
+/// (energy, and the areas of the triangle); a block at rest leaves when the pulse passes f_s = 1,
+/// 2e-6 after its start.
 #[test]
 fn a_pulse_between_distant_samples_is_not_stepped_over() {
     let (height, half, friction) = (500.0, 1e-3, 0.05);

@@ -185,10 +185,10 @@ fn a_moving_threshold_is_left_when_the_equivalent_force_leaves_a_constant_one() 
     }
 }
 
-/// With noise, event-driven agrees with corrected-vi at h = 0.01 and half of that, extrapolated with
-/// order 1, which knows a load as its definition: f_s and f_d of each step. Null: equal means; 2000
-/// paths of each, 3 scenes with 5 statistics, 3.9 standard errors of the difference (1e-4 each) and
-/// 0.3 % for what the extrapolation and the tolerance leave; seeds 1 to 3.
+/// With noise, event-driven agrees with corrected-vi at h = 0.01 and half of that, extrapolated
+/// with order 1, which knows a load as its definition: f_s and f_d of each step. Null: equal means;
+/// 2000 paths of each, 3 scenes with 5 statistics, 3.9 standard errors of the difference (1e-4
+/// each) and 0.3 % for what the extrapolation and the tolerance leave; seeds 1 to 3.
 #[test]
 fn with_noise_both_kinds_of_scheme_have_the_same_statistics() {
     for name in ["load in time", "belt with patches", "clutch"] {
@@ -287,11 +287,11 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
     assert!(refused.contains("load") && refused.contains("event-driven"), "{refused}");
 }
 
-/// A load, or a force, that oscillates 100 times as fast as the body is seen in sticks. Null: the means
-/// of 400 paths by event-driven and by corrected-vi at h = 5e-4 are equal but for 4 %, what the step
-/// leaves; 3.9 standard errors of the difference (1e-4 each). Sticks whose ends alone are looked at are
-/// 2 to 5 times too long. Without noise, 1000 times as fast, discrete-vi at h = 2e-6 has 173 sticks of
-/// the mean 0.0226791.
+/// A load, or a force, that oscillates 100 times as fast as the body is seen in sticks. Null: the
+/// means of 400 paths by event-driven and by corrected-vi at h = 5e-4 are equal but for 4 %, what
+/// the step leaves; 3.9 standard errors of the difference (1e-4 each). Sticks whose ends alone are
+/// looked at are 2 to 5 times too long. Without noise, 1000 times as fast, discrete-vi at h = 2e-6
+/// has 173 sticks of the mean 0.0226791.
 #[test]
 fn what_oscillates_quickly_is_not_stepped_over() {
     let friction = "friction.static = 1.2\nfriction.dynamic = 1.0
@@ -318,9 +318,9 @@ fn what_oscillates_quickly_is_not_stepped_over() {
     assert!(sticks == 173.0 && (mean / 0.0226791 - 1.0).abs() < 1e-3, "{sticks} {mean}");
 }
 
-/// A load that falls for 5 ms in a minute, and a force that pushes for as long, move a body that holds
-/// the rest of the time as far as the fourth-order Runge-Kutta rule with steps of 2e-7 says, and all
-/// noisy paths within 1 % of that. Steps that pass the pulse by leave it where it is.
+/// A load that falls for 5 ms in a minute, and a force that pushes for as long, move a body that
+/// holds the rest of the time as far as the fourth-order Runge-Kutta rule with steps of 2e-7 says,
+/// and all noisy paths within 1 % of that. Steps that pass the pulse by leave it where it is.
 #[test]
 fn a_short_pulse_is_not_stepped_over() {
     const BELL: &str = "exp(-((t - 20.3)/0.005)^2)";

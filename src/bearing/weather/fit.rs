@@ -61,8 +61,8 @@ const THINNED: [usize; 3] = [2, 4, 8];
 /// tell from the first is left out, and so is a time constant that smooths them. A process whose
 /// memory is not short against the record is held at the longest memory that the record can show.
 ///
-/// The same model is fitted to every 2nd, 4th and 8th sample as well: where it is right, all of them
-/// give the same numbers.
+/// The same model is fitted to every 2nd, 4th and 8th sample as well: where it is right, all of
+/// them give the same numbers.
 ///
 /// # Errors
 ///

@@ -144,8 +144,8 @@ impl ForceLaw for Expression {
 
     fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
         let inputs = self.formula.used_inputs().flat_map(|input| input.times()).copied();
-        let at_rest = |x: f64| move |t: f64| self.tape.value::<f64>(x, 0.0, t);
-        let pulses = if self.formula.uses(TIME) { pulses(at_rest(0.0), end, step) } else { Vec::new() };
+        let at_rest = |t: f64| self.tape.value::<f64>(0.0, 0.0, t);
+        let pulses = if self.formula.uses(TIME) { pulses(at_rest, end, step) } else { Vec::new() };
         inputs.chain(pulses).collect()
     }
 }

@@ -26,14 +26,14 @@ pub trait ForceLaw: Debug + Send + Sync {
         true
     }
 
-    /// The fastest angular frequency at which g oscillates in t, from 0 to `end`; 0 where it does not.
-    /// Steps that are longer would not see it.
+    /// The fastest angular frequency at which g oscillates in t, from 0 to `end`; 0 where it does
+    /// not. Steps that are longer would not see it.
     fn fastest_rate(&self, _end: f64) -> f64 {
         0.0
     }
 
-    /// Times from 0 to `end` at which the slope of g in t may jump, or g is large for less than a step of
-    /// this length. Steps that are exact or of high order end there.
+    /// Times from 0 to `end` at which the slope of g in t may jump, or g is large for less than a
+    /// step of this length. Steps that are exact or of high order end there.
     fn kinks(&self, _end: f64, _step: f64) -> Vec<f64> {
         Vec::new()
     }

@@ -78,14 +78,14 @@ impl Force {
         self.in_stick()[0].law.depends_on_time()
     }
 
-    /// The fastest angular frequency at which g, or the load of friction, oscillates in t, from 0 to
-    /// `end`; 0 where it does not.
+    /// The fastest angular frequency at which g, or the load of friction, oscillates in t, from 0
+    /// to `end`; 0 where it does not.
     pub fn fastest_rate(&self, end: f64) -> f64 {
         self.in_stick()[0].law.fastest_rate(end)
     }
 
-    /// The times at which the slope of g, or of the load of friction, in t may jump, and from 0 to `end`
-    /// those at which they peak for less than a step of this length, in order.
+    /// The times at which the slope of g, or of the load of friction, in t may jump, and from 0 to
+    /// `end` those at which they peak for less than a step of this length, in order.
     pub fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
         let mut kinks = self.in_stick()[0].law.kinks(end, step);
         kinks.sort_by(f64::total_cmp);

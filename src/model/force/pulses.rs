@@ -9,12 +9,12 @@ const IN_STEP: f64 = 4096.0;
 /// A difference that is this share of both numbers is rounding.
 const ROUNDING: f64 = 1e-9;
 
-/// A peak that is seen from step to step falls four times as far in two steps as in one, and a pulse
-/// hardly farther.
+/// A peak that is seen from step to step falls four times as far in two steps as in one, and a
+/// pulse hardly farther.
 const LEVEL: f64 = 2.0;
 
-/// The peaks, up or down, of pulses of a function of t that are shorter than a step, from 0 to `end`.
-/// The samples lie at parts of the step, so that those of a shorter run are some of them.
+/// The peaks, up or down, of pulses of a function of t that are shorter than a step, from 0 to
+/// `end`. The samples lie at parts of the step, so that those of a shorter run are some of them.
 pub(super) fn pulses(g: impl Fn(f64) -> f64, end: f64, step: f64) -> Vec<f64> {
     let parts = (MOST * step / end).min(IN_STEP);
     if !(parts >= 2.0 && end > 0.0) {

@@ -148,6 +148,11 @@ struct Held {
 const TOGETHER: usize = 256;
 
 impl Held {
+    /// The force and, where there is one, the load.
+    fn both(&self) -> impl Iterator<Item = &Force> {
+        [Some(&self.own), self.load.as_ref()].into_iter().flatten()
+    }
+
     #[inline(always)]
     fn value(&self, own: f64, load: f64) -> f64 {
         if load < 0.0 { f64::NAN } else { own - self.sign * (self.at_one * load - self.base) }
@@ -182,15 +187,15 @@ impl AnyLaw for Held {
     }
 
     fn depends_on_time(&self) -> bool {
-        self.own.depends_on_time() || self.load.as_ref().is_some_and(Force::depends_on_time)
+        self.both().any(Force::depends_on_time)
     }
 
     fn fastest_rate(&self, end: f64) -> f64 {
-        self.own.fastest_rate(end).max(self.load.as_ref().map_or(0.0, |load| load.fastest_rate(end)))
+        self.both().map(|force| force.fastest_rate(end)).fold(0.0, f64::max)
     }
 
     fn kinks(&self, end: f64, step: f64) -> Vec<f64> {
-        [Some(&self.own), self.load.as_ref()].into_iter().flatten().flat_map(|force| force.kinks(end, step)).collect()
+        self.both().flat_map(|force| force.kinks(end, step)).collect()
     }
 
     fn as_any(&self) -> &dyn Any {

@@ -9,13 +9,14 @@ use std::sync::Arc;
 pub(super) const X: usize = 0;
 pub(super) const XDOT: usize = 1;
 pub(super) const TIME: usize = 2;
-/// The direction in which the body slips, or would slip. It is not passed, but compiled into a tape.
+/// The direction in which the body slips, or would slip. It is not passed, but compiled into a
+/// tape.
 pub(super) const DIRECTION: usize = 3;
 /// The first measured input. Inputs are not passed, but follow from the time.
 pub(super) const INPUT: usize = 4;
 
-/// The number of times after 0 at which rates are looked for, and the time over which each is taken, as
-/// a share of the whole.
+/// The number of times after 0 at which rates are looked for, and the time over which each is
+/// taken, as a share of the whole.
 const LOOKS: u32 = 16;
 const APART: f64 = 1e-6;
 
@@ -66,8 +67,8 @@ impl Formula {
         self.nodes.iter().any(|operation| operation.term == Term::Variable(variable))
     }
 
-    /// The fastest change with t of what a sine, a cosine or a tangent is taken of, as it shows at some
-    /// times from 0 to `end` for a body at rest at 0 or 1: the rate of an oscillation.
+    /// The fastest change with t of what a sine, a cosine or a tangent is taken of, as it shows at
+    /// some times from 0 to `end` for a body at rest at 0 or 1: the rate of an oscillation.
     pub fn fastest_rate(&self, end: f64) -> f64 {
         let (mut before, mut after, mut fastest) = (Vec::new(), Vec::new(), 0.0);
         let dt = end * APART;

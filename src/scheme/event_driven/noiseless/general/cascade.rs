@@ -218,8 +218,8 @@ impl GeneralNoiseless {
         if b.is_finite() && limit.is_finite() { Ok([b, limit]) } else { Err(Unresolved::NoNumber) }
     }
 
-    /// A static phase and its exit, the first time at which |b| > f_s. `force` is b at the start, if
-    /// it is known exactly.
+    /// A static phase and its exit, the first time at which |b| > f_s. `force` is b at the start,
+    /// if it is known exactly.
     fn stick(
         &self,
         start: ExactTime,

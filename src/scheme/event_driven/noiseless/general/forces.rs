@@ -29,7 +29,8 @@ pub struct LocalTemperature {
     terms: Vec<(Complex, Complex)>,
     /// The line and the series, and their slope, at the start.
     line: (f64, f64),
-    /// The duration until the next sample of the temperature or kink of g; infinite if there is none.
+    /// The duration until the next sample of the temperature or kink of g; infinite if there is
+    /// none.
     pub until_kink: f64,
 }
 
@@ -88,8 +89,8 @@ impl Forces {
         self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
     }
 
-    /// By how much b at rest and its limit change within some roundings of the time, where there are
-    /// kinks: no time scale tells how steep it is here.
+    /// By how much b at rest and its limit change within some roundings of the time, where there
+    /// are kinks: no time scale tells how steep it is here.
     pub fn rounding_of_inputs(&self, x: f64, t: f64) -> f64 {
         if self.kinks.is_empty() {
             return 0.0;
