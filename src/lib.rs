@@ -92,20 +92,18 @@ pub mod data;
 pub mod dataset;
 pub mod engine;
 pub mod ensemble;
-mod excerpt;
 #[cfg(feature = "figure")]
 pub mod figure;
-pub mod lanes;
 pub mod memory;
-pub mod model;
-pub mod noise;
-pub mod numbers;
 #[cfg(feature = "saved")]
 pub mod saved;
 pub mod scenario;
-pub mod scheme;
 pub mod stats;
 #[cfg(feature = "store")]
 pub mod store;
 pub mod study;
 pub mod sums;
+
+use stick_slip_kernel::excerpt;
+#[doc(inline)]
+pub use stick_slip_kernel::{lanes, model, noise, numbers, scheme};

@@ -10,7 +10,7 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// What the program is built from. `target` is not among it, because it changes with every build.
-const SOURCES: [&str; 4] = ["Cargo.toml", "Cargo.lock", "src", "scenarios"];
+const SOURCES: [&str; 5] = ["Cargo.toml", "Cargo.lock", "packages", "src", "scenarios"];
 
 /// The commit as a text. The argument is the path from the package that is compiled to the folder
 /// of the sources, such as `".."`.

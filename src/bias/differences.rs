@@ -224,7 +224,7 @@ impl Differences {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::paper::paper;
+    use crate::scenario::Scenario;
     use crate::scheme::DiscreteVi;
 
     /// Null: D1 of a ratio and of a mean are within Student's t of their expectation, here the mean
@@ -233,7 +233,7 @@ mod tests {
     /// 6e-5. A standard error that is wrong by a factor of two gives 70 % or 99.9 %.
     #[test]
     fn differences_of_steps_scatter_as_the_jackknife_says() {
-        let model = paper(0.25, 0.25);
+        let model = Scenario::shipped("rho025").expect("a scene of the paper").model;
         let timeline = Timeline { end: 30.0, output_step: 30.0, period: None, after: 0.0 };
         for statistic in [Statistic::StickDurationMean, Statistic::SticksPerPath] {
             let i = statistic.index();

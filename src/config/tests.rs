@@ -3,8 +3,7 @@
 
 use super::*;
 use crate::advice::Warning;
-use crate::model::paper::paper;
-use crate::model::{Drive, InitialNoise, Noise, Temperature};
+use crate::model::{Drive, Friction, Harmonic, InitialNoise, Model, Noise, Oscillator, Temperature};
 use crate::scenario::arbitrary::scenario;
 use crate::scenario::{Ensemble, MAX_PERIODS, MAX_ROWS, Time, Units};
 use crate::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Kind};
@@ -52,7 +51,15 @@ fn the_paper_scenes_hold_its_parameters() {
         [("shaw", 0.25, 0.0), ("shaw-as-printed", 0.5, 0.0), ("rho025", 0.25, 0.25), ("rho025-as-printed", 0.5, 0.25)]
     {
         let Scenario { model, time, scheme, .. } = Scenario::parse(name, shipped(name).unwrap().text, &[]).unwrap();
-        assert_eq!(model, paper(w, rho), "{name}");
+        let oscillator = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(6.0) };
+        let friction = Friction { static_force: 1.2, dynamic_force: 1.0 };
+        let noise = Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
+        let harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency: w, phase: 0.0 }];
+        let noise = (rho != 0.0).then_some(noise);
+        let temperature = Temperature { harmonics, noise, ..Temperature::default() };
+        let [initial_displacement, initial_velocity] = [6.0, 0.0];
+        let paper = Model { oscillator, friction, temperature, force: None, initial_displacement, initial_velocity };
+        assert_eq!(model, paper, "{name}");
         assert_eq!((time.end, scheme.step(), time.output_step), (60.0, Some(0.01), 0.5), "{name}");
     }
 }

@@ -45,14 +45,14 @@ pub use friction::{Friction, prox};
 pub use harmonic_clock::HarmonicClock;
 #[doc(hidden)]
 pub use impulse_response::ImpulseResponse;
-pub(crate) use limits::{LARGEST, can_be_computed_with};
+pub use limits::{LARGEST, can_be_computed_with};
 pub use oscillator::{Drive, Oscillator};
-pub(crate) use series::usual_spacing;
+pub use series::usual_spacing;
 pub use series::{NamedSeries, NoSeries, Series};
-pub(crate) use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
+pub use slip_flow::{ForcedOscillator, ForcingTerm, SlipFlow};
 #[doc(hidden)]
 pub use step_response::SETTLED;
-pub(crate) use step_response::StepResponse;
+pub use step_response::StepResponse;
 pub use temperature::{Harmonic, InitialNoise, Noise, Temperature};
 
 use crate::lanes::InstructionSet;

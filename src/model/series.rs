@@ -29,11 +29,12 @@ impl Series {
     /// A series from times and values.
     ///
     /// ```
+    /// # use stick_slip_kernel as stick_slip;
     /// use stick_slip::model::Series;
     ///
     /// let series = Series::new(vec![0.0, 10.0, 20.0], vec![15.0, 16.0, 14.0])?;
     /// assert_eq!([series.at(5.0), series.at(15.0), series.end()], [15.5, 15.0, 20.0]);
-    /// # Ok::<(), stick_slip::model::NoSeries>(())
+    /// # Ok::<(), stick_slip_kernel::model::NoSeries>(())
     /// ```
     pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Self, NoSeries> {
         let is_finite = times.iter().chain(&values).all(|x| x.is_finite());
@@ -43,7 +44,7 @@ impl Series {
     }
 
     /// Zero at all times.
-    pub(crate) fn nothing() -> Self {
+    pub fn nothing() -> Self {
         Series { times: vec![0.0, 1.0], values: vec![0.0; 2] }
     }
 
@@ -132,7 +133,7 @@ impl Series {
 
 /// The median time between two of these, of which there are two or more; of two middle ones the
 /// longer.
-pub(crate) fn usual_spacing(times: &[f64]) -> f64 {
+pub fn usual_spacing(times: &[f64]) -> f64 {
     let mut spacings: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let middle = spacings.len() / 2;
     *spacings.select_nth_unstable_by(middle, f64::total_cmp).1

@@ -11,19 +11,19 @@ mod rng;
 mod stream;
 
 pub use addressed::AddressedDraws;
-pub(crate) use addressed::{LaneDraws, looking_place};
-pub(crate) use bent_threshold::BentThreshold;
-pub(crate) use first_passage::{
+pub use addressed::{LaneDraws, looking_place};
+pub use bent_threshold::BentThreshold;
+pub use first_passage::{
     Distances, first_meeting_probability, meeting_probability, misses_other, no_meeting_probability,
 };
 pub use mirror::{MIRROR, antithetic};
-pub(crate) use normal::cells;
+pub use normal::cells;
 pub use normal::{MAX_NORMAL_ERROR, standard_normal};
 pub use ornstein_uhlenbeck::Transition;
-pub(crate) use ornstein_uhlenbeck::{
+pub use ornstein_uhlenbeck::{
     TimeChange, bridge_at, bridge_middle, increment_variance, short_bridge_at, short_bridge_middle,
 };
-pub(crate) use stream::LaneNormals;
+pub use stream::LaneNormals;
 pub use stream::{LaneStreams, Stream};
 
 /// The description of the random numbers that is written to files.

@@ -68,7 +68,7 @@ fn cell(y: u64) -> u64 {
 
 /// The cells of both signs, at the places where [`Lanes::lookup`] finds them. Only the 132 KiB
 /// around them, of 4 MiB, are ever touched.
-pub(crate) fn cells() -> &'static LookupTable {
+pub fn cells() -> &'static LookupTable {
     static TABLE: LazyLock<Box<LookupTable>> = LazyLock::new(|| {
         let mut table = vec![0; size_of::<LookupTable>() / size_of::<u64>()];
         for y in (0..64).flat_map(|octave| (0..128).map(move |i| (1.0 + f64::from(i) / 128.0) * 2f64.powi(octave))) {

@@ -74,6 +74,19 @@ impl Scenario {
 
     /// The same scenario with another scheme. It is an error if the step or the tolerance of that
     /// scheme does not go with the rest.
+    ///
+    /// ```
+    /// use stick_slip::scenario::Scenario;
+    /// use stick_slip::scheme::{CorrectedVi, EventDriven, Kind};
+    ///
+    /// let scenario = Scenario::shipped("rho025")?;
+    /// let exact = scenario.with_scheme(EventDriven { tolerance: 1e-3 })?;
+    /// assert_eq!((exact.scheme.kind(), exact.scheme.step()), (Kind::EventDriven, None));
+    /// assert_eq!(exact.scheme.to_string(), "--scheme event-driven --tolerance 0.001");
+    /// // 60 is no whole number of steps of 0.07: refused, with the nearest that are.
+    /// assert!(scenario.with_scheme(CorrectedVi { step: 0.07 }).is_err());
+    /// # Ok::<(), Box<dyn std::error::Error>>(())
+    /// ```
     pub fn with_scheme(&self, scheme: impl Into<Scheme>) -> Result<Scenario, Misfit> {
         let changed = Scenario { scheme: scheme.into(), ..self.clone() };
         changed.check()?;

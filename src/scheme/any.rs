@@ -15,19 +15,6 @@ macro_rules! schemes {
         }
 
         /// How to simulate: a scheme with its step or its tolerance.
-        ///
-        /// ```
-        /// use stick_slip::scenario::Scenario;
-        /// use stick_slip::scheme::{CorrectedVi, EventDriven, Kind};
-        ///
-        /// let scenario = Scenario::shipped("rho025")?;
-        /// let exact = scenario.with_scheme(EventDriven { tolerance: 1e-3 })?;
-        /// assert_eq!((exact.scheme.kind(), exact.scheme.step()), (Kind::EventDriven, None));
-        /// assert_eq!(exact.scheme.to_string(), "--scheme event-driven --tolerance 0.001");
-        /// // 60 is no whole number of steps of 0.07: refused, with the nearest that are.
-        /// assert!(scenario.with_scheme(CorrectedVi { step: 0.07 }).is_err());
-        /// # Ok::<(), Box<dyn std::error::Error>>(())
-        /// ```
         #[derive(Clone, Copy, Debug, PartialEq)]
         pub enum Scheme {
             $(#[doc = concat!("[`", stringify!($Scheme), "`].")] $Scheme($Scheme),)+

@@ -52,9 +52,9 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 /// list of paths that are simulated.
 ///
 /// ```
-/// use stick_slip::model::{Event, EventKind};
-/// use stick_slip::scenario::Scenario;
-/// use stick_slip::scheme::{Instant, Observer, Simulate as _, Snapshot};
+/// # use stick_slip_kernel as stick_slip;
+/// use stick_slip::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
+/// use stick_slip::scheme::{EventDriven, Instant, Observer, Scheme, Simulate as _, Snapshot, Timeline};
 ///
 /// /// When each path first slips.
 /// struct FirstSlip(Vec<Option<f64>>);
@@ -66,12 +66,20 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 ///     fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
 /// }
 ///
-/// let scenario = Scenario::shipped("rho025")?;
-/// let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+/// let harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 }];
+/// let model = Model {
+///     oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(6.0) },
+///     friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
+///     temperature: Temperature { harmonics, ..Temperature::default() },
+///     force: None,
+///     initial_displacement: 6.0,
+///     initial_velocity: 0.0,
+/// };
+/// let timeline = Timeline { end: 60.0, output_step: 1.0, period: None, after: 0.0 };
+/// let simulation = Scheme::from(EventDriven { tolerance: 1e-3 }).simulation(&model, &timeline);
 /// let mut first = FirstSlip(vec![None; 3]);
-/// let diverged = simulation.simulate(scenario.ensemble.seed, &[0, 1, 4711], &mut first);
+/// let diverged = simulation.simulate(1, &[0, 1, 4711], &mut first);
 /// assert!(diverged.is_empty() && first.0.iter().all(|time| time.is_some_and(|time| time < 10.0)));
-/// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 pub trait Observer {
     /// An event of one path; the events of a path arrive in time order.

@@ -48,6 +48,7 @@ impl Expression {
     /// Reads a text that may name the parameters, and inputs.
     ///
     /// ```
+    /// # use stick_slip_kernel as stick_slip;
     /// use stick_slip::lanes::InstructionSet;
     /// use stick_slip::model::{Expression, Force, NamedSeries, Series};
     ///
@@ -74,7 +75,7 @@ impl Expression {
     }
 
     /// The beginning of the text, for messages.
-    pub(crate) fn shown(&self) -> String {
+    pub fn shown(&self) -> String {
         short(&self.text)
     }
 

@@ -94,7 +94,7 @@ impl Force {
     }
 
     /// The beginning of the expression, for messages.
-    pub(crate) fn shown(&self) -> String {
+    pub fn shown(&self) -> String {
         self.expression().map_or("a law".to_string(), Expression::shown)
     }
 
