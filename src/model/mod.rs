@@ -27,12 +27,12 @@ mod harmonic_clock;
 mod impulse_response;
 mod limits;
 mod oscillator;
-#[cfg(test)]
-pub(crate) mod paper;
 mod series;
 mod slip_flow;
 mod step_response;
 mod temperature;
+#[cfg(test)]
+pub(crate) mod tests;
 
 pub use cascade::{Event, EventKind, Phase, Sign};
 pub use complex::Complex;

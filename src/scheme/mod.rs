@@ -21,7 +21,6 @@ mod glide;
 mod method;
 mod misfit;
 mod quasi_static;
-mod reference;
 mod stability;
 mod timeline;
 
@@ -38,8 +37,6 @@ pub use glide::{Along, Glide};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
 pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
-#[doc(hidden)]
-pub use reference::reference_path;
 pub use stability::Stability;
 pub use timeline::{Instant, Timeline};
 

@@ -5,12 +5,13 @@
 // Reference numbers keep the digits that they were computed with.
 #![allow(clippy::excessive_precision)]
 
+use super::reference::reference_path;
 use crate::common::{Keep, paper, timeline};
 use stick_slip::ensemble::Plan;
 use stick_slip::lanes::InstructionSet;
 use stick_slip::model::*;
 use stick_slip::noise::{Stream, standard_normal};
-use stick_slip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, reference_path};
+use stick_slip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline};
 use stick_slip::stats::Record;
 
 fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {

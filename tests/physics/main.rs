@@ -17,6 +17,7 @@ mod measures;
 mod motion;
 mod noise;
 mod quasi_static;
+mod reference;
 mod series;
 mod thrown;
 mod two_noises;

@@ -1,6 +1,6 @@
 use super::Abreast;
 use crate::lanes::InstructionSet;
-use crate::model::paper::paper;
+use crate::model::tests::paper;
 use crate::model::{Event, Harmonic, Model};
 use crate::noise::MIRROR;
 use crate::scheme::event_driven::alone::OneByOne;

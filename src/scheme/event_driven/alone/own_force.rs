@@ -290,14 +290,14 @@ const CORRECTIONS: usize = 2;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::paper::paper;
+    use crate::model::tests::paper;
     use crate::model::{Expression, Force};
     use crate::noise::AddressedDraws;
     use crate::scheme::Timeline;
     use crate::scheme::event_driven::law::cells::Cell;
-    use crate::scheme::event_driven::law::harness::mean_and_error;
     use crate::scheme::event_driven::law::slip_step::force;
     use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
+    use crate::scheme::event_driven::law::tests::mean_and_error;
     use crate::scheme::event_driven::noisy::Noisy;
     use crate::scheme::event_driven::work::WorkLeft;
 

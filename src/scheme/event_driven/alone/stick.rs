@@ -197,13 +197,13 @@ impl<'a> Stick<'a> {
 mod tests {
     use super::super::watch::Nobody;
     use super::*;
-    use crate::model::paper::paper;
+    use crate::model::tests::paper;
     use crate::model::{Harmonic, Model};
     use crate::noise::{AddressedDraws, Transition};
     use crate::scheme::event_driven::law::cells::cell_length;
-    use crate::scheme::event_driven::law::harness::{mean_and_error, noise_alone};
     use crate::scheme::event_driven::law::ladder::StepLadder;
     use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
+    use crate::scheme::event_driven::law::tests::{mean_and_error, noise_alone};
     use crate::scheme::event_driven::work::WorkLeft;
 
     /// The time and the side of the first exit from the initial stick of each path, started at n =

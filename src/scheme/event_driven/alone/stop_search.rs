@@ -191,8 +191,8 @@ impl<P: FnMut(Passed)> Bisection<'_, '_, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scheme::event_driven::law::harness::{free_step, mean_and_error};
     use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
+    use crate::scheme::event_driven::law::tests::{free_step, mean_and_error};
 
     /// A slip without a known end: 4096 steps that together have length 1, each drawn from its law
     /// given the one before, up to the first at which V is not above zero. Within a step V is taken

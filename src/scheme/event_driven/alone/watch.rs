@@ -227,7 +227,7 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scheme::event_driven::law::harness::{mean_and_error, noise_alone};
+    use crate::scheme::event_driven::law::tests::{mean_and_error, noise_alone};
 
     /// Null: the mean of b at an instant inside a piece of a stick is the exact one. n is Brownian
     /// motion here, which is absorbed at both thresholds; its densities before and after the

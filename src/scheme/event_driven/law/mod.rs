@@ -16,8 +16,6 @@
 pub mod cells;
 pub mod corridor;
 pub mod first_stop;
-#[cfg(test)]
-pub mod harness;
 pub mod inside;
 pub mod ladder;
 pub mod scene;
@@ -25,5 +23,7 @@ pub mod slip_step;
 pub mod slip_transition;
 pub mod step_rules;
 pub mod stick_step;
+#[cfg(test)]
+pub mod tests;
 pub mod two_noises;
 mod velocity_bounds;

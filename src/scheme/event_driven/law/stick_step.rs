@@ -121,7 +121,7 @@ impl<L: Lanes> StickStep<L> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::harness::{mean_and_error, noise_alone};
+    use super::super::tests::{mean_and_error, noise_alone};
     use super::*;
 
     /// The scene has theta = 1, s = 1 and f_s = 3. Its upper threshold is at n = 0, so that it is

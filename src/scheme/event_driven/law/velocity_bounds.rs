@@ -122,7 +122,7 @@ fn slope_halves<L: Lanes>([d0, d1, d2, d3]: [L; 4]) -> [[L; 4]; 2] {
 #[cfg(test)]
 mod tests {
     use super::super::first_stop::{KnownStep, conditional_factor};
-    use super::super::harness::free_step;
+    use super::super::tests::free_step;
     use super::*;
     use crate::noise::AddressedDraws;
 

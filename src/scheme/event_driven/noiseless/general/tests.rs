@@ -1,7 +1,7 @@
 use super::super::Noiseless;
 use super::GeneralNoiseless;
 use crate::lanes::Lanes;
-use crate::model::paper::paper;
+use crate::model::tests::paper;
 use crate::model::{Event, EventKind, Force, ForceLaw, Friction, Harmonic, InitialNoise, Model, Noise, Series, Sign};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use std::f64::consts::{FRAC_PI_2, PI};

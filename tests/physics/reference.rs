@@ -1,11 +1,10 @@
 //! The discrete variational inequality exactly as the paper writes it: one path, plain arithmetic,
 //! and a branch for every case.
 //!
-//! This code is for comparison only. The fast kernel must give the same cascade from the same
-//! normals, and benchmarks measure against this loop.
+//! The fast kernel must give the same cascade from the same normals.
 
-use crate::model::{Event, EventKind, InitialNoise, Model, Sign};
-use crate::noise::Transition;
+use stick_slip::model::{Event, EventKind, InitialNoise, Model, Sign};
+use stick_slip::noise::Transition;
 
 /// Simulates one path for `steps` steps of length `h`. If there is noise, `normal` is called for
 /// one standard normal number per step, and once before the first step for a stationary start.

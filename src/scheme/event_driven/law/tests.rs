@@ -1,7 +1,7 @@
 //! Helpers that the unit tests of the laws, and of paths alone, share.
 
 use super::first_stop::{KnownStep, SlipVelocity};
-use crate::model::paper::paper;
+use crate::model::tests::paper;
 use crate::model::{Drive, Model};
 use crate::noise::AddressedDraws;
 
