@@ -14,8 +14,7 @@
 //! The state at an instant inside a cell is drawn separately and does not change the path.
 
 use super::alone::{Cascade, Follower, Glances, Path, PendingNodes, cross};
-use super::law::cells::Cell;
-use super::law::inside::Glance;
+use super::law::{Cell, Glance};
 use super::work::Simulated;
 use crate::model::Event;
 use crate::noise::looking_place;

@@ -23,19 +23,13 @@ mod noisy;
 mod simulation;
 mod work;
 
-pub use law::slip_transition::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use law::step_rules::{DEFAULT_TOLERANCE, Resolution, TOLERANCES};
+pub use law::{DEFAULT_TOLERANCE, DrivenOscillator, HarmonicResponse, Resolution, SlipTransition, TOLERANCES};
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
 pub(super) use alone::{Cascade, OneByOne, Path, Watch, WatchedPiece};
 pub(super) use cell_loop::{Watching, simulate};
-pub(super) use law::cells::{Cell, cell_length};
-pub(super) use law::corridor::Corridor;
-pub(super) use law::inside::{Glance, Known, noise_between};
-pub(super) use law::ladder::StepLadder;
-pub(super) use law::scene::Scene;
-pub(super) use law::step_rules::StepRules;
+pub(super) use law::{Cell, Corridor, Glance, Known, Scene, StepLadder, StepRules, cell_length, noise_between};
 pub(super) use noiseless::{ExactTime, Noiseless, UnfeltNoise};
 pub(super) use work::{WITHOUT_NOISE, WorkLeft, work_limit};
 

@@ -16,14 +16,7 @@
 use super::abreast::Abreast;
 use super::alone::OneByOne;
 use super::cell_loop;
-use super::law::cells::cell_length;
-use super::law::corridor::Corridor;
-use super::law::first_stop::StopSearch;
-use super::law::ladder::StepLadder;
-use super::law::scene::Scene;
-use super::law::slip_step::SlipStep;
-use super::law::slip_transition::DrivenOscillator;
-use super::law::step_rules::StepRules;
+use super::law::{Corridor, DrivenOscillator, Scene, SlipStep, StepLadder, StepRules, StopSearch, cell_length};
 use super::work::{OWN_FORCE, Simulated, work_limit};
 use crate::lanes::InstructionSet;
 use crate::model::Model;

@@ -1,8 +1,7 @@
 //! The event-driven scheme on one model. Whether it is simulated with or without noise is chosen
 //! once.
 
-use super::law::scene::Scene;
-use super::law::step_rules::{Resolution, StepRules};
+use super::law::{Resolution, Scene, StepRules};
 use super::noiseless::{GeneralNoiseless, Noiseless, UnfeltNoise};
 use super::noisy::Noisy;
 use super::work::{Simulated, Unresolved};

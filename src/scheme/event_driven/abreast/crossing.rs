@@ -1,12 +1,11 @@
 //! The crossing of a cell, stage by stage: the sweep, the tasks of the queues, the states at output
 //! times, and the lanes that cross the cell alone.
 
+use super::super::cell_loop::Inside;
+use super::super::law::{Cell, Glance};
 use super::Abreast;
 use super::jobs::Task;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
-use crate::scheme::event_driven::cell_loop::Inside;
-use crate::scheme::event_driven::law::cells::Cell;
-use crate::scheme::event_driven::law::inside::Glance;
 use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated

@@ -1,5 +1,10 @@
 //! The states of the paths at instants inside a cell, in lanes, after the paths have crossed it.
 
+use super::super::cell_loop::Inside;
+use super::super::law::{
+    Bridge, Glance, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece, Stuck, TRIES, Way, force,
+    motion, resolved_travel, stick_piece,
+};
 use super::Abreast;
 use super::crossing::Crossing;
 use super::jobs::RowNumbers;
@@ -10,11 +15,6 @@ use super::states::{Border, rows_from};
 use crate::lanes::{Lanes, ROW};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_at};
 use crate::scheme::columns::{LOST, StateColumns};
-use crate::scheme::event_driven::cell_loop::Inside;
-use crate::scheme::event_driven::law::corridor::{Node, stick_piece};
-use crate::scheme::event_driven::law::first_stop::{Interval, SlipVelocity};
-use crate::scheme::event_driven::law::inside::{Bridge, Glance, SlipPiece, StickEnd, StickPiece, Stuck, TRIES, Way};
-use crate::scheme::event_driven::law::slip_step::{SlipPoint, force, motion, resolved_travel};
 
 /// The start of a slip step.
 #[derive(Clone, Copy)]

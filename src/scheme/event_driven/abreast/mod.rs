@@ -29,7 +29,7 @@ mod tests;
 
 use super::alone::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
 use super::cell_loop::{Inside, PathSet, Watching};
-use super::law::cells::Cell;
+use super::law::Cell;
 use super::noisy::Noisy;
 use super::work::{Simulated, Unresolved, WorkLeft};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable, ROW, Row};

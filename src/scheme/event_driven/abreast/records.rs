@@ -1,9 +1,9 @@
 //! The pieces of paths in which an instant lies at which the paths are observed. They are recorded
 //! while the lanes cross the cell, and the states are drawn afterwards.
 
+use super::super::law::{Glance, StickEnd};
 use super::jobs::RowNumbers;
 use crate::lanes::{Lanes, ROW, Row};
-use crate::scheme::event_driven::law::inside::{Glance, StickEnd};
 
 /// The pieces in one cell.
 #[derive(Default)]

@@ -1,10 +1,8 @@
 //! A slip step that begins with the cell and has the same length in all lanes.
 
+use super::super::law::{Cell, Push, SlipPoint, SlipStep, SlipTransition, splat};
+use super::super::noisy::Noisy;
 use crate::lanes::Lanes;
-use crate::scheme::event_driven::law::cells::Cell;
-use crate::scheme::event_driven::law::slip_step::{Push, SlipPoint, SlipStep};
-use crate::scheme::event_driven::law::slip_transition::{SlipTransition, splat};
-use crate::scheme::event_driven::noisy::Noisy;
 
 /// The transition of (x, x', n) over the step, and the contribution of the forcing.
 pub(super) struct SharedStep<L: Lanes> {

@@ -1,5 +1,10 @@
 //! Sub-phases that may stop in the cell, and those that begin in it.
 
+use super::super::law::{
+    Extent, FEEBLE, FINEST, Interval, Node, SAME_LENGTH, SHORTEST, STOP_REFINEMENTS, SlipPoint, SlipTransition,
+    SlipVelocity, early_parts, force, forwards, given_noise, halves,
+};
+use super::super::noisy::Noisy;
 use super::crossing::Crossing;
 use super::jobs::{Count, DEPTH, Jobs, RowNumbers, Task};
 use super::states::Border;
@@ -7,14 +12,6 @@ use super::stick::SearchedStick;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{Event, EventKind};
 use crate::noise::LaneDraws;
-use crate::scheme::event_driven::law::corridor::Node;
-use crate::scheme::event_driven::law::first_stop::{
-    FEEBLE, FINEST, Interval, STOP_REFINEMENTS, SlipVelocity, early_parts, forwards, halves,
-};
-use crate::scheme::event_driven::law::ladder::SAME_LENGTH;
-use crate::scheme::event_driven::law::slip_step::{Extent, SHORTEST, SlipPoint, force};
-use crate::scheme::event_driven::law::slip_transition::{SlipTransition, given_noise};
-use crate::scheme::event_driven::noisy::Noisy;
 
 /// A slip that is searched for its stop, from left to right.
 #[derive(Clone, Copy)]

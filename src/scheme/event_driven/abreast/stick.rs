@@ -1,5 +1,6 @@
 //! Sticks that may be left in the cell.
 
+use super::super::law::{ATTEMPTS, Node, Scene, StickEnd, StickStep, ends};
 use super::crossing::Crossing;
 use super::jobs::{Count, DEPTH, Jobs, RowNumbers, Task};
 use super::slip::Begun;
@@ -7,10 +8,6 @@ use super::states::Border;
 use crate::lanes::{Lanes, ROW};
 use crate::model::{EventKind, Sign};
 use crate::noise::{LaneDraws, TimeChange, short_bridge_middle};
-use crate::scheme::event_driven::law::corridor::{Node, ends};
-use crate::scheme::event_driven::law::inside::StickEnd;
-use crate::scheme::event_driven::law::scene::Scene;
-use crate::scheme::event_driven::law::stick_step::{ATTEMPTS, StickStep};
 
 /// A piece of a stick between two known values of n.
 #[derive(Clone, Copy)]

@@ -1,5 +1,7 @@
 //! Takes all lanes across a cell as if it had no event, and finds the lanes that may have one.
 
+use super::super::law::{EVENT_PLACE, Extent, NOISE_PLACE, Node, SlipPoint, WHOLE_PLACE, force};
+use super::super::noisy::Noisy;
 use super::Abreast;
 use super::crossing::Crossing;
 use super::jobs::{Count, RowNumbers, Task};
@@ -8,10 +10,6 @@ use super::slip::SearchedSlip;
 use super::states::Border;
 use super::stick::SearchedStick;
 use crate::lanes::Lanes;
-use crate::scheme::event_driven::law::cells::{EVENT_PLACE, NOISE_PLACE, WHOLE_PLACE};
-use crate::scheme::event_driven::law::corridor::Node;
-use crate::scheme::event_driven::law::slip_step::{Extent, SlipPoint, force};
-use crate::scheme::event_driven::noisy::Noisy;
 
 impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.

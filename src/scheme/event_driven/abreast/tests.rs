@@ -1,12 +1,12 @@
+use super::super::alone::OneByOne;
+use super::super::cell_loop::{self, Watching};
+use super::super::law::StepRules;
+use super::super::noisy::Noisy;
 use super::Abreast;
 use crate::lanes::InstructionSet;
 use crate::model::tests::paper;
 use crate::model::{Event, Harmonic, Model};
 use crate::noise::MIRROR;
-use crate::scheme::event_driven::alone::OneByOne;
-use crate::scheme::event_driven::cell_loop::{self, Watching};
-use crate::scheme::event_driven::law::step_rules::StepRules;
-use crate::scheme::event_driven::noisy::Noisy;
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 
 /// All events and snapshots of every path, in bits.

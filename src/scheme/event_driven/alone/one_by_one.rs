@@ -1,5 +1,8 @@
 //! Paths that cross the cells one after the other.
 
+use super::super::cell_loop::{Inside, PathSet, Watching};
+use super::super::law::Cell;
+use super::super::work::Simulated;
 use super::path::{Cascade, Path, cross, start};
 use super::stick::PendingNodes;
 use super::watch::{Follower, Nobody};
@@ -7,9 +10,6 @@ use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
 use crate::scheme::Glide;
 use crate::scheme::columns::{LOST, Seen, StateColumns};
-use crate::scheme::event_driven::cell_loop::{Inside, PathSet, Watching};
-use crate::scheme::event_driven::law::cells::Cell;
-use crate::scheme::event_driven::work::Simulated;
 
 /// Paths that are simulated one after the other.
 pub struct OneByOne<'a, C: Cascade> {

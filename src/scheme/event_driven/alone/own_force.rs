@@ -23,13 +23,11 @@
 //! the middle of a step, the noise moves x and x' off the quintic by a random amount of mean zero.
 //! The error of g by this is of order 3/2 in a step, and of order 2 in the law of the path.
 
+use super::super::law::{Scene, SlipPoint, SlipStep, middle};
+use super::super::work::Unresolved;
 use super::path::Path;
 use super::slip::Slip;
 use crate::model::Sign;
-use crate::scheme::event_driven::law::first_stop::middle;
-use crate::scheme::event_driven::law::scene::Scene;
-use crate::scheme::event_driven::law::slip_step::{SlipPoint, SlipStep};
-use crate::scheme::event_driven::work::Unresolved;
 
 /// g along one slip.
 pub(super) struct OwnForce {
@@ -294,10 +292,7 @@ mod tests {
     use crate::model::{Expression, Force};
     use crate::noise::AddressedDraws;
     use crate::scheme::Timeline;
-    use crate::scheme::event_driven::law::cells::Cell;
-    use crate::scheme::event_driven::law::slip_step::force;
-    use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
-    use crate::scheme::event_driven::law::tests::mean_and_error;
+    use crate::scheme::event_driven::law::{Cell, DEFAULT_TOLERANCE, StepRules, force, tests::mean_and_error};
     use crate::scheme::event_driven::noisy::Noisy;
     use crate::scheme::event_driven::work::WorkLeft;
 

@@ -1,15 +1,12 @@
 //! One path, and how it crosses a cell: phase by phase.
 
+use super::super::law::{Cell, Corridor, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder};
+use super::super::work::{Unresolved, WorkLeft};
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::Timeline;
-use crate::scheme::event_driven::law::cells::{Cell, EVENT_PLACE, NOISE_PLACE};
-use crate::scheme::event_driven::law::corridor::Corridor;
-use crate::scheme::event_driven::law::ladder::StepLadder;
-use crate::scheme::event_driven::law::scene::Scene;
-use crate::scheme::event_driven::work::{Unresolved, WorkLeft};
 
 /// The state of one path.
 #[derive(Clone, Debug)]

@@ -2,6 +2,12 @@
 //! searched for the first zero of x'. The steps are exact in law, or follow a force of the user's
 //! own ([`super::own_force`]).
 
+use super::super::law::{
+    Cell, Corridor, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity,
+    StepLadder, WHOLE_PLACE, force, forcing, motion, noise_between,
+};
+use super::super::noisy::Noisy;
+use super::super::work::Unresolved;
 use super::own_force::OwnForce;
 use super::path::{Cascade, Path};
 use super::step_flow::{FlowBuffers, StepFlow};
@@ -10,15 +16,6 @@ use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
-use crate::scheme::event_driven::law::cells::{Cell, WHOLE_PLACE};
-use crate::scheme::event_driven::law::corridor::Corridor;
-use crate::scheme::event_driven::law::first_stop::{SlipStop, SlipVelocity};
-use crate::scheme::event_driven::law::inside::{Glance, Known, noise_between};
-use crate::scheme::event_driven::law::ladder::{SAME_LENGTH, StepLadder};
-use crate::scheme::event_driven::law::scene::{Scene, forcing};
-use crate::scheme::event_driven::law::slip_step::{SHORTEST, SlipPoint, SlipStep, force, motion};
-use crate::scheme::event_driven::noisy::Noisy;
-use crate::scheme::event_driven::work::Unresolved;
 use crate::scheme::{Along, Glide, Timeline};
 use std::cell::RefCell;
 

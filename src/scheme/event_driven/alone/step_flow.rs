@@ -1,6 +1,12 @@
 //! The motion of a slip step of one path without noise. From it a stop is corrected where the noise
 //! is feeble, and the states inside the step are drawn for an observer.
 
+use super::super::law::{
+    FEEBLE, Glance, Known, KnownStep, Scene, SlipPiece, SlipPoint, SlipStep, SlipStop, SlipVelocity, Way, force,
+    forcing, forwards, motion, noise_between, resolved_travel,
+};
+use super::super::noisy::Noisy;
+use super::super::work::Unresolved;
 use super::path::Path;
 use super::slip::Slip;
 use super::stop_search::{Passed, PendingIntervals};
@@ -8,12 +14,6 @@ use super::watch::{Watch, WatchedPiece};
 use crate::model::Complex;
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
-use crate::scheme::event_driven::law::first_stop::{FEEBLE, KnownStep, SlipStop, SlipVelocity, forwards};
-use crate::scheme::event_driven::law::inside::{Glance, Known, SlipPiece, Way, noise_between};
-use crate::scheme::event_driven::law::scene::{Scene, forcing};
-use crate::scheme::event_driven::law::slip_step::{SlipPoint, SlipStep, force, motion, resolved_travel};
-use crate::scheme::event_driven::noisy::Noisy;
-use crate::scheme::event_driven::work::Unresolved;
 use std::cell::{Cell, RefCell};
 
 /// The part of a step up to an instant, which all paths share that are observed at this instant,

@@ -2,16 +2,12 @@
 //! end of the cell ([`crate::scheme::event_driven::law::corridor`]). Where friction has a load, b and
 //! f_s are those of [`crate::model::Force::hold`].
 
+use super::super::law::{Cell, Corridor, Forcing, Limit, Node, Scene, StickEnd, StickStep, ends, stick_piece};
+use super::super::work::Unresolved;
 use super::path::{Cascade, Path};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Sign};
 use crate::noise::{AddressedDraws, bridge_middle};
-use crate::scheme::event_driven::law::cells::{Cell, Forcing};
-use crate::scheme::event_driven::law::corridor::{Corridor, Limit, Node, ends, stick_piece};
-use crate::scheme::event_driven::law::inside::StickEnd;
-use crate::scheme::event_driven::law::scene::Scene;
-use crate::scheme::event_driven::law::stick_step::StickStep;
-use crate::scheme::event_driven::work::Unresolved;
 
 /// The number of halvings after which a piece is decided, whatever its bend.
 const HALVINGS: usize = 60;
@@ -200,10 +196,10 @@ mod tests {
     use crate::model::tests::paper;
     use crate::model::{Harmonic, Model};
     use crate::noise::{AddressedDraws, Transition};
-    use crate::scheme::event_driven::law::cells::cell_length;
-    use crate::scheme::event_driven::law::ladder::StepLadder;
-    use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
-    use crate::scheme::event_driven::law::tests::{mean_and_error, noise_alone};
+    use crate::scheme::event_driven::law::{
+        DEFAULT_TOLERANCE, StepLadder, StepRules, cell_length,
+        tests::{mean_and_error, noise_alone},
+    };
     use crate::scheme::event_driven::work::WorkLeft;
 
     /// The time and the side of the first exit from the initial stick of each path, started at n =

@@ -1,12 +1,12 @@
 //! The search for the stop of one path in a slip step: bisection by the law between two known ends
 //! ([`crate::scheme::event_driven::law::first_stop`]), from left to right.
 
-use crate::noise::AddressedDraws;
-use crate::scheme::event_driven::law::first_stop::{
+use super::super::law::{
     FINEST, HALVINGS, Interval, KnownStep, STOP_REFINEMENTS, SlipStop, SlipVelocity, StopSearch, early_parts, forwards,
     halves,
 };
-use crate::scheme::event_driven::work::{Unresolved, WorkLeft};
+use super::super::work::{Unresolved, WorkLeft};
+use crate::noise::AddressedDraws;
 
 /// The intervals that remain to be searched, the nearest one last. It is kept from search to
 /// search, so that it need not be initialised again.
@@ -191,8 +191,10 @@ impl<P: FnMut(Passed)> Bisection<'_, '_, P> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::scheme::event_driven::law::step_rules::{DEFAULT_TOLERANCE, StepRules};
-    use crate::scheme::event_driven::law::tests::{free_step, mean_and_error};
+    use crate::scheme::event_driven::law::{
+        DEFAULT_TOLERANCE, StepRules,
+        tests::{free_step, mean_and_error},
+    };
 
     /// A slip without a known end: 4096 steps that together have length 1, each drawn from its law
     /// given the one before, up to the first at which V is not above zero. Within a step V is taken

@@ -8,11 +8,10 @@
 //! drawn given those, from other random numbers. So a closer look agrees with everything that the
 //! run has recorded.
 
+use super::super::law::{Bridge, Glance, Scene, StickEnd, StickPiece, Stuck, TRIES};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
 use crate::scheme::Glide;
 use crate::scheme::columns::{Seen, StateColumns};
-use crate::scheme::event_driven::law::inside::{Bridge, Glance, StickEnd, StickPiece, Stuck, TRIES};
-use crate::scheme::event_driven::law::scene::Scene;
 
 /// An observer of one path inside a cell.
 pub trait Watch {

@@ -13,17 +13,28 @@
 //! inside                the state at an instant between two known ones
 //! ```
 
-pub mod cells;
-pub mod corridor;
-pub mod first_stop;
-pub mod inside;
-pub mod ladder;
-pub mod scene;
-pub mod slip_step;
-pub mod slip_transition;
-pub mod step_rules;
-pub mod stick_step;
+mod cells;
+mod corridor;
+mod first_stop;
+mod inside;
+mod ladder;
+mod scene;
+mod slip_step;
+mod slip_transition;
+mod step_rules;
+mod stick_step;
 #[cfg(test)]
 pub mod tests;
-pub mod two_noises;
+mod two_noises;
 mod velocity_bounds;
+
+pub use cells::*;
+pub use corridor::*;
+pub use first_stop::*;
+pub use inside::*;
+pub use ladder::*;
+pub use scene::*;
+pub use slip_step::*;
+pub use slip_transition::*;
+pub use step_rules::*;
+pub use stick_step::*;
