@@ -40,15 +40,14 @@
 //! by a bridge with noise. The recursion does not check whether |b| <= f_s at tau_{j+1}; where this
 //! is false because the temperature moved on, the stick that begins there is empty.
 
-use super::columns::{Seen, StateColumns};
+use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated, StepLadder,
-    StepRules, UnfeltNoise, Unresolved, WITHOUT_NOISE, Watch, WatchedPiece, Watching, WorkLeft, cell_length,
-    check_friction, noise_between, work_limit,
+    self, Cascade, Cell, Corridor, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated,
+    StepLadder, StepRules, Stretch, Stretches, UnfeltNoise, Unresolved, Watch, WatchedPiece, Watching, WorkLeft,
+    cell_length, check_friction, noise_between, work_limit,
 };
 use super::{
-    Along, DEFAULT_TOLERANCE, Discretisation, Glide, Instant, Look, Method, Misfit, Observer, Parameter, Simulate,
-    Timeline,
+    Along, DEFAULT_TOLERANCE, Discretisation, Glide, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline,
 };
 use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
@@ -125,10 +124,6 @@ pub struct QuasiStaticSimulation {
     model: Model,
     timeline: Timeline,
     exits: Exits,
-    /// The number of evaluations that a path may make.
-    work_limit: u64,
-    /// The motion of every slip.
-    slip: Swing,
 }
 
 /// How the ends of stick phases are computed.
@@ -136,7 +131,7 @@ pub struct QuasiStaticSimulation {
 enum Exits {
     Noisy(Box<NoisyRecursion>),
     /// Motion with the mean of the noise; its fluctuations are only added to the temperature.
-    Noiseless(Box<Noiseless>, UnfeltNoise),
+    Noiseless(Box<NoiselessRecursion>, UnfeltNoise),
 }
 
 /// Pieces of the motion of a whole slip.
@@ -239,86 +234,90 @@ impl QuasiStaticSimulation {
         let slip = Swing { response, jump, threshold: friction.static_force, oscillator: *oscillator };
         let scene = Scene::new(model);
         let exits = if scene.felt_noise(timeline.end).is_some() {
-            Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip.clone())))
+            Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip)))
         } else {
-            Exits::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model))
+            let recursion = NoiselessRecursion { exits: Noiseless::new(model, timeline), slip };
+            Exits::Noiseless(Box::new(recursion), UnfeltNoise::new(model))
         };
-        QuasiStaticSimulation {
-            model: model.clone(),
-            timeline: *timeline,
-            exits,
-            work_limit: work_limit(WITHOUT_NOISE),
-            slip,
-        }
+        QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits }
     }
+}
 
-    /// Computes the one path that there is without noise, and reports it to the observer for every
-    /// lane. If the path cannot be resolved, all lanes are lost.
-    fn one_path(&self, cascade: &Noiseless, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let (mut columns, observer) = (StateColumns::new(lanes), Watching::new(observer));
-        let is_stopped = || observer.borrow().is_stopped();
-        let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
-        let mut x = self.model.initial_displacement;
-        let (mut phase, mut since, mut excess) = (Phase::Static, 0.0, 0.0);
-        let mut next = self.next(cascade, phase, since, x, excess, &mut work);
-        let follows = observer.borrow().follows();
-        let follow = |phase, since, x, excess, until: f64| {
-            if let (true, Phase::Slip(direction)) = (follows, phase) {
-                let tell = |glide| (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide));
-                self.slip.glides(since, x, direction, excess, [0.0, until.min(self.slip.response.duration)], tell);
-            }
-        };
-        for stop in self.timeline.stops() {
-            while let Ok(Some(event)) = next {
-                if event.time > stop.time {
-                    break;
-                }
-                follow(phase, since, x, excess, f64::INFINITY);
-                (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
-                (phase, since, x) = (event.kind.phase(), event.time, event.displacement);
-                excess = self.slip.excess(&event);
-                next = self.next(cascade, phase, since, x, excess, &mut work);
-            }
-            if stop.instant == Instant::End {
-                follow(phase, since, x, excess, stop.time - since);
-            }
-            let (x, v) = match phase {
-                _ if next.is_err() => (f64::NAN, f64::NAN),
-                Phase::Static => (x, 0.0),
-                Phase::Slip(direction) => self.slip.at(x, direction, excess, stop.time - since),
-            };
-            columns.fill((x, v, cascade.mean_temperature(stop.time), phase == Phase::Static));
-            if is_stopped() {
-                break;
-            }
-            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
-        }
-        let why = next.err();
-        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
-        Simulated { lost, why, evaluations: self.work_limit - work.left() }
-    }
+/// The recursion without noise.
+#[derive(Clone, Debug)]
+struct NoiselessRecursion {
+    /// Finds the exits from sticks.
+    exits: Noiseless,
+    slip: Swing,
+}
 
-    /// The event that ends a phase without noise; none if the phase does not end. A slip began with
-    /// this excess of |b|.
-    fn next(
+/// A phase that begins at this x and, if it is a slip, with this excess of |b|.
+type Part = Stretch<(f64, f64), ()>;
+
+impl NoiselessRecursion {
+    /// The phase that begins at a time and a place, and the event that ends it.
+    fn part(
         &self,
-        cascade: &Noiseless,
         phase: Phase,
-        since: f64,
-        x: f64,
-        excess: f64,
+        start: ExactTime,
+        (x, excess): (f64, f64),
         work: &mut WorkLeft,
-    ) -> Result<Option<Event>, Unresolved> {
+    ) -> Result<Part, Unresolved> {
         work.spend()?;
-        let Phase::Slip(direction) = phase else {
-            return cascade.stick_exit(ExactTime::ZERO.after(since), x, work);
+        let end = if let Phase::Slip(direction) = phase {
+            let (duration, model) = (self.slip.response.duration, &self.exits.model);
+            let (time, displacement) = (start.value() + duration, x + self.slip.way(direction, excess));
+            let force = model.oscillator.force_per_temperature() * model.temperature.mean(time)
+                - model.oscillator.stiffness * displacement;
+            let kind = self.slip.end(direction, excess, force);
+            Some((duration, End::Event(Event { kind, time, displacement, force })))
+        } else {
+            let exit = self.exits.stick_exit(start, x, work)?;
+            exit.map(|event| (start.until(event.time), End::Event(event)))
         };
-        let time = since + self.slip.response.duration;
-        let displacement = x + self.slip.way(direction, excess);
-        let oscillator = &self.model.oscillator;
-        let force =
-            oscillator.force_per_temperature() * cascade.mean_temperature(time) - oscillator.stiffness * displacement;
-        Ok(Some(Event { kind: self.slip.end(direction, excess, force), time, displacement, force }))
+        Ok(Part { start, phase, from: (x, excess), end })
+    }
+}
+
+impl Stretches for NoiselessRecursion {
+    type Motion = (f64, f64);
+    type Cut = ();
+
+    fn timeline(&self) -> &Timeline {
+        &self.exits.timeline
+    }
+
+    fn work_limit(&self) -> u64 {
+        self.exits.work_limit
+    }
+
+    fn first(&self, work: &mut WorkLeft) -> Result<Part, Unresolved> {
+        self.part(Phase::Static, ExactTime::ZERO, (self.exits.model.initial_displacement, 0.0), work)
+    }
+
+    fn next(&self, part: &Part, work: &mut WorkLeft) -> Result<Part, Unresolved> {
+        let Some((_, End::Event(event))) = part.end else { return Err(Unresolved::NoNumber) };
+        let from = (event.displacement, self.slip.excess(&event));
+        self.part(event.kind.phase(), ExactTime::ZERO.after(event.time), from, work)
+    }
+
+    fn state(&self, part: &Part, t: f64, _: &mut WorkLeft) -> Result<Seen, Unresolved> {
+        let ((x, excess), temperature) = (part.from, self.exits.model.temperature.mean(t));
+        Ok(match part.phase {
+            Phase::Static => (x, 0.0, temperature, true),
+            Phase::Slip(direction) => {
+                let (x, v) = self.slip.at(x, direction, excess, part.start.until(t));
+                (x, v, temperature, false)
+            }
+        })
+    }
+
+    fn glides(&self, part: &Part, duration: f64, tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+        if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
+            let until = duration.min(self.slip.response.duration);
+            self.slip.glides(part.start.value(), x, direction, excess, [0.0, until], tell);
+        }
+        Ok(())
     }
 }
 
@@ -480,9 +479,9 @@ impl Simulate for QuasiStaticSimulation {
     }
 
     fn with_work_limit(mut self, limit: u64) -> Self {
-        self.work_limit = limit;
-        if let Exits::Noisy(cascade) = &mut self.exits {
-            cascade.work_limit = limit;
+        match &mut self.exits {
+            Exits::Noisy(cascade) => cascade.work_limit = limit,
+            Exits::Noiseless(cascade, _) => cascade.exits.work_limit = limit,
         }
         self
     }
@@ -507,7 +506,7 @@ impl QuasiStaticSimulation {
                 event_driven::simulate(&mut all, paths.len(), &observer)
             }
             Exits::Noiseless(cascade, noise) => {
-                self.one_path(cascade, paths.len(), &mut noise.added_before(observer, seed, paths))
+                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
             }
         }
     }

@@ -2,7 +2,7 @@
 //! once.
 
 use super::law::{Resolution, Scene, StepRules};
-use super::noiseless::{GeneralNoiseless, Noiseless, UnfeltNoise};
+use super::noiseless::{GeneralNoiseless, Noiseless, Stretches, UnfeltNoise};
 use super::noisy::Noisy;
 use super::work::{Simulated, Unresolved};
 use crate::lanes::InstructionSet;

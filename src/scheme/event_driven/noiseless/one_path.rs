@@ -13,39 +13,27 @@
 //! is missed, and are found to rounding. Nothing is random, so one path is computed and reported
 //! for every lane.
 
-use super::super::work::{Simulated, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
+use super::super::work::{Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
+use super::stretch::{End, Stretch, Stretches};
 use crate::model::{
     Complex, Event, EventKind, ForcedOscillator, InitialNoise, Model, Phase, Series, Sign, SlipFlow,
     can_be_computed_with,
 };
-use crate::scheme::columns::StateColumns;
-use crate::scheme::{Along, Glide, Instant, Observer, Timeline};
-use std::cell::RefCell;
+use crate::scheme::columns::Seen;
+use crate::scheme::{Along, Glide, Timeline};
 
 /// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
 pub struct Noiseless {
-    model: Model,
-    timeline: Timeline,
+    pub model: Model,
+    pub timeline: Timeline,
     body: ForcedOscillator,
     /// 1/max(w0, |z_j|): the time over which one bound of the second derivative is used.
     span: f64,
     /// The number of evaluations that the path may make.
     pub work_limit: u64,
-}
-
-impl Leg {
-    /// What ends the leg, if anything does, and whether it ends at a time or before.
-    fn end_by(&self, time: f64) -> Option<(End, bool)> {
-        let (duration, end) = self.end?;
-        let is_due = match end {
-            End::Event(event) => event.time <= time,
-            End::Cut => duration <= self.start.until(time),
-        };
-        Some((end, is_due))
-    }
 }
 
 /// The length of a piece of the motion in units of the fastest time scale. A quintic leaves the
@@ -58,9 +46,12 @@ const MOST_PIECES: f64 = 1e6;
 /// The signs of b at the two thresholds.
 const SIDES: [f64; 2] = [1.0, -1.0];
 
-/// One phase of the path, or the part of a phase that lies between two samples.
-struct Leg {
-    start: ExactTime,
+/// One phase of the path, or the part of a phase that lies between two samples, at which the
+/// temperature has a kink.
+type Leg = Stretch<LegStart, ()>;
+
+/// The motion at the start of a leg.
+pub struct LegStart {
     displacement: f64,
     /// x' at the start. It is zero except after a sample inside a slip.
     velocity: f64,
@@ -70,17 +61,6 @@ struct Leg {
     terms: Vec<Complex>,
     /// The slope of K beta T/m between the samples.
     line: f64,
-    phase: Phase,
-    /// The duration of the leg and what ends it; none if it does not end before t_end.
-    end: Option<(f64, End)>,
-}
-
-/// What ends a leg.
-#[derive(Clone, Copy)]
-enum End {
-    Event(Event),
-    /// A sample, at which the temperature has a kink.
-    Cut,
 }
 
 impl Noiseless {
@@ -100,119 +80,11 @@ impl Noiseless {
         Noiseless { model: model.clone(), timeline: *timeline, body, span, work_limit: work_limit(WITHOUT_NOISE) }
     }
 
-    /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
-    /// cannot be resolved, all lanes are lost.
-    pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let (mut columns, observer) = (StateColumns::new(lanes), RefCell::new(observer));
-        let is_stopped = || observer.borrow().is_stopped();
-        let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
-        let mut leg = self.initial_leg(&mut work);
-        let follows = observer.borrow().follows();
-        let follow = |leg: &Leg, duration: f64| {
-            if follows {
-                self.glides(leg, duration, |glide| {
-                    (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide))
-                });
-            }
-        };
-        for stop in self.timeline.stops() {
-            while let Ok(Some((end, is_due))) = leg.as_ref().map(|leg| leg.end_by(stop.time)) {
-                if !is_due {
-                    break;
-                }
-                if let Ok(leg) = &leg {
-                    follow(leg, leg.end.map_or(0.0, |(duration, _)| duration));
-                }
-                if let End::Event(event) = end {
-                    (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
-                }
-                leg = leg.and_then(|leg| self.next_leg(&leg, &mut work));
-            }
-            if let (Ok(leg), Instant::End) = (&leg, stop.instant) {
-                follow(leg, leg.start.until(stop.time));
-            }
-            match &leg {
-                Ok(leg) => columns.fill(self.state(leg, stop.time)),
-                Err(_) => columns.fill((f64::NAN, f64::NAN, f64::NAN, false)),
-            }
-            if is_stopped() {
-                break;
-            }
-            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
-        }
-        let why = leg.err();
-        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
-        Simulated { lost, why, evaluations: self.work_limit - work.left() }
-    }
-
-    fn initial_leg(&self, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
-        let terms = self.terms_at(ExactTime::ZERO);
-        let displacement = self.model.initial_displacement;
-        let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
-        let velocity = self.model.initial_velocity;
-        if velocity == 0.0 {
-            return self.stick(ExactTime::ZERO, displacement, force, terms, work);
-        }
-        // A body that moves at t = 0: its first stick is empty.
-        let force = force - 2.0 * self.model.oscillator.damping * velocity;
-        let kind = EventKind::SlipStarted(Sign::of(velocity));
-        let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
-        let (start, phase, line) = (ExactTime::ZERO, Phase::Static, 0.0);
-        Ok(Leg { start, displacement, velocity: 0.0, force, terms, line, phase, end })
-    }
-
-    /// The leg that follows `leg`.
-    fn next_leg(&self, leg: &Leg, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
-        work.spend()?;
-        let Some((duration, end)) = leg.end else { return Err(Unresolved::NoNumber) };
-        let start = leg.start.after(duration);
-        let terms = self.terms_at(start);
-        match (end, leg.phase) {
-            (End::Event(event), _) => match event.kind.phase() {
-                Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
-                Phase::Slip(sign) => {
-                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
-                    self.slip(start, event.displacement, (velocity, event.force), terms, sign, work)
-                }
-            },
-            (End::Cut, Phase::Static) => {
-                let force = self.force_at_rest(start, &terms, leg.displacement);
-                self.stick(start, leg.displacement, force, terms, work)
-            }
-            (End::Cut, Phase::Slip(direction)) => {
-                let state = self.flow(leg, direction).at(duration);
-                let friction = direction.value() * self.model.friction.dynamic_force;
-                let force = friction + self.model.oscillator.mass * state.acceleration;
-                self.slip(start, leg.displacement + state.displacement, (state.velocity, force), terms, direction, work)
-            }
-        }
-    }
-
-    /// The first part of a leg, of this duration, in pieces that a quintic describes.
-    fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) {
-        let Phase::Slip(direction) = leg.phase else { return };
-        let (flow, pieces) =
-            (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
-        let (mut here, mut i) = (flow.at(0.0), 0.0);
-        while i < pieces {
-            let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
-            let there = flow.at(end);
-            tell(Glide {
-                start: leg.start.after(start).value(),
-                length: end - start,
-                displacement: leg.displacement + here.displacement,
-                way: there.displacement - here.displacement,
-                velocity: [here.velocity, there.velocity],
-                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
-            });
-            (here, i) = (there, i + 1.0);
-        }
-    }
-
     /// The motion of a sub-phase.
     fn flow<'a>(&'a self, leg: &'a Leg, direction: Sign) -> SlipFlow<'a> {
         let dynamic_force = self.model.friction.dynamic_force;
-        self.body.slip((&leg.terms, leg.line), leg.velocity, leg.force, direction, dynamic_force)
+        let LegStart { velocity, force, ref terms, line, .. } = leg.from;
+        self.body.slip((terms, line), velocity, force, direction, dynamic_force)
     }
 
     fn series(&self) -> Option<&Series> {
@@ -255,7 +127,7 @@ impl Noiseless {
             match leg.end {
                 None => return Ok(None),
                 Some((_, End::Event(event))) => return Ok(Some(event)),
-                Some((_, End::Cut)) => leg = self.next_leg(&leg, work)?,
+                Some((_, End::Cut(()))) => leg = self.next(&leg, work)?,
             }
         }
     }
@@ -303,8 +175,9 @@ impl Noiseless {
             let kind = EventKind::SlipStarted(Sign::of(force));
             (r, End::Event(Event { kind, time: start.after(r).value(), displacement, force }))
         });
-        let cut = (is_cut && !never).then_some((horizon, End::Cut));
-        Ok(Leg { start, displacement, velocity: 0.0, force, terms, line, phase: Phase::Static, end: end.or(cut) })
+        let cut = (is_cut && !never).then_some((horizon, End::Cut(())));
+        let from = LegStart { displacement, velocity: 0.0, force, terms, line };
+        Ok(Leg { start, phase: Phase::Static, from, end: end.or(cut) })
     }
 
     /// Whether |K (beta T - x)| <= f_s for all phases of the forcing.
@@ -364,8 +237,9 @@ impl Noiseless {
             let kind = EventKind::at_rest(force.abs() <= friction.static_force, force);
             (r, End::Event(Event { kind, time: start.after(r).value(), displacement, force }))
         });
-        let end = end.or(is_cut.then_some((horizon, End::Cut)));
-        Ok(Leg { start, displacement, velocity, force, terms, line, phase: Phase::Slip(direction), end })
+        let end = end.or(is_cut.then_some((horizon, End::Cut(()))));
+        let from = LegStart { displacement, velocity, force, terms, line };
+        Ok(Leg { start, phase: Phase::Slip(direction), from, end })
     }
 
     /// A time before which eps x' cannot return to zero.
@@ -389,31 +263,108 @@ impl Noiseless {
     fn indeterminate_start(&self) -> f64 {
         1e-2 * f64::EPSILON.cbrt() * self.span
     }
+}
 
-    /// The mean of T.
-    pub fn mean_temperature(&self, t: f64) -> f64 {
-        self.model.temperature.mean(t)
+impl Stretches for Noiseless {
+    type Motion = LegStart;
+    type Cut = ();
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
     }
 
-    /// x, x', T and whether the path is static, at a time within the leg.
-    fn state(&self, leg: &Leg, t: f64) -> (f64, f64, f64, bool) {
+    fn work_limit(&self) -> u64 {
+        self.work_limit
+    }
+
+    fn first(&self, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
+        let terms = self.terms_at(ExactTime::ZERO);
+        let displacement = self.model.initial_displacement;
+        let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
+        let velocity = self.model.initial_velocity;
+        if velocity == 0.0 {
+            return self.stick(ExactTime::ZERO, displacement, force, terms, work);
+        }
+        // A body that moves at t = 0: its first stick is empty.
+        let force = force - 2.0 * self.model.oscillator.damping * velocity;
+        let kind = EventKind::SlipStarted(Sign::of(velocity));
+        let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
+        let (start, phase, line) = (ExactTime::ZERO, Phase::Static, 0.0);
+        Ok(Leg { start, phase, from: LegStart { displacement, velocity: 0.0, force, terms, line }, end })
+    }
+
+    fn next(&self, leg: &Leg, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
+        work.spend()?;
+        let Some((duration, end)) = leg.end else { return Err(Unresolved::NoNumber) };
+        let start = leg.start.after(duration);
+        let terms = self.terms_at(start);
+        match (end, leg.phase) {
+            (End::Event(event), _) => match event.kind.phase() {
+                Phase::Static => self.stick(start, event.displacement, event.force, terms, work),
+                Phase::Slip(sign) => {
+                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
+                    self.slip(start, event.displacement, (velocity, event.force), terms, sign, work)
+                }
+            },
+            (End::Cut(()), Phase::Static) => {
+                let force = self.force_at_rest(start, &terms, leg.from.displacement);
+                self.stick(start, leg.from.displacement, force, terms, work)
+            }
+            (End::Cut(()), Phase::Slip(direction)) => {
+                let state = self.flow(leg, direction).at(duration);
+                let friction = direction.value() * self.model.friction.dynamic_force;
+                let force = friction + self.model.oscillator.mass * state.acceleration;
+                self.slip(
+                    start,
+                    leg.from.displacement + state.displacement,
+                    (state.velocity, force),
+                    terms,
+                    direction,
+                    work,
+                )
+            }
+        }
+    }
+
+    fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+        let Phase::Slip(direction) = leg.phase else { return Ok(()) };
+        let (flow, pieces) =
+            (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
+        let (mut here, mut i) = (flow.at(0.0), 0.0);
+        while i < pieces {
+            let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
+            let there = flow.at(end);
+            tell(Glide {
+                start: leg.start.after(start).value(),
+                length: end - start,
+                displacement: leg.from.displacement + here.displacement,
+                way: there.displacement - here.displacement,
+                velocity: [here.velocity, there.velocity],
+                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
+            });
+            (here, i) = (there, i + 1.0);
+        }
+        Ok(())
+    }
+
+    fn state(&self, leg: &Leg, t: f64, _: &mut WorkLeft) -> Result<Seen, Unresolved> {
         let r = leg.start.until(t).max(0.0);
         let terms = self.body.terms();
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         // With beta = 0 the terms of the body do not contain the temperature that the observer
         // sees. With samples, a leg without an end may extend over several of them.
         let temperature = if gain == 0.0 || self.series().is_some() || self.model.temperature.has_line() {
-            self.mean_temperature(t)
+            self.model.temperature.mean(t)
         } else {
-            let here: f64 = terms.iter().zip(&leg.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
+            let here: f64 = terms.iter().zip(&leg.from.terms).map(|(term, p)| (*p * (term.rate * r).exp()).re).sum();
             here / gain
         };
-        match leg.phase {
-            Phase::Static => (leg.displacement, 0.0, temperature, true),
+        Ok(match leg.phase {
+            Phase::Static => (leg.from.displacement, 0.0, temperature, true),
             Phase::Slip(direction) => {
                 let state = self.flow(leg, direction).at(r);
-                (leg.displacement + state.displacement, state.velocity, temperature, false)
+                (leg.from.displacement + state.displacement, state.velocity, temperature, false)
             }
-        }
+        })
     }
 }

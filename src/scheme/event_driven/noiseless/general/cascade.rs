@@ -16,17 +16,17 @@
 //! temperature, and of an input of g.
 //! Nothing is random, so one path is computed and reported for every lane.
 
-use super::super::super::work::{Simulated, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
+use super::super::super::work::{Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
+use super::super::stretch::{End, Stretch, Stretches};
 use super::forces::{Forces, LocalTemperature};
 use super::slip_motion::{Kinematics, SlipMotion};
 use super::slip_search::first_stop;
 use super::stick_search::{SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign};
-use crate::scheme::columns::{LOST, Seen, StateColumns};
-use crate::scheme::{Along, Glide, Instant, Observer, Timeline};
-use std::cell::RefCell;
+use crate::scheme::columns::Seen;
+use crate::scheme::{Along, Glide, Timeline};
 
 /// The relative error of a step of a slip.
 const TOLERANCE: f64 = 1e-13;
@@ -63,39 +63,20 @@ pub struct GeneralNoiseless {
     longest: f64,
     /// The fastest time scale that is known.
     span: f64,
-    tolerance: f64,
+    pub tolerance: f64,
     /// The number of evaluations that the path may make.
     pub work_limit: u64,
 }
 
-/// A static phase, or one step of a slip.
-struct Stretch {
-    phase: Phase,
-    /// The temperature near the start.
+/// A static phase, or one step of a slip. At the end of a step, its cut, the motion is known, and
+/// the length of the step to try next.
+type Part = Stretch<PartStart, (Kinematics, f64)>;
+
+/// The start of a part.
+pub struct PartStart {
+    /// The temperature near it.
     temperature: LocalTemperature,
-    from: Kinematics,
-    /// The duration of the stretch and what ends it; none if it does not end before t_end.
-    end: Option<(f64, StretchEnd)>,
-}
-
-/// What ends a stretch.
-#[derive(Clone, Copy)]
-enum StretchEnd {
-    Event(Event),
-    /// The end of a step: the motion there, and the length of the step to try next.
-    Step(Kinematics, f64),
-}
-
-impl Stretch {
-    /// What ends the stretch, if anything does, and whether it ends at a time or before.
-    fn end_by(&self, time: f64) -> Option<(StretchEnd, bool)> {
-        let (duration, end) = self.end?;
-        let is_due = match end {
-            StretchEnd::Event(event) => event.time <= time,
-            StretchEnd::Step(..) => duration <= self.temperature.start().until(time),
-        };
-        Some((end, is_due))
-    }
+    motion: Kinematics,
 }
 
 impl GeneralNoiseless {
@@ -115,98 +96,15 @@ impl GeneralNoiseless {
             (undamped.oscillator.damping, undamped.force) = (0.0, None);
             Box::new(Noiseless::new(&undamped, timeline))
         });
-        let tolerance = TOLERANCE;
-        let model = model.clone();
         GeneralNoiseless {
-            model,
+            model: model.clone(),
             timeline: *timeline,
             forces,
             sticks,
             longest,
             span,
-            tolerance,
+            tolerance: TOLERANCE,
             work_limit: work_limit(WITHOUT_NOISE),
-        }
-    }
-
-    /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
-    /// cannot be resolved, all lanes are lost.
-    pub fn simulate(&self, lanes: usize, observer: &mut dyn Observer) -> Simulated {
-        let (mut columns, observer) = (StateColumns::new(lanes), RefCell::new(observer));
-        let is_stopped = || observer.borrow().is_stopped();
-        let mut work = WorkLeft::watched(self.work_limit, &is_stopped);
-        let mut stretch = self.initial_stretch(&mut work);
-        let follows = observer.borrow().follows();
-        let follow = |stretch: &Stretch, duration: f64| -> Result<(), Unresolved> {
-            if !follows {
-                return Ok(());
-            }
-            self.glides(stretch, duration, |glide| {
-                (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide))
-            })
-        };
-        for stop in self.timeline.stops() {
-            while let Ok(Some((end, true))) = stretch.as_ref().map(|stretch| stretch.end_by(stop.time)) {
-                if let Ok(here) = &stretch
-                    && let Err(lost) = follow(here, here.end.map_or(0.0, |(duration, _)| duration))
-                {
-                    stretch = Err(lost);
-                    break;
-                }
-                if let StretchEnd::Event(event) = end {
-                    (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
-                }
-                stretch = stretch.and_then(|stretch| self.next_stretch(&stretch, &mut work));
-            }
-            if let (Ok(here), Instant::End) = (&stretch, stop.instant)
-                && let Err(lost) = follow(here, here.temperature.start().until(stop.time))
-            {
-                stretch = Err(lost);
-            }
-            let seen = stretch.as_ref().map_err(|lost| *lost).and_then(|here| self.state(here, stop.time, &mut work));
-            columns.fill(seen.unwrap_or(LOST));
-            stretch = seen.and(stretch);
-            if is_stopped() {
-                break;
-            }
-            observer.borrow_mut().snapshot(stop.instant, columns.snapshot(stop.time));
-        }
-        let why = stretch.err();
-        let lost = if why.is_some() { (0..lanes).collect() } else { Vec::new() };
-        Simulated { lost, why, evaluations: self.work_limit - work.left() }
-    }
-
-    fn initial_stretch(&self, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
-        let displacement = self.model.initial_displacement;
-        let velocity = self.model.initial_velocity;
-        if velocity == 0.0 {
-            return self.stick(ExactTime::ZERO, displacement, None, work);
-        }
-        // A body that moves at t = 0: its first stick is empty.
-        let temperature = self.forces.near(ExactTime::ZERO);
-        let force = self.forces.at(&temperature, None, [displacement, velocity], 0.0);
-        let kind = EventKind::SlipStarted(Sign::of(velocity));
-        let end = Some((0.0, StretchEnd::Event(Event { kind, time: 0.0, displacement, force })));
-        let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(Stretch { phase: Phase::Static, temperature, from, end })
-    }
-
-    /// The stretch that follows `stretch`.
-    fn next_stretch(&self, stretch: &Stretch, work: &mut WorkLeft) -> Result<Stretch, Unresolved> {
-        let Some((duration, end)) = stretch.end else { return Err(Unresolved::NoNumber) };
-        let start = stretch.temperature.start().after(duration);
-        match (end, stretch.phase) {
-            (StretchEnd::Event(event), _) => match event.kind.phase() {
-                Phase::Static => self.stick(start, event.displacement, Some(event.force), work),
-                Phase::Slip(direction) => {
-                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
-                    self.slip(start, (event.displacement, velocity), direction, self.span, work)
-                }
-            },
-            (StretchEnd::Step(motion, next), Phase::Slip(direction)) => {
-                self.slip(start, (motion.displacement, motion.velocity), direction, next, work)
-            }
-            (StretchEnd::Step(..), Phase::Static) => Err(Unresolved::NoNumber),
         }
     }
 
@@ -226,7 +124,7 @@ impl GeneralNoiseless {
         displacement: f64,
         force: Option<f64>,
         work: &mut WorkLeft,
-    ) -> Result<Stretch, Unresolved> {
+    ) -> Result<Part, Unresolved> {
         let (temperature, f_s, has_load) =
             (self.forces.near(start), self.model.friction.static_force, self.forces.have_load());
         let [held, limit] = self.held(&temperature, displacement, work)?;
@@ -235,7 +133,7 @@ impl GeneralNoiseless {
             let (kind, time) = (EventKind::SlipStarted(direction), start.after(r));
             let told = || self.forces.at(&self.forces.near(time), None, [displacement, 0.0], 0.0);
             let force = if has_load { told() } else { b };
-            (r, StretchEnd::Event(Event { kind, time: time.value(), displacement, force }))
+            (r, End::Event(Event { kind, time: time.value(), displacement, force }))
         };
         let end = if force.abs() > limit {
             Some(exit(0.0, force, Sign::of(force)))
@@ -264,8 +162,8 @@ impl GeneralNoiseless {
         } else {
             None
         };
-        let from = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(Stretch { phase: Phase::Static, temperature, from, end })
+        let motion = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
+        Ok(Part { start, phase: Phase::Static, from: PartStart { temperature, motion }, end })
     }
 
     fn search_steps(&self) -> SearchSteps {
@@ -281,7 +179,7 @@ impl GeneralNoiseless {
         direction: Sign,
         step: f64,
         work: &mut WorkLeft,
-    ) -> Result<Stretch, Unresolved> {
+    ) -> Result<Part, Unresolved> {
         let temperature = self.forces.near(start);
         let slip = self.motion(&temperature, direction, displacement);
         let from = slip.with(displacement, velocity, 0.0, work)?;
@@ -298,41 +196,18 @@ impl GeneralNoiseless {
                     let kind = EventKind::at_rest(held.abs() <= limit, held);
                     let force = self.forces.at(&temperature, None, [displacement, 0.0], after);
                     let time = start.after(after).value();
-                    Some((after, StretchEnd::Event(Event { kind, time, displacement, force })))
+                    Some((after, End::Event(Event { kind, time, displacement, force })))
                 }
-                None => (to.after < horizon).then_some((to.after, StretchEnd::Step(to, next))),
+                None => (to.after < horizon).then_some((to.after, End::Cut((to, next)))),
             }
         };
-        Ok(Stretch { phase: Phase::Slip(direction), temperature, from, end })
-    }
-
-    /// The first part of a stretch, of this duration, in pieces that a quintic describes. They do
-    /// not count as work of the path, which is the same whether it is followed or not.
-    fn glides(&self, stretch: &Stretch, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
-        let Phase::Slip(direction) = stretch.phase else { return Ok(()) };
-        let (motion, mut work) = (
-            self.motion(&stretch.temperature, direction, stretch.from.displacement),
-            WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false),
-        );
-        let mut here = stretch.from;
-        for i in 1..=PIECES {
-            let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;
-            tell(Glide {
-                start: stretch.temperature.start().after(here.after).value(),
-                length: there.after - here.after,
-                displacement: here.displacement,
-                way: there.displacement - here.displacement,
-                velocity: [here.velocity, there.velocity],
-                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
-            });
-            here = there;
-        }
-        Ok(())
+        let from = PartStart { temperature, motion: from };
+        Ok(Part { start, phase: Phase::Slip(direction), from, end })
     }
 
     /// The equation of motion of a sub-phase that begins at x.
     fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign, x: f64) -> SlipMotion<'a> {
-        let start = temperature.start().value();
+        let start = temperature.start.value();
         let rounding = if self.forces.is_own_in_time() { ROUNDING_OF_TIME * start / self.span } else { 0.0 };
         let mut motion = SlipMotion {
             forces: &self.forces,
@@ -350,23 +225,82 @@ impl GeneralNoiseless {
         }
         motion
     }
-
-    /// x, x', T and whether the path is static, at a time within the stretch.
-    fn state(&self, stretch: &Stretch, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved> {
-        let temperature = self.model.temperature.mean(t);
-        let Kinematics { displacement, .. } = stretch.from;
-        let Phase::Slip(direction) = stretch.phase else { return Ok((displacement, 0.0, temperature, true)) };
-        let after = stretch.temperature.start().until(t).max(0.0);
-        let motion =
-            self.motion(&stretch.temperature, direction, stretch.from.displacement).at(stretch.from, after, work)?;
-        Ok((motion.displacement, motion.velocity, temperature, false))
-    }
 }
 
-#[cfg(test)]
-impl GeneralNoiseless {
-    /// The same scheme with another tolerance, for tests.
-    pub fn with_tolerance(self, tolerance: f64) -> Self {
-        GeneralNoiseless { tolerance, ..self }
+impl Stretches for GeneralNoiseless {
+    type Motion = PartStart;
+    type Cut = (Kinematics, f64);
+
+    fn timeline(&self) -> &Timeline {
+        &self.timeline
+    }
+
+    fn work_limit(&self) -> u64 {
+        self.work_limit
+    }
+
+    fn first(&self, work: &mut WorkLeft) -> Result<Part, Unresolved> {
+        let displacement = self.model.initial_displacement;
+        let velocity = self.model.initial_velocity;
+        if velocity == 0.0 {
+            return self.stick(ExactTime::ZERO, displacement, None, work);
+        }
+        // A body that moves at t = 0: its first stick is empty.
+        let temperature = self.forces.near(ExactTime::ZERO);
+        let force = self.forces.at(&temperature, None, [displacement, velocity], 0.0);
+        let kind = EventKind::SlipStarted(Sign::of(velocity));
+        let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
+        let motion = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
+        Ok(Part { start: ExactTime::ZERO, phase: Phase::Static, from: PartStart { temperature, motion }, end })
+    }
+
+    fn next(&self, part: &Part, work: &mut WorkLeft) -> Result<Part, Unresolved> {
+        let Some((duration, end)) = part.end else { return Err(Unresolved::NoNumber) };
+        let start = part.start.after(duration);
+        match (end, part.phase) {
+            (End::Event(event), _) => match event.kind.phase() {
+                Phase::Static => self.stick(start, event.displacement, Some(event.force), work),
+                Phase::Slip(direction) => {
+                    let velocity = if event.time == 0.0 { self.model.initial_velocity } else { 0.0 };
+                    self.slip(start, (event.displacement, velocity), direction, self.span, work)
+                }
+            },
+            (End::Cut((motion, next)), Phase::Slip(direction)) => {
+                self.slip(start, (motion.displacement, motion.velocity), direction, next, work)
+            }
+            (End::Cut(_), Phase::Static) => Err(Unresolved::NoNumber),
+        }
+    }
+
+    /// The pieces do not count as work of the path, which is the same whether it is followed or not.
+    fn glides(&self, part: &Part, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+        let Phase::Slip(direction) = part.phase else { return Ok(()) };
+        let (motion, mut work) = (
+            self.motion(&part.from.temperature, direction, part.from.motion.displacement),
+            WorkLeft::watched(work_limit(WITHOUT_NOISE), &|| false),
+        );
+        let mut here = part.from.motion;
+        for i in 1..=PIECES {
+            let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;
+            tell(Glide {
+                start: part.start.after(here.after).value(),
+                length: there.after - here.after,
+                displacement: here.displacement,
+                way: there.displacement - here.displacement,
+                velocity: [here.velocity, there.velocity],
+                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
+            });
+            here = there;
+        }
+        Ok(())
+    }
+
+    fn state(&self, part: &Part, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved> {
+        let temperature = self.model.temperature.mean(t);
+        let Kinematics { displacement, .. } = part.from.motion;
+        let Phase::Slip(direction) = part.phase else { return Ok((displacement, 0.0, temperature, true)) };
+        let after = part.start.until(t).max(0.0);
+        let motion = self.motion(&part.from.temperature, direction, displacement).at(part.from.motion, after, work)?;
+        Ok((motion.displacement, motion.velocity, temperature, false))
     }
 }

@@ -24,7 +24,7 @@ pub struct Forces {
 /// The temperature near a time: it is correct from this time up to the next kink.
 #[derive(Clone, Debug)]
 pub struct LocalTemperature {
-    start: ExactTime,
+    pub start: ExactTime,
     /// The value at the start and the rate of each term.
     terms: Vec<(Complex, Complex)>,
     /// The line and the series, and their slope, at the start.
@@ -158,11 +158,6 @@ fn passed(times: &[f64], start: ExactTime) -> usize {
 }
 
 impl LocalTemperature {
-    /// The start.
-    pub fn start(&self) -> ExactTime {
-        self.start
-    }
-
     /// T a duration after the start.
     fn after(&self, duration: f64) -> f64 {
         let terms = self.terms.iter().map(|(start, rate)| (*start * (*rate * duration).exp()).re);

@@ -1,4 +1,4 @@
-use super::super::Noiseless;
+use super::super::{Noiseless, Stretches as _};
 use super::GeneralNoiseless;
 use crate::lanes::Lanes;
 use crate::model::tests::paper;
@@ -205,8 +205,9 @@ fn drag_limits_the_velocity() {
 fn a_stop_with_a_kink_does_not_depend_on_the_tolerance() {
     let at = |tolerance: f64| {
         let stop = constant_in_time(|x, _| -20.0 * (x - 3.0).max(0.0));
-        let cascade = general(&paper(0.25, 0.0), 60.0, stop);
-        path_at(&cascade.with_tolerance(tolerance)).0
+        let mut cascade = general(&paper(0.25, 0.0), 60.0, stop);
+        cascade.tolerance = tolerance;
+        path_at(&cascade).0
     };
     let usual = at(1e-13);
     assert!(usual.events.len() > 4, "{usual:?}");
