@@ -3,9 +3,13 @@
 
 use crate::lanes::{Lanes, ROW};
 
-/// A function whose value is not correctly rounded.
+/// An operation on one number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Elementary {
+pub(super) enum Unary {
+    Negative,
+    Abs,
+    Sign,
+    Sqrt,
     Exp,
     Log,
     Sin,
@@ -15,38 +19,20 @@ pub(super) enum Elementary {
     Tanh,
 }
 
-impl Elementary {
+impl Unary {
     pub fn function(self) -> fn(f64) -> f64 {
         match self {
-            Elementary::Exp => libm::exp,
-            Elementary::Log => libm::log,
-            Elementary::Sin => libm::sin,
-            Elementary::Cos => libm::cos,
-            Elementary::Tan => libm::tan,
-            Elementary::Atan => libm::atan,
-            Elementary::Tanh => libm::tanh,
-        }
-    }
-}
-
-/// An operation on one number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(super) enum Unary {
-    Negative,
-    Abs,
-    Sign,
-    Sqrt,
-    Elementary(Elementary),
-}
-
-impl Unary {
-    pub fn of(self, a: f64) -> f64 {
-        match self {
-            Unary::Negative => -a,
-            Unary::Abs => a.abs(),
-            Unary::Sign => sign(a),
-            Unary::Sqrt => a.sqrt(),
-            Unary::Elementary(elementary) => elementary.function()(a),
+            Unary::Negative => |a| -a,
+            Unary::Abs => f64::abs,
+            Unary::Sign => sign,
+            Unary::Sqrt => f64::sqrt,
+            Unary::Exp => libm::exp,
+            Unary::Log => libm::log,
+            Unary::Sin => libm::sin,
+            Unary::Cos => libm::cos,
+            Unary::Tan => libm::tan,
+            Unary::Atan => libm::atan,
+            Unary::Tanh => libm::tanh,
         }
     }
 }

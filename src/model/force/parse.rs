@@ -234,7 +234,7 @@ impl Parser<'_> {
     fn unary(&mut self, unary: Unary, a: usize, place: Range<usize>) -> Outcome<ReadPart> {
         self.count(&place)?;
         match self.number(a) {
-            Some(number) => self.fold(a, unary.of(number), place),
+            Some(number) => self.fold(a, unary.function()(number), place),
             None => Ok(self.push(Term::Unary(unary, a), place)),
         }
     }

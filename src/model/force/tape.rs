@@ -4,7 +4,7 @@
 //! needed any more. The choice of an operation is made once for several registers.
 
 use super::error::ExpressionError;
-use super::operation::{Binary, Elementary, Unary, each, greatest, least, power, sign};
+use super::operation::{Binary, Unary, each, greatest, least, power, sign};
 use super::tree::{DIRECTION, Formula, INPUT, Term};
 use crate::lanes::{Lanes, ROW};
 use crate::model::Series;
@@ -23,11 +23,7 @@ const REGISTERS: usize = 16;
 enum Code {
     /// n
     Number,
-    Negative,
-    Abs,
-    Sign,
-    Sqrt,
-    Elementary(Elementary),
+    Unary(Unary),
     Add,
     /// a + n
     AddNumber,
@@ -179,11 +175,11 @@ impl Tape {
             }
             match step.code {
                 Code::Number => slots[to] = [n; R],
-                Code::Negative => set!(|a| -a),
-                Code::Abs => set!(|a| a.abs()),
-                Code::Sign => set!(|a| sign(a)),
-                Code::Sqrt => set!(|a| a.sqrt()),
-                Code::Elementary(elementary) => {
+                Code::Unary(Unary::Negative) => set!(|a| -a),
+                Code::Unary(Unary::Abs) => set!(|a| a.abs()),
+                Code::Unary(Unary::Sign) => set!(|a| sign(a)),
+                Code::Unary(Unary::Sqrt) => set!(|a| a.sqrt()),
+                Code::Unary(elementary) => {
                     let function = elementary.function();
                     set!(|a| each(a, function));
                 }
@@ -269,14 +265,7 @@ impl Values {
             Term::Variable(variable) => Operand::Value(self.value(Source::Variable(variable))),
             Term::Unary(unary, a) => {
                 let a = self.slot(of_node[a]);
-                let code = match unary {
-                    Unary::Negative => Code::Negative,
-                    Unary::Abs => Code::Abs,
-                    Unary::Sign => Code::Sign,
-                    Unary::Sqrt => Code::Sqrt,
-                    Unary::Elementary(elementary) => Code::Elementary(elementary),
-                };
-                self.operation(code, a, a, 0.0)
+                self.operation(Code::Unary(unary), a, a, 0.0)
             }
             Term::Binary(binary, a, b) => self.binary(binary, of_node[a], of_node[b]),
             Term::Whole(a, power) => self.whole(of_node[a], power),

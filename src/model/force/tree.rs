@@ -1,6 +1,6 @@
 //! An expression as a tree of operations, and what can be said of it algebraically.
 
-use super::operation::{Binary, Elementary, Unary, whole_power};
+use super::operation::{Binary, Unary, whole_power};
 use crate::model::Series;
 use std::ops::Range;
 use std::sync::Arc;
@@ -55,7 +55,7 @@ impl Formula {
                 Term::Variable(DIRECTION) => 1f64.copysign(at[XDOT]),
                 Term::Variable(variable @ ..INPUT) => at[variable],
                 Term::Variable(input) => self.inputs[input - INPUT].at(at[TIME]),
-                Term::Unary(unary, a) => unary.of(values[a]),
+                Term::Unary(unary, a) => unary.function()(values[a]),
                 Term::Binary(binary, a, b) => binary.of(values[a], values[b]),
                 Term::Whole(a, power) => whole_power(values[a], power),
             };
@@ -78,9 +78,7 @@ impl Formula {
                 self.evaluate([x, 0.0, t], &mut before);
                 self.evaluate([x, 0.0, t + dt], &mut after);
                 for operation in &self.nodes {
-                    let Term::Unary(Unary::Elementary(Elementary::Sin | Elementary::Cos | Elementary::Tan), of) =
-                        operation.term
-                    else {
+                    let Term::Unary(Unary::Sin | Unary::Cos | Unary::Tan, of) = operation.term else {
                         continue;
                     };
                     // Not a number is no rate.
@@ -115,7 +113,7 @@ fn affine(term: Term, forms: &[Option<[f64; 3]>]) -> Option<[f64; 3]> {
         Term::Variable(XDOT) => [0.0, 0.0, 1.0],
         Term::Variable(_) => return None,
         Term::Unary(Unary::Negative, a) => forms[a]?.map(|number| -number),
-        Term::Unary(unary, a) => [unary.of(constant(a)?), 0.0, 0.0],
+        Term::Unary(unary, a) => [unary.function()(constant(a)?), 0.0, 0.0],
         Term::Whole(a, power) => [whole_power(constant(a)?, power), 0.0, 0.0],
         Term::Binary(binary @ (Binary::Add | Binary::Sub), a, b) => {
             let (a, b) = (forms[a]?, forms[b]?);

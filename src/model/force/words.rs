@@ -1,7 +1,7 @@
 //! The names that an expression may contain.
 
 use super::error::ExpressionError;
-use super::operation::{Binary, Elementary, Unary};
+use super::operation::{Binary, Unary};
 use super::tree::{DIRECTION, TIME, X, XDOT};
 use crate::excerpt::short;
 use crate::model::NamedSeries;
@@ -23,43 +23,34 @@ pub(super) enum Function {
 
 const VARIABLES: [(&str, usize); 4] = [("x", X), ("xdot", XDOT), ("t", TIME), ("direction", DIRECTION)];
 
-const FUNCTIONS: [(&str, Function); 12] = [
+const FUNCTIONS: &[(&str, Function)] = &[
     ("abs", Function::Of(Unary::Abs)),
     ("sign", Function::Of(Unary::Sign)),
     ("min", Function::Among(Binary::Min)),
     ("max", Function::Among(Binary::Max)),
     ("sqrt", Function::Of(Unary::Sqrt)),
-    ("exp", Function::Of(Unary::Elementary(Elementary::Exp))),
-    ("log", Function::Of(Unary::Elementary(Elementary::Log))),
-    ("sin", Function::Of(Unary::Elementary(Elementary::Sin))),
-    ("cos", Function::Of(Unary::Elementary(Elementary::Cos))),
-    ("tan", Function::Of(Unary::Elementary(Elementary::Tan))),
-    ("atan", Function::Of(Unary::Elementary(Elementary::Atan))),
-    ("tanh", Function::Of(Unary::Elementary(Elementary::Tanh))),
+    ("exp", Function::Of(Unary::Exp)),
+    ("log", Function::Of(Unary::Log)),
+    ("sin", Function::Of(Unary::Sin)),
+    ("cos", Function::Of(Unary::Cos)),
+    ("tan", Function::Of(Unary::Tan)),
+    ("atan", Function::Of(Unary::Atan)),
+    ("tanh", Function::Of(Unary::Tanh)),
 ];
 
-/// Other names that users write.
-const SYNONYMS: [(&str, &str); 16] = [
-    ("v", "xdot"),
-    ("dx", "xdot"),
-    ("dxdt", "xdot"),
-    ("velocity", "xdot"),
-    ("displacement", "x"),
-    ("position", "x"),
-    ("time", "t"),
-    ("sgn", "sign"),
-    ("signum", "sign"),
-    ("ln", "log"),
-    ("arctan", "atan"),
-    ("fabs", "abs"),
-    ("minimum", "min"),
-    ("maximum", "max"),
-    ("pow", "^"),
-    ("e", "exp(1)"),
-];
-
-/// What stands for names that users write and an expression does not know.
-const HINTS: [(&[&str], &str); 11] = [
+/// What to write in place of names that users write and an expression does not know.
+const HINTS: &[(&[&str], &str)] = &[
+    (&["v", "dx", "dxdt", "velocity"], "write `xdot`"),
+    (&["displacement", "position"], "write `x`"),
+    (&["time"], "write `t`"),
+    (&["sgn", "signum"], "write `sign`"),
+    (&["ln"], "write `log`"),
+    (&["arctan"], "write `atan`"),
+    (&["fabs"], "write `abs`"),
+    (&["minimum"], "write `min`"),
+    (&["maximum"], "write `max`"),
+    (&["pow"], "write `^`"),
+    (&["e"], "write `exp(1)`"),
     (&["sinh"], "write `(exp(x) - exp(-x))/2` for sinh(x)"),
     (&["cosh"], "write `(exp(x) + exp(-x))/2` for cosh(x)"),
     (&["log10", "lg"], "write `log(x)/log(10)` for the decimal logarithm"),
@@ -137,8 +128,7 @@ fn hint(name: &str, names: Names<'_>) -> Option<String> {
     if let Some((_, hint)) = HINTS.iter().find(|(names, _)| names.contains(&word.as_str())) {
         return Some(hint.to_string());
     }
-    let synonym = SYNONYMS.iter().find(|(synonym, _)| *synonym == word).map(|(_, right)| *right);
-    synonym.or_else(|| nearest(&word, names)).map(|right| format!("write `{right}`"))
+    nearest(&word, names).map(|right| format!("write `{right}`"))
 }
 
 /// The name that a word is a slip of the pen for. A name with something added, as x2 or sinh,

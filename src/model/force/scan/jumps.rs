@@ -4,7 +4,7 @@
 //! looked for along straight lines through the box of the scales, and g is compared on both sides,
 //! closer and closer.
 
-use super::super::operation::{Binary, Elementary, Unary};
+use super::super::operation::{Binary, Unary};
 use super::super::tree::{TIME, Term, X, XDOT};
 use super::probe::{Found, Probe, short};
 
@@ -78,8 +78,8 @@ impl Suspect {
         let itself = |argument| argument;
         let (argument, margin, can_be_steep): (usize, fn(f64) -> f64, bool) = match probe.formula.nodes[node].term {
             Term::Unary(Unary::Sign, a) => (a, itself, false),
-            Term::Unary(Unary::Elementary(Elementary::Tan), a) => (a, libm::cos, true),
-            Term::Unary(Unary::Sqrt | Unary::Elementary(Elementary::Log), a) => (a, itself, true),
+            Term::Unary(Unary::Tan, a) => (a, libm::cos, true),
+            Term::Unary(Unary::Sqrt | Unary::Log, a) => (a, itself, true),
             Term::Binary(Binary::Div, _, a) | Term::Binary(Binary::Power, a, _) => (a, itself, true),
             Term::Whole(a, power) if power < 0 => (a, itself, true),
             _ => return None,
