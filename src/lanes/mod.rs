@@ -189,12 +189,7 @@ pub trait Lanes:
     fn shl<const N: u32>(bits: Self::Bits) -> Self::Bits;
     /// bits rotated left by N, with N < 64.
     fn rotate_left<const N: i32>(bits: Self::Bits) -> Self::Bits;
-}
 
-impl<L: Lanes> Choose for L {}
-
-/// Operations that are composed of those of [`Lanes`].
-pub trait Choose: Lanes {
     /// The larger of self and `other`; `other` where self is not a number.
     #[inline(always)]
     fn or_at_least(self, other: Self) -> Self {

@@ -24,31 +24,26 @@ macro_rules! intrinsics {
     };
 }
 
-pub(super) fn run_avx512(program: &mut impl LaneProgram) {
-    #[target_feature(enable = "avx512f,avx512dq,avx512vl,avx2,fma,popcnt")]
-    fn widened(program: &mut impl LaneProgram) {
-        program.run::<Avx512>();
-    }
-    // SAFETY: see the head of this file.
-    unsafe { widened(program) }
+/// Functions that run a program on lanes of a type, compiled for its instruction set.
+macro_rules! runners {
+    ($($name:ident: $Lanes:ty, $features:literal;)+) => {
+        $(
+            pub(super) fn $name(program: &mut impl LaneProgram) {
+                #[target_feature(enable = $features)]
+                fn widened(program: &mut impl LaneProgram) {
+                    program.run::<$Lanes>();
+                }
+                // SAFETY: see the head of this file.
+                unsafe { widened(program) }
+            }
+        )+
+    };
 }
 
-pub(super) fn run_avx2(program: &mut impl LaneProgram) {
-    #[target_feature(enable = "avx2,fma,popcnt")]
-    fn widened(program: &mut impl LaneProgram) {
-        program.run::<Avx2>();
-    }
-    // SAFETY: see the head of this file.
-    unsafe { widened(program) }
-}
-
-pub(super) fn run_avx2_paired(program: &mut impl LaneProgram) {
-    #[target_feature(enable = "avx2,fma,popcnt")]
-    fn widened(program: &mut impl LaneProgram) {
-        program.run::<Pair<Avx2>>();
-    }
-    // SAFETY: see the head of this file.
-    unsafe { widened(program) }
+runners! {
+    run_avx512: Avx512, "avx512f,avx512dq,avx512vl,avx2,fma,popcnt";
+    run_avx2: Avx2, "avx2,fma,popcnt";
+    run_avx2_paired: Pair<Avx2>, "avx2,fma,popcnt";
 }
 
 /// Eight lanes.
@@ -114,46 +109,27 @@ impl Lanes for Avx512 {
 
     super::inlined! {
         fn gather_rows(table: &[Row], rows: &[u32; ROW]) -> [Self; ROW] {
+            macro_rules! loaded {
+                ($($i:literal)+) => { [$(_mm512_load_pd(table.get_unchecked(rows[$i] as usize).0.as_ptr())),+] };
+            }
             assert_in(table, rows);
             // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
             // 64 bytes.
-            unsafe {
-                let c = transposed([
-                    _mm512_load_pd(table.get_unchecked(rows[0] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[1] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[2] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[3] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[4] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[5] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[6] as usize).0.as_ptr()),
-                    _mm512_load_pd(table.get_unchecked(rows[7] as usize).0.as_ptr()),
-                ]);
-                [
-                    Avx512(c[0]),
-                    Avx512(c[1]),
-                    Avx512(c[2]),
-                    Avx512(c[3]),
-                    Avx512(c[4]),
-                    Avx512(c[5]),
-                    Avx512(c[6]),
-                    Avx512(c[7]),
-                ]
-            }
+            let c = unsafe { transposed(loaded!(0 1 2 3 4 5 6 7)) };
+            [Avx512(c[0]), Avx512(c[1]), Avx512(c[2]), Avx512(c[3]), Avx512(c[4]), Avx512(c[5]), Avx512(c[6]), Avx512(c[7])]
         }
         fn scatter_rows(c: [Self; ROW], table: &mut [Row], rows: &[u32; ROW]) {
             assert_in(table, rows);
+            let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
+            macro_rules! store {
+                ($($i:literal)+) => {
+                    $(_mm512_store_pd(table.get_unchecked_mut(rows[$i] as usize).0.as_mut_ptr(), lanes[$i]);)+
+                };
+            }
             // SAFETY: `assert_in` has checked that all rows are in the table, and a `Row` is aligned to
             // 64 bytes.
             unsafe {
-                let lanes = transposed([c[0].0, c[1].0, c[2].0, c[3].0, c[4].0, c[5].0, c[6].0, c[7].0]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[0] as usize).0.as_mut_ptr(), lanes[0]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[1] as usize).0.as_mut_ptr(), lanes[1]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[2] as usize).0.as_mut_ptr(), lanes[2]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[3] as usize).0.as_mut_ptr(), lanes[3]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[4] as usize).0.as_mut_ptr(), lanes[4]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[5] as usize).0.as_mut_ptr(), lanes[5]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[6] as usize).0.as_mut_ptr(), lanes[6]);
-                _mm512_store_pd(table.get_unchecked_mut(rows[7] as usize).0.as_mut_ptr(), lanes[7]);
+                store!(0 1 2 3 4 5 6 7);
             }
         }
         fn compress(entries: &[u32; ROW], lanes: u32) -> [u32; ROW] {

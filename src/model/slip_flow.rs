@@ -48,16 +48,18 @@ pub struct ForcingTerm {
 pub struct ForcedOscillator {
     free: ImpulseResponse,
     oscillator: Oscillator,
-    terms: Vec<ForcingTerm>,
-    /// sum_j |F_j| |z_j|^2 >= |(K beta T / m)''|.
-    forcing_curvature: f64,
+    /// F_j and z_j of each term.
+    pub terms: Vec<ForcingTerm>,
+    /// sum_j |F_j| |z_j|^2 >= |(K beta T / m)''| at every time.
+    pub forcing_curvature: f64,
 }
 
 /// The motion of one sub-phase, from its start.
 #[derive(Clone, Debug)]
 pub struct SlipFlow<'a> {
     body: &'a ForcedOscillator,
-    start_acceleration: f64,
+    /// x''(t0).
+    pub start_acceleration: f64,
     start_velocity: f64,
     /// P_j.
     terms: &'a [Complex],
@@ -113,16 +115,6 @@ impl ForcedOscillator {
         if rate < 0.0 { -0.5 / rate } else { f64::INFINITY }
     }
 
-    /// F_j and z_j of each term.
-    pub fn terms(&self) -> &[ForcingTerm] {
-        &self.terms
-    }
-
-    /// An upper bound of |(K beta T / m)''| at every time.
-    pub fn forcing_curvature(&self) -> f64 {
-        self.forcing_curvature
-    }
-
     /// An upper bound of |K beta T / m| at every time.
     pub fn forcing_size(&self) -> f64 {
         self.terms.iter().map(|t| t.amplitude.abs()).sum()
@@ -159,11 +151,6 @@ impl ForcedOscillator {
 }
 
 impl SlipFlow<'_> {
-    /// x''(t0).
-    pub fn start_acceleration(&self) -> f64 {
-        self.start_acceleration
-    }
-
     /// The state a time r after the start.
     pub fn at(&self, r: f64) -> SlipState {
         let ForcedOscillator { free, oscillator, terms, .. } = self.body;

@@ -27,7 +27,7 @@
 //! the ratio is stationary at the typical place d0/(d0 + |d1|).
 
 use super::first_passage::{Distances, meeting_place};
-use crate::lanes::{Choose, Lanes, exp};
+use crate::lanes::{Lanes, exp};
 use std::f64::consts::FRAC_1_PI;
 
 /// A threshold above a Brownian bridge.

@@ -25,7 +25,7 @@
 //! one, the other, and this one again. The first omitted term is below exp(-4 w^2/S) where both
 //! ends lie between the thresholds.
 
-use crate::lanes::{Choose, Lanes, exp};
+use crate::lanes::{Lanes, exp};
 
 /// The distances of a threshold above y at the start and at the end.
 pub type Distances<L> = (L, L);

@@ -23,7 +23,8 @@ impl Transition {
     /// The transition over a time `h` >= 0, for theta > 0 and sigma >= 0. It uses expm1, so it does
     /// not cancel for any theta h.
     pub fn new(theta: f64, sigma: f64, h: f64) -> Self {
-        Transition { decay: libm::exp(-theta * h), increment_sd: increment_sd(theta, sigma, forgotten(theta, h)) }
+        let increment_sd = sigma * (forgotten(theta, h) / (2.0 * theta)).sqrt();
+        Transition { decay: libm::exp(-theta * h), increment_sd }
     }
 
     /// v(t + h) from v(t) and a standard normal.
@@ -35,7 +36,7 @@ impl Transition {
 
 /// The square of [`Transition::increment_sd`], with one rounding fewer.
 pub fn increment_variance(theta: f64, sigma: f64, h: f64) -> f64 {
-    spread(theta, sigma, forgotten(theta, h))
+    sigma * sigma * forgotten(theta, h) / (2.0 * theta)
 }
 
 /// The process over a time h, given both ends, as a Brownian bridge with the same ends. The
@@ -162,14 +163,6 @@ fn long_bridge_at(theta: f64, sigma: f64, before: f64, behind: f64, (n0, n1): (f
 /// 1 - e^{-2 theta h}, the fraction of the stationary variance that does not come from the start.
 fn forgotten(theta: f64, h: f64) -> f64 {
     -libm::expm1(-2.0 * theta * h)
-}
-
-fn increment_sd(theta: f64, sigma: f64, forgotten: f64) -> f64 {
-    sigma * (forgotten / (2.0 * theta)).sqrt()
-}
-
-fn spread(theta: f64, sigma: f64, forgotten: f64) -> f64 {
-    sigma * sigma * forgotten / (2.0 * theta)
 }
 
 #[cfg(test)]

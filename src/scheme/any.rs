@@ -106,12 +106,10 @@ macro_rules! schemes {
                 match self { $(Simulation::$Scheme(simulation) => simulation.timeline(),)+ }
             }
 
-            fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
-                match self { $(Simulation::$Scheme(simulation) => simulation.simulate(seed, paths, observer),)+ }
-            }
-
-            fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
-                match self { $(Simulation::$Scheme(simulation) => simulation.why_lost(seed, path, observer),)+ }
+            fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
+                match self {
+                    $(Simulation::$Scheme(simulation) => simulation.simulate_counting(seed, paths, observer),)+
+                }
             }
 
             fn step(&self) -> Option<f64> {

@@ -1,6 +1,6 @@
 //! What a scheme has to define ([`Method`]), and what it can do on a model ([`Simulate`]).
 
-use super::{Misfit, Observer, Resolution, Stability, Timeline, Unresolved};
+use super::{Misfit, Observer, Resolution, Simulated, Stability, Timeline, Unresolved};
 use crate::model::Model;
 
 /// A scheme with its one parameter, and its properties. Each scheme is a type in a file of its own,
@@ -56,15 +56,23 @@ pub trait Simulate: Sized {
     /// The instants at which the paths are observed.
     fn timeline(&self) -> &Timeline;
 
-    /// Simulates these paths of the ensemble with this seed. Returns the lanes (positions in
-    /// `paths`) of the paths that diverged or had to be given up; what the observer received of
-    /// them is no result.
-    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize>;
+    /// Simulates these paths of the ensemble with this seed. What the observer received of the paths
+    /// that diverged or had to be given up is no result.
+    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated;
+
+    /// The same. Returns the lanes (positions in `paths`) of the paths that diverged or had to be
+    /// given up.
+    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
+        self.simulate_counting(seed, paths, observer).lost
+    }
 
     /// Why this path of the ensemble is given up, for which it is simulated again. None if it is not,
     /// and for a scheme with a step, where every lost path has diverged.
-    fn why_lost(&self, _seed: u64, _path: u64, _observer: &mut dyn Observer) -> Option<Unresolved> {
-        None
+    fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
+        match self.step() {
+            Some(_) => None,
+            None => self.simulate_counting(seed, &[path], observer).why,
+        }
     }
 
     /// The time step h; the times of all events are whole multiples of it. None for a scheme

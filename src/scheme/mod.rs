@@ -27,10 +27,9 @@ mod timeline;
 #[doc(hidden)]
 pub use discrete_vi::corrected_exit;
 pub use discrete_vi::{CorrectedVi, DiscreteSimulation, DiscreteVi, divergence_bound, monitoring_shift};
-#[doc(hidden)]
-pub use event_driven::Simulated;
-pub use event_driven::Unresolved;
-pub use event_driven::{DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, TOLERANCES};
+pub use event_driven::{
+    DEFAULT_TOLERANCE, EventDriven, EventDrivenSimulation, Resolution, Simulated, TOLERANCES, Unresolved,
+};
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
 pub use glide::{Along, Glide};

@@ -43,13 +43,12 @@
 use super::columns::Seen;
 use super::event_driven::{
     self, Cascade, Cell, Corridor, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated,
-    StepLadder, StepRules, Stretch, Stretches, UnfeltNoise, Unresolved, Watch, WatchedPiece, Watching, WorkLeft,
+    StepLadder, StepRules, Stretch, Stretches, Unresolved, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft,
     cell_length, check_friction, noise_between, work_limit,
 };
 use super::{
     Along, DEFAULT_TOLERANCE, Discretisation, Glide, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline,
 };
-use crate::lanes::InstructionSet;
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
 
@@ -131,7 +130,7 @@ pub struct QuasiStaticSimulation {
 enum Exits {
     Noisy(Box<NoisyRecursion>),
     /// Motion with the mean of the noise; its fluctuations are only added to the temperature.
-    Noiseless(Box<NoiselessRecursion>, UnfeltNoise),
+    Noiseless(Box<NoiselessRecursion>),
 }
 
 /// Pieces of the motion of a whole slip.
@@ -237,7 +236,7 @@ impl QuasiStaticSimulation {
             Exits::Noisy(Box::new(NoisyRecursion::new(scene, timeline, &StepRules::new(tolerance), slip)))
         } else {
             let recursion = NoiselessRecursion { exits: Noiseless::new(model, timeline), slip };
-            Exits::Noiseless(Box::new(recursion), UnfeltNoise::new(model))
+            Exits::Noiseless(Box::new(recursion))
         };
         QuasiStaticSimulation { model: model.clone(), timeline: *timeline, exits }
     }
@@ -470,18 +469,24 @@ impl Simulate for QuasiStaticSimulation {
 
     /// A path is given up if it makes all the evaluations that it may, or if a value is not a
     /// number.
-    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
-        self.simulate_counting(seed, paths, observer).lost
-    }
-
-    fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
-        self.simulate_counting(seed, &[path], observer).why
+    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
+        match &self.exits {
+            Exits::Noisy(cascade) => {
+                let observer = Watching::new(observer);
+                let (is_stopped, follows) = (|| observer.borrow().is_stopped(), observer.borrow().follows());
+                let mut all = OneByOne::new(cascade.as_ref(), seed, paths, &is_stopped, follows);
+                event_driven::simulate(&mut all, paths.len(), &observer)
+            }
+            Exits::Noiseless(cascade) => {
+                cascade.simulate(paths.len(), &mut WithUnfeltNoise::new(&self.model, observer, seed, paths))
+            }
+        }
     }
 
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.exits {
             Exits::Noisy(cascade) => cascade.work_limit = limit,
-            Exits::Noiseless(cascade, _) => cascade.exits.work_limit = limit,
+            Exits::Noiseless(cascade) => cascade.exits.work_limit = limit,
         }
         self
     }
@@ -491,23 +496,5 @@ impl Simulate for QuasiStaticSimulation {
             cascade.closeness = closeness;
         }
         self
-    }
-}
-
-impl QuasiStaticSimulation {
-    /// [`Simulate::simulate`], which also returns why a path is given up.
-    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
-        match &self.exits {
-            Exits::Noisy(cascade) => {
-                let observer = Watching::new(observer);
-                let is_stopped = || observer.borrow().is_stopped();
-                let all = OneByOne::new(cascade.as_ref(), InstructionSet::detect(), seed, paths, &is_stopped);
-                let mut all = if observer.borrow().follows() { all.followed() } else { all };
-                event_driven::simulate(&mut all, paths.len(), &observer)
-            }
-            Exits::Noiseless(cascade, noise) => {
-                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
-            }
-        }
     }
 }

@@ -9,7 +9,7 @@
 //! a stick, sticks would be 23 % shorter at h = 0.01, and their duration would not
 //! converge.
 
-use super::kernel::{Kernel, LaneState, Paths, Turn};
+use super::kernel::{Kernel, Paths, State, Turn};
 use crate::model::{Event, EventKind, Phase, Sign};
 use crate::scheme::Observer;
 
@@ -34,12 +34,12 @@ impl GridReader {
         let phases = (0..paths).map(|lane| {
             let at = state.point(lane);
             let force = kernel.force(&at, forcing, 0);
-            let pulls = kernel.pulls(&LaneState { velocity: 0.0, ..at }, forcing, 0);
-            if at.velocity == 0.0 && kernel.holds(pulls, kernel.coefficients.static_impulse) {
+            let pulls = kernel.pulls(&State { v: 0.0, ..at }, forcing, 0);
+            if at.v == 0.0 && kernel.holds(pulls, kernel.coefficients.static_impulse) {
                 return Phase::Static;
             }
-            let sign = Sign::of(if at.velocity == 0.0 { pulls[0] + pulls[1] } else { at.velocity });
-            let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.displacement, force };
+            let sign = Sign::of(if at.v == 0.0 { pulls[0] + pulls[1] } else { at.v });
+            let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.x, force };
             if !force.is_finite() {
                 forceless.push(lane);
             }
@@ -55,7 +55,7 @@ impl GridReader {
     pub(super) fn statics(&self, kernel: &Kernel, state: &Paths, forcing: f64, n: u64) -> impl Iterator<Item = bool> {
         let exit = kernel.coefficients.exit_impulse;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
-            let at = LaneState { displacement: state.displacement[lane], velocity: 0.0, noise: state.noise[lane] };
+            let at = State { v: 0.0, ..state.point(lane) };
             *phase == Phase::Static && kernel.holds(kernel.pulls(&at, forcing, n), exit)
         })
     }
@@ -78,16 +78,17 @@ impl GridReader {
                 // A static phase here means V = 0 at the next step.
                 EventKind::at_rest(kernel.holds(pulls, kernel.coefficients.static_impulse), pulls[0] + pulls[1])
             };
-            let Some((kind, when)) = self::read(*phase, turn, at_rest) else { continue };
+            let Some(kind) = self::read(*phase, turn, at_rest) else { continue };
             *phase = kind.phase();
-            let (at, step) = match when {
-                When::Before => (&turn.before, turn.step),
-                When::After => (&turn.after, turn.step + 1),
+            // A static phase ends at the beginning of the step; all other events are at its end.
+            let (at, step) = match kind {
+                EventKind::SlipStarted(_) => (&turn.before, turn.step),
+                EventKind::StickEntered | EventKind::SubPhaseBoundary(_) => (&turn.after, behind),
             };
             let event = Event {
                 kind,
                 time: (n + step as u64) as f64 * kernel.coefficients.h,
-                displacement: at.displacement,
+                displacement: at.x,
                 force: kernel.force(at, forcing[step], n + step as u64),
             };
             if !event.force.is_finite() {
@@ -98,23 +99,16 @@ impl GridReader {
     }
 }
 
-/// The end of the step at which an event lies.
-enum When {
-    Before,
-    After,
-}
-
 /// The event of a path in this phase that a step from `turn.before` to `turn.after` makes, if any.
 /// `at_rest` is what a zero at the end of the step is.
-fn read(phase: Phase, turn: &Turn, at_rest: impl Fn() -> EventKind) -> Option<(EventKind, When)> {
-    let (before, after) = (turn.before.velocity, turn.after.velocity);
+fn read(phase: Phase, turn: &Turn, at_rest: impl Fn() -> EventKind) -> Option<EventKind> {
+    let (before, after) = (turn.before.v, turn.after.v);
     match phase {
-        Phase::Static if after != 0.0 => Some((EventKind::SlipStarted(Sign::of(after)), When::Before)),
-        Phase::Static => None,
-        Phase::Slip(_) if after == 0.0 => Some((at_rest(), When::After)),
+        Phase::Static => (after != 0.0).then(|| EventKind::SlipStarted(Sign::of(after))),
+        Phase::Slip(_) if after == 0.0 => Some(at_rest()),
         // The signs are compared, because the product of the velocities could underflow.
         Phase::Slip(_) if before != 0.0 && Sign::of(before) != Sign::of(after) => {
-            Some((EventKind::SubPhaseBoundary(Sign::of(after)), When::After))
+            Some(EventKind::SubPhaseBoundary(Sign::of(after)))
         }
         // The path leaves a turning point, whose sub-phase boundary was the zero before.
         Phase::Slip(_) => None,

@@ -5,7 +5,7 @@ use super::reading::GridReader;
 use crate::lanes::InstructionSet;
 use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
-use crate::scheme::{Along, Glide, Observer, Simulate, Snapshot, Timeline};
+use crate::scheme::{Along, Glide, Observer, Simulate, Simulated, Snapshot, Timeline};
 
 /// A path counts as diverged beyond this multiple of the largest displacement to be expected of the
 /// exact model.
@@ -78,6 +78,24 @@ impl DiscreteSimulation {
             },
         }
     }
+
+    /// Tells step n of all paths in motion: where they were before it and which of them were static
+    /// there, and where they are after it.
+    fn tell_step(
+        &self,
+        n: u64,
+        (before, is_static): (Paths, Vec<bool>),
+        after: &Paths,
+        temperature: impl Fn(f64) -> f64,
+        observer: &mut dyn Observer,
+    ) {
+        for lane in (0..is_static.len()).filter(|&lane| !is_static[lane]) {
+            let (at, to) = (before.point(lane), after.point(lane));
+            let along = Along::Step { temperature: temperature(at.noise) };
+            let (start, length, velocity) = (n as f64 * self.h, self.h, [at.v, to.v]);
+            observer.glide(lane, &Glide { start, length, displacement: at.x, way: to.x - at.x, velocity, along });
+        }
+    }
 }
 
 impl Simulate for DiscreteSimulation {
@@ -108,7 +126,7 @@ impl Simulate for DiscreteSimulation {
     }
 
     /// A path is lost if it diverges: if |x| exceeds [`divergence_bound`] or is not a number.
-    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
+    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
         let kernel = Kernel::new(&self.model, self.h, self.refinement, self.is_corrected, self.instructions);
         let mut streams = LaneStreams::new(seed, paths, Paths::padded(paths.len()));
         let paths = paths.len();
@@ -122,9 +140,9 @@ impl Simulate for DiscreteSimulation {
         forcing[0] = to_force * harmonics[0];
         let mut reader = GridReader::start(&kernel, &state, forcing[0], paths, observer);
         let mut diverged = vec![false; paths];
-        let mut sampled = NoiseSamples::default();
+        let (mut temperature, mut is_static) = (Vec::new(), Vec::new());
         let mut turns = Vec::new();
-        let mut followed = observer.follows().then(Followed::default);
+        let follows = observer.follows();
 
         let mut n = 0u64;
         for stop in self.timeline.stops() {
@@ -132,21 +150,19 @@ impl Simulate for DiscreteSimulation {
             let target = (stop.time / grid).round() as u64 * self.observed_every;
             while n < target {
                 if observer.is_stopped() {
-                    return Vec::new();
+                    return Simulated::default();
                 }
-                let steps = if followed.is_some() { 1 } else { RUN.min((target - n) as usize) };
+                let steps = if follows { 1 } else { RUN.min((target - n) as usize) };
                 self.clock.fill(n, &mut harmonics[..=steps]);
                 for (force, harmonic) in forcing.iter_mut().zip(&harmonics[..=steps]) {
                     *force = to_force * harmonic;
                 }
-                if let Some(followed) = &mut followed {
-                    followed.begin(&state, reader.statics(&kernel, &state, forcing[0], n));
-                }
+                let before = follows.then(|| (state.clone(), reader.statics(&kernel, &state, forcing[0], n).collect()));
                 kernel.advance(n, &forcing[..=steps], &mut streams, &mut state, &mut turns);
                 reader.read(&kernel, n, &forcing, &turns, observer);
-                if let Some(followed) = &followed {
+                if let Some(before) = before {
                     let temperature = |noise: f64| harmonics[0] + kernel.noise.temperature * noise;
-                    followed.tell(n, self.h, temperature, &state, observer);
+                    self.tell_step(n, before, &state, temperature, observer);
                 }
                 // All lanes are tested together first, because a path hardly ever diverges.
                 let is_bounded = |x: &f64| x.abs() <= bound;
@@ -164,9 +180,17 @@ impl Simulate for DiscreteSimulation {
                 n += steps as u64;
                 harmonics[0] = harmonics[steps];
             }
-            sampled.is_static.clear();
-            sampled.is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0], n));
-            let snapshot = sampled.take(&state, harmonics[0], kernel.noise.temperature, n as f64 * self.h);
+            is_static.clear();
+            is_static.extend(reader.statics(&kernel, &state, to_force * harmonics[0], n));
+            temperature.clear();
+            temperature.extend(state.noise[..paths].iter().map(|v| harmonics[0] + kernel.noise.temperature * v));
+            let snapshot = Snapshot {
+                time: n as f64 * self.h,
+                displacement: &state.displacement[..paths],
+                velocity: &state.velocity[..paths],
+                temperature: &temperature,
+                is_static: &is_static,
+            };
             observer.snapshot(stop.instant, snapshot);
         }
         reader.forceless.iter().for_each(|&lane| diverged[lane] = true);
@@ -176,37 +200,8 @@ impl Simulate for DiscreteSimulation {
                 *diverged |= !kernel.pulls(&state.point(lane), last, n).iter().all(|pull| pull.is_finite());
             }
         }
-        (0..paths).filter(|&lane| diverged[lane]).collect()
-    }
-}
-
-/// The paths at the start of a step, if their motion is followed.
-#[derive(Default)]
-struct Followed {
-    state: Option<Paths>,
-    is_static: Vec<bool>,
-}
-
-impl Followed {
-    fn begin(&mut self, state: &Paths, statics: impl Iterator<Item = bool>) {
-        match &mut self.state {
-            Some(before) => before.clone_from(state),
-            before => *before = Some(state.clone()),
-        }
-        self.is_static.clear();
-        self.is_static.extend(statics);
-    }
-
-    /// Tells the step n, which has led to `after`, of all paths in motion.
-    fn tell(&self, n: u64, h: f64, temperature: impl Fn(f64) -> f64, after: &Paths, observer: &mut dyn Observer) {
-        let Some(before) = &self.state else { return };
-        for (lane, _) in self.is_static.iter().enumerate().filter(|(_, is_static)| !**is_static) {
-            let (x, v) = (before.displacement[lane], before.velocity[lane]);
-            let along = Along::Step { temperature: temperature(before.noise[lane]) };
-            let (way, velocity) = (after.displacement[lane] - x, [v, after.velocity[lane]]);
-            let start = n as f64 * h;
-            observer.glide(lane, &Glide { start, length: h, displacement: x, way, velocity, along });
-        }
+        let lost = (0..paths).filter(|&lane| diverged[lane]).collect();
+        Simulated { lost, ..Simulated::default() }
     }
 }
 
@@ -238,27 +233,5 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
         None if growth > 1.0 => (DIVERGENCE_MARGIN * growth * reach).min(LARGEST),
         None => (DIVERGENCE_MARGIN * reach).min(f64::MAX),
         Some(_) => (OWN_FORCE_MARGIN * growth * (reach + model.length_scale(end))).min(LARGEST),
-    }
-}
-
-/// The buffers of a snapshot.
-#[derive(Default)]
-struct NoiseSamples {
-    temperature: Vec<f64>,
-    is_static: Vec<bool>,
-}
-
-impl NoiseSamples {
-    fn take<'a>(&'a mut self, state: &'a Paths, harmonic: f64, noise: f64, time: f64) -> Snapshot<'a> {
-        let paths = self.is_static.len();
-        self.temperature.clear();
-        self.temperature.extend(state.noise[..paths].iter().map(|v| harmonic + noise * v));
-        Snapshot {
-            time,
-            displacement: &state.displacement[..paths],
-            velocity: &state.velocity[..paths],
-            temperature: &self.temperature,
-            is_static: &self.is_static,
-        }
     }
 }

@@ -30,7 +30,7 @@ pub use work::{Simulated, Unresolved};
 pub(super) use alone::{Cascade, OneByOne, Path, Watch, WatchedPiece};
 pub(super) use cell_loop::{Watching, simulate};
 pub(super) use law::{Cell, Corridor, Glance, Known, Scene, StepLadder, StepRules, cell_length, noise_between};
-pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, UnfeltNoise};
+pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, WithUnfeltNoise};
 pub(super) use work::{WorkLeft, work_limit};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

@@ -81,7 +81,7 @@ impl Noisy {
         // Whatever oscillates at rest is looked at often enough to be seen.
         let longest_cell = longest_cell.min(rules.slip_length / scene.own_rate(timeline.end));
         let ladder = scene.ladder(cell_length(longest_cell.min(scene.longest_cell()), timeline.end), timeline.end);
-        let cell_length = ladder.length();
+        let cell_length = ladder.length;
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
         let halvings = if scene.has_own_force() { FINEST_HALVING + 1 } else { 0 };
@@ -116,13 +116,7 @@ impl Noisy {
     /// its transition is a sum of power series without doubling.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.length();
-        self.has_equal_cells() && self.ladder.length() == length && self.oscillator.has_series_for(length)
-    }
-
-    /// A slip step of another length.
-    #[inline(always)]
-    pub fn part_of_step(&self, length: f64) -> SlipStep {
-        SlipStep::new(&self.oscillator, self.step.harmonics.len(), length)
+        self.has_equal_cells() && self.ladder.length == length && self.oscillator.has_series_for(length)
     }
 
     /// The best number of paths to simulate together: enough to fill the registers with the flagged
@@ -140,8 +134,7 @@ impl Noisy {
             let mut all = Abreast::new(self, instructions, seed, paths, &is_stopped);
             return cell_loop::simulate(&mut all, paths.len(), &observer);
         }
-        let all = OneByOne::new(self, instructions, seed, paths, &is_stopped);
-        let mut all = if follows { all.followed() } else { all };
+        let mut all = OneByOne::new(self, seed, paths, &is_stopped, follows);
         cell_loop::simulate(&mut all, paths.len(), &observer)
     }
 }

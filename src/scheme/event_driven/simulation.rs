@@ -2,9 +2,9 @@
 //! once.
 
 use super::law::{Resolution, Scene, StepRules};
-use super::noiseless::{GeneralNoiseless, Noiseless, Stretches, UnfeltNoise};
+use super::noiseless::{GeneralNoiseless, Noiseless, Stretches, WithUnfeltNoise};
 use super::noisy::Noisy;
-use super::work::{Simulated, Unresolved};
+use super::work::Simulated;
 use crate::lanes::InstructionSet;
 use crate::model::Model;
 use crate::scheme::{Observer, Simulate, Timeline};
@@ -22,9 +22,9 @@ pub struct EventDrivenSimulation {
 /// numbers are drawn for the motion.
 #[derive(Clone, Debug)]
 enum Chosen {
-    Noiseless(Box<Noiseless>, UnfeltNoise),
+    Noiseless(Box<Noiseless>),
     /// Without noise and with a force of the user's own.
-    General(Box<GeneralNoiseless>, UnfeltNoise),
+    General(Box<GeneralNoiseless>),
     Noisy(Box<Noisy>),
 }
 
@@ -37,9 +37,9 @@ impl EventDrivenSimulation {
             let rules = StepRules::new(tolerance);
             (Chosen::Noisy(Box::new(Noisy::new(model, timeline, &rules))), rules.resolution(&scene))
         } else if model.force.is_some() {
-            (Chosen::General(Box::new(GeneralNoiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
+            (Chosen::General(Box::new(GeneralNoiseless::new(model, timeline))), None)
         } else {
-            (Chosen::Noiseless(Box::new(Noiseless::new(model, timeline)), UnfeltNoise::new(model)), None)
+            (Chosen::Noiseless(Box::new(Noiseless::new(model, timeline))), None)
         };
         EventDrivenSimulation { model: model.clone(), timeline: *timeline, chosen, resolution }
     }
@@ -48,19 +48,6 @@ impl EventDrivenSimulation {
     /// noise; usually none.
     pub fn resolution(&self) -> Option<Resolution> {
         self.resolution
-    }
-
-    /// [`Simulate::simulate`], which also returns the number of evaluations.
-    pub fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
-        match &self.chosen {
-            Chosen::Noiseless(cascade, noise) => {
-                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
-            }
-            Chosen::General(cascade, noise) => {
-                cascade.simulate(paths.len(), &mut noise.added_before(observer, seed, paths))
-            }
-            Chosen::Noisy(cascade) => cascade.simulate(seed, paths, observer),
-        }
     }
 }
 
@@ -75,18 +62,19 @@ impl Simulate for EventDrivenSimulation {
 
     /// A path is given up if it makes all the evaluations that it may, or if a value is not a
     /// number.
-    fn simulate(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Vec<usize> {
-        self.simulate_counting(seed, paths, observer).lost
-    }
-
-    fn why_lost(&self, seed: u64, path: u64, observer: &mut dyn Observer) -> Option<Unresolved> {
-        self.simulate_counting(seed, &[path], observer).why
+    fn simulate_counting(&self, seed: u64, paths: &[u64], observer: &mut dyn Observer) -> Simulated {
+        let noiseless = |observer| WithUnfeltNoise::new(&self.model, observer, seed, paths);
+        match &self.chosen {
+            Chosen::Noiseless(cascade) => cascade.simulate(paths.len(), &mut noiseless(observer)),
+            Chosen::General(cascade) => cascade.simulate(paths.len(), &mut noiseless(observer)),
+            Chosen::Noisy(cascade) => cascade.simulate(seed, paths, observer),
+        }
     }
 
     fn paths_abreast(&self) -> usize {
         match &self.chosen {
             Chosen::Noisy(cascade) => cascade.paths_abreast(),
-            Chosen::Noiseless(..) | Chosen::General(..) => 1,
+            Chosen::Noiseless(_) | Chosen::General(_) => 1,
         }
     }
 
@@ -104,8 +92,8 @@ impl Simulate for EventDrivenSimulation {
 
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.chosen {
-            Chosen::Noiseless(cascade, _) => cascade.work_limit = limit,
-            Chosen::General(cascade, _) => cascade.work_limit = limit,
+            Chosen::Noiseless(cascade) => cascade.work_limit = limit,
+            Chosen::General(cascade) => cascade.work_limit = limit,
             Chosen::Noisy(cascade) => cascade.work_limit = limit,
         }
         self

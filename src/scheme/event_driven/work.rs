@@ -22,10 +22,10 @@ pub struct WorkLeft<'w> {
 pub struct Simulated {
     /// The lanes of the paths that had to be given up.
     pub lost: Vec<usize>,
-    /// Why the first of them was.
+    /// Why the first of them was; none for a scheme with a step.
     pub why: Option<Unresolved>,
     /// The number of evaluations of all paths together: a measure of computing time that does not
-    /// depend on the machine.
+    /// depend on the machine. A scheme with a step does not count them.
     pub evaluations: u64,
 }
 

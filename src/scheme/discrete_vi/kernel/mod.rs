@@ -60,13 +60,6 @@ impl Coefficients {
             exit_impulse: h / oscillator.mass * exit_force,
         }
     }
-
-    /// b(X, V, t) without g, rounded as in the lanes; `forcing` is K beta times the harmonics at t.
-    fn force(&self, at: &LaneState, forcing: f64) -> f64 {
-        let temperature_force = self.noise_force.mul_add(at.noise, forcing);
-        let b = self.minus_stiffness.mul_add(at.displacement, temperature_force);
-        self.minus_two_alpha.mul_add(at.velocity, b)
-    }
 }
 
 /// The noise v, measured in a unit of its own. The lanes draw normals divided by sqrt(2), chi =
@@ -152,9 +145,8 @@ impl Paths {
     }
 
     /// One path.
-    pub(super) fn point(&self, lane: usize) -> LaneState {
-        let (displacement, velocity) = (self.displacement[lane], self.velocity[lane]);
-        LaneState { displacement, velocity, noise: self.noise[lane] }
+    pub(super) fn point(&self, lane: usize) -> State {
+        State { x: self.displacement[lane], v: self.velocity[lane], noise: self.noise[lane] }
     }
 
     /// All paths at this x and x', and the given v(0)/unit.
@@ -164,22 +156,14 @@ impl Paths {
     }
 }
 
-/// X, V and v/unit of one path at one instant.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct LaneState {
-    pub displacement: f64,
-    pub velocity: f64,
-    pub noise: f64,
-}
-
 /// A step in which the velocity of a path becomes zero, leaves zero, or changes sign.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Turn {
     pub lane: usize,
     /// The number of the step within the run.
     pub step: usize,
-    pub before: LaneState,
-    pub after: LaneState,
+    pub before: State,
+    pub after: State,
 }
 
 /// The kernel for one scene. Terms that the scene does not have are compiled out.
@@ -213,15 +197,20 @@ impl Kernel {
         }
     }
 
+    /// b(X, V, t) without g, rounded as in the lanes; `forcing` is K beta times the harmonics at t.
+    fn linear_force(&self, at: &State, forcing: f64) -> f64 {
+        Splat::new(&self.coefficients).force::<true>(at, forcing)
+    }
+
+    /// g of these forces at t_n.
+    fn own_force(&self, force: &Force, at: &State, n: u64) -> f64 {
+        force.at(self.instructions, at.x, at.v, n as f64 * self.coefficients.h)
+    }
+
     /// b at rest with the forces that decide at the two thresholds, rounded as in the lanes.
-    pub(super) fn pulls(&self, at: &LaneState, forcing: f64, n: u64) -> [f64; 2] {
-        let (b, time) = (self.coefficients.force(at, forcing), n as f64 * self.coefficients.h);
-        let own = |force: &Force| b + force.at(self.instructions, at.displacement, at.velocity, time);
-        match &self.own {
-            Some(force) if force.sides().is_some() => force.in_stick().map(own),
-            Some(force) => [own(force); 2],
-            None => [b; 2],
-        }
+    pub(super) fn pulls(&self, at: &State, forcing: f64, n: u64) -> [f64; 2] {
+        let b = self.linear_force(at, forcing);
+        self.own.as_ref().map_or([b; 2], |own| own.in_stick().map(|force| b + self.own_force(force, at, n)))
     }
 
     /// Whether friction holds these pulls, up to an impulse. It is rounded as the step rounds it.
@@ -231,12 +220,9 @@ impl Kernel {
     }
 
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.
-    pub(super) fn force(&self, at: &LaneState, forcing: f64, n: u64) -> f64 {
-        let b = self.coefficients.force(at, forcing);
-        match &self.own {
-            Some(own) => b + own.at(self.instructions, at.displacement, at.velocity, n as f64 * self.coefficients.h),
-            None => b,
-        }
+    pub(super) fn force(&self, at: &State, forcing: f64, n: u64) -> f64 {
+        let b = self.linear_force(at, forcing);
+        self.own.as_ref().map_or(b, |own| b + self.own_force(own, at, n))
     }
 
     /// Takes every path through `forcing.len() - 1` <= RUN steps from t_n on, where `forcing[i]` is
@@ -371,12 +357,12 @@ impl<const OWN: bool, const NOISE: bool, const CORRECTED: bool> LaneRun<'_, OWN,
     }
 }
 
-/// X, V and v/unit of the paths in a register.
-#[derive(Clone, Copy)]
-struct State<L> {
-    x: L,
-    v: L,
-    noise: L,
+/// X, V and v/unit of one path, or of the paths in a register, at one instant.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct State<L = f64> {
+    pub x: L,
+    pub v: L,
+    pub noise: L,
 }
 
 impl<L: Lanes> State<L> {
@@ -542,11 +528,7 @@ fn note<L: Lanes>(turns: &mut Vec<Turn>, lane: usize, step: usize, turned: u32, 
 #[cold]
 #[inline(never)]
 fn keep(turns: &mut Vec<Turn>, lane: usize, step: usize, mut turned: u32, before: &Spilled, after: &Spilled) {
-    let point = |Spilled([displacement, velocity, noise]): &Spilled, i: usize| LaneState {
-        displacement: displacement[i],
-        velocity: velocity[i],
-        noise: noise[i],
-    };
+    let point = |Spilled([x, v, noise]): &Spilled, i: usize| State { x: x[i], v: v[i], noise: noise[i] };
     while turned != 0 {
         let i = turned.trailing_zeros() as usize;
         turns.push(Turn { lane: lane + i, step, before: point(before, i), after: point(after, i) });

@@ -4,7 +4,6 @@
 use super::super::cell_loop::Inside;
 use super::super::law::{Cell, Glance};
 use super::Abreast;
-use super::jobs::Task;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use std::marker::PhantomData;
 
@@ -72,13 +71,22 @@ impl Stage for CrossingStage {
     }
 }
 
-/// Makes a stage of each task: it works on all lanes that were taken out of the queue of the task.
+/// Makes the tasks, and a stage of each, which works on all lanes that were taken out of the queue of
+/// the task.
 macro_rules! tasks {
-    ($($WorkLeft:ident: $work:ident,)*) => {
-        $(
-            struct $WorkLeft;
+    ($($(#[$about:meta])* $Task:ident: $work:ident,)*) => {
+        /// What remains to be done for a flagged lane.
+        #[derive(Clone, Copy, Debug)]
+        pub enum Task {
+            $($(#[$about])* $Task,)*
+        }
 
-            impl Stage for $WorkLeft {
+        pub const TASKS: &[Task] = &[$(Task::$Task),*];
+
+        $(
+            struct $Task;
+
+            impl Stage for $Task {
                 #[inline(always)]
                 fn run<L: Lanes>(&mut self, crossing: &mut Crossing<'_, '_, L>) {
                     while let Some((rows, lanes)) = crossing.paths.jobs.next::<L>() {
@@ -87,18 +95,36 @@ macro_rules! tasks {
                 }
             }
         )*
+
+        impl Abreast<'_> {
+            /// Works on the lanes that were taken out of the queue of a task.
+            fn work_on(&mut self, task: Task, cell: &Cell) {
+                match task {
+                    $(Task::$Task => self.run(cell, $Task),)*
+                }
+            }
+        }
     };
 }
 
 tasks! {
+    /// Draw n in the middle of a piece of a stick, and divide the piece.
     Halve: halve,
+    /// Decide whether a piece of a stick is left.
     Decide: decide,
+    /// Find when a piece of a stick is left.
     Leave: leave,
+    /// Go on to the next piece of a stick.
     StickOn: stick_on,
+    /// Begin a sub-phase inside the cell.
     Begin: begin,
+    /// Draw the state in the middle of an interval of a slip, and divide the interval.
     Bisect: bisect,
+    /// Go on to the next interval of a slip.
     SlipOn: slip_on,
+    /// Find the stop of a slip in an interval.
     FindStop: find_stop,
+    /// Begin what follows a stop.
     Rest: rest,
 }
 
@@ -163,21 +189,6 @@ impl Abreast<'_> {
     fn run(&mut self, cell: &Cell, stage: impl Stage) {
         let instructions = self.instructions;
         instructions.run_paired(&mut InLanes { paths: self, cell, stage });
-    }
-
-    /// Works on the lanes that were taken out of the queue of a task.
-    fn work_on(&mut self, task: Task, cell: &Cell) {
-        match task {
-            Task::Halve => self.run(cell, Halve),
-            Task::Decide => self.run(cell, Decide),
-            Task::Leave => self.run(cell, Leave),
-            Task::StickOn => self.run(cell, StickOn),
-            Task::Begin => self.run(cell, Begin),
-            Task::Bisect => self.run(cell, Bisect),
-            Task::SlipOn => self.run(cell, SlipOn),
-            Task::FindStop => self.run(cell, FindStop),
-            Task::Rest => self.run(cell, Rest),
-        }
     }
 
     /// Starts a new cell, in which the paths are observed at these instants.

@@ -1,43 +1,9 @@
 //! The work that remains in a cell: one queue per task, and for each waiting lane the data of its
 //! task, a row in each of two tables.
 
+use super::crossing::{TASKS, Task};
 use crate::lanes::{Lanes, ROW, Row};
 use crate::noise::LaneDraws;
-
-/// What remains to be done for a flagged lane.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Task {
-    /// Draw n in the middle of a piece of a stick, and divide the piece.
-    Halve,
-    /// Decide whether a piece of a stick is left.
-    Decide,
-    /// Find when a piece of a stick is left.
-    Leave,
-    /// Go on to the next piece of a stick.
-    StickOn,
-    /// Begin a sub-phase inside the cell.
-    Begin,
-    /// Draw the state in the middle of an interval of a slip, and divide the interval.
-    Bisect,
-    /// Go on to the next interval of a slip.
-    SlipOn,
-    /// Find the stop of a slip in an interval.
-    FindStop,
-    /// Begin what follows a stop.
-    Rest,
-}
-
-const TASKS: [Task; 9] = [
-    Task::Halve,
-    Task::Decide,
-    Task::Leave,
-    Task::StickOn,
-    Task::Begin,
-    Task::Bisect,
-    Task::SlipOn,
-    Task::FindStop,
-    Task::Rest,
-];
 
 /// The most pieces of one lane that may wait. A lane with more crosses the cell alone, which would
 /// happen often with half as many, where f_s is close to f_d.

@@ -49,7 +49,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     #[inline(always)]
     fn look_at_clear_lanes(&mut self, inside: &mut Inside) {
         let noisy = self.paths.noisy;
-        let whole = SharedStep::<L>::whole(noisy, self.cell);
+        let whole = SharedStep::<L>::new(&noisy.step, self.cell);
         let nothing = SharedStep::<L>::until(noisy, self.cell, 0.0);
         let mut parts = Vec::with_capacity(inside.glances.len());
         // Slips of many steps cross the cell alone, and are observed there.

@@ -13,20 +13,15 @@ pub(super) struct SharedStep<L: Lanes> {
 }
 
 impl<L: Lanes> SharedStep<L> {
-    /// The step over the whole cell.
-    #[inline(always)]
-    pub fn whole(noisy: &Noisy, cell: &Cell) -> Self {
-        Self::new(&noisy.step, cell)
-    }
-
     /// The step from the start of the cell to a time inside it.
     #[inline(always)]
     pub fn until(noisy: &Noisy, cell: &Cell, after: f64) -> Self {
-        Self::new(&noisy.part_of_step(after), cell)
+        Self::new(&SlipStep::new(&noisy.oscillator, noisy.step.harmonics.len(), after), cell)
     }
 
+    /// A step that begins with this cell.
     #[inline(always)]
-    fn new(step: &SlipStep, cell: &Cell) -> Self {
+    pub fn new(step: &SlipStep, cell: &Cell) -> Self {
         let pushes: Vec<Push> =
             step.harmonics.iter().zip(&cell.terms).map(|(response, term)| response.push(*term)).collect();
         let forcing = pushes.iter().map(|push| push.term.re).sum();

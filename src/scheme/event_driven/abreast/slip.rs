@@ -5,8 +5,8 @@ use super::super::law::{
     SlipVelocity, early_parts, force, forwards, given_noise, halves,
 };
 use super::super::noisy::Noisy;
-use super::crossing::Crossing;
-use super::jobs::{Count, DEPTH, Jobs, RowNumbers, Task};
+use super::crossing::{Crossing, Task};
+use super::jobs::{Count, DEPTH, Jobs, RowNumbers};
 use super::states::Border;
 use super::stick::SearchedStick;
 use crate::lanes::{Lanes, ROW};

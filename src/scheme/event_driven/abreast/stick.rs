@@ -1,8 +1,8 @@
 //! Sticks that may be left in the cell.
 
 use super::super::law::{ATTEMPTS, Node, Scene, StickEnd, StickStep, ends};
-use super::crossing::Crossing;
-use super::jobs::{Count, DEPTH, Jobs, RowNumbers, Task};
+use super::crossing::{Crossing, Task};
+use super::jobs::{Count, DEPTH, Jobs, RowNumbers};
 use super::slip::Begun;
 use super::states::Border;
 use crate::lanes::{Lanes, ROW};

@@ -3,8 +3,8 @@
 use super::super::law::{EVENT_PLACE, Extent, NOISE_PLACE, Node, SlipPoint, WHOLE_PLACE, force};
 use super::super::noisy::Noisy;
 use super::Abreast;
-use super::crossing::Crossing;
-use super::jobs::{Count, RowNumbers, Task};
+use super::crossing::{Crossing, Task};
+use super::jobs::{Count, RowNumbers};
 use super::shared_step::SharedStep;
 use super::slip::SearchedSlip;
 use super::states::Border;
@@ -19,7 +19,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         phases.divide::<L>(slips, sticks);
         spent.iter_mut().for_each(|spent| *spent += 1);
         let nobody = self.paths.jobs.nobody();
-        let whole = SharedStep::<L>::whole(self.paths.noisy, self.cell);
+        let whole = SharedStep::<L>::new(&self.paths.noisy.step, self.cell);
         let has_one_step = self.paths.noisy.has_one_step_a_cell();
         while let Some((rows, lanes)) = self.paths.slips.pop::<L>(nobody) {
             if has_one_step {

@@ -74,7 +74,7 @@ fn a_path_is_the_same_abreast_and_alone() {
             let nothing = Everything { events: vec![Vec::new(); paths.len()], ..Everything::default() };
             let mut alone = nothing.clone();
             let one_by_one = cell_loop::simulate(
-                &mut OneByOne::new(&noisy, InstructionSet::detect(), 5, &paths, &|| false),
+                &mut OneByOne::new(&noisy, 5, &paths, &|| false, false),
                 paths.len(),
                 &Watching::new(&mut alone),
             );

@@ -25,28 +25,18 @@ pub struct OneByOne<'a, C: Cascade> {
 }
 
 impl<'a, C: Cascade> OneByOne<'a, C> {
-    /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`.
-    pub fn new(
-        cascade: &'a C,
-        instructions: InstructionSet,
-        seed: u64,
-        paths: &[u64],
-        is_stopped: &'a dyn Fn() -> bool,
-    ) -> Self {
+    /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`. Their motion is
+    /// told as well if an observer follows it.
+    pub fn new(cascade: &'a C, seed: u64, paths: &[u64], is_stopped: &'a dyn Fn() -> bool, follows: bool) -> Self {
         OneByOne {
             cascade,
-            instructions,
+            instructions: InstructionSet::detect(),
             paths: paths.iter().map(|&path| start(cascade, seed, path, is_stopped)).collect(),
             is_stopped,
             events: Vec::new(),
-            glides: None,
+            glides: follows.then(Vec::new),
             scratch: (cascade.scratch(), PendingNodes::new()),
         }
-    }
-
-    /// The same paths, whose motion is told as well.
-    pub fn followed(self) -> Self {
-        OneByOne { glides: Some(Vec::new()), ..self }
     }
 }
 

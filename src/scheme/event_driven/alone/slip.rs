@@ -132,7 +132,7 @@ impl Slip<'_> {
             let (began, start) = (path.after, SlipPoint { x: path.displacement, v: path.motion, n: path.noise });
             let (step, is_last) = match &mut own {
                 Some(own) => own.step_towards(self, remaining, path, partial)?,
-                None => self.step_towards(remaining, partial),
+                None => self.at_most(&self.noisy.step, remaining, partial),
             };
             self.take(step, is_last, path, terms, own.as_ref());
             if let Some(own) = &mut own {
@@ -159,12 +159,6 @@ impl Slip<'_> {
             }
             first = last;
         }
-    }
-
-    /// The next step, when this much of the cell remains, and whether it ends with the cell.
-    #[inline(always)]
-    fn step_towards<'s>(&'s self, remaining: f64, partial: &'s mut SlipStep) -> (&'s SlipStep, bool) {
-        self.at_most(&self.noisy.step, remaining, partial)
     }
 
     /// The time at which a path is.

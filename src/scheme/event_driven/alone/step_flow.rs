@@ -54,17 +54,11 @@ impl<'a> StepFlow<'a> {
         StepFlow { slip, step, after, start, searched, push, last_drawn: Cell::new([(after, start.n); 2]), buffers }
     }
 
-    /// eps f_d, less the constant that stands for g.
-    #[inline(always)]
-    fn friction(&self) -> f64 {
-        if self.slip.noisy.scene.has_own_force() { self.slip.friction() - self.push } else { self.slip.friction() }
-    }
-
     /// The motion a time after the start of the step.
     #[inline(always)]
     fn since(&self, since: f64) -> Way {
         let Noisy { scene, oscillator, .. } = self.slip.noisy;
-        let (body, eps, friction) = (&scene.oscillator, self.slip.direction.value(), self.friction());
+        let (body, eps, friction) = (&scene.oscillator, self.slip.direction.value(), self.slip.friction() - self.push);
         let FlowBuffers { part, terms } = &mut *self.buffers.borrow_mut();
         self.slip.cell.set_terms(self.after, terms);
         let mut to = self.start;

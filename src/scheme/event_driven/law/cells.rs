@@ -51,17 +51,18 @@ pub struct Forcing<L = f64> {
 impl Cell {
     /// The cell with this number, for a scene.
     pub fn new(scene: &Scene, ladder: &StepLadder, index: u64) -> Self {
-        let length = ladder.length();
+        let nothing = Forcing { value: 0.0, curvature: 0.0 };
         let mut cell = Cell {
             index,
             start: 0.0,
-            end: length,
-            length,
-            transition: scene.transition(&ladder.rung(index)),
-            two_transitions: scene.two_noises.map(|both| both.transitions(length)),
+            end: 0.0,
+            // Another one than that of any cell, so that the transitions are computed.
+            length: f64::NAN,
+            transition: Transition { decay: 1.0, increment_sd: 0.0 },
+            two_transitions: None,
             terms: vec![Complex::ZERO; scene.harmonics.len()],
-            first: Forcing { value: 0.0, curvature: 0.0 },
-            last: Forcing { value: 0.0, curvature: 0.0 },
+            first: nothing,
+            last: nothing,
             frequencies: scene.harmonics.iter().map(|h| h.angular_frequency).collect(),
         };
         cell.move_to(scene, ladder, index);
@@ -79,10 +80,10 @@ impl Cell {
         (self.index, self.start, self.end) = (index, rung.start, rung.end);
         scene.set_terms(self.end, &mut self.terms);
         scene.set_line(rung.sample, self.end, &mut self.terms);
-        self.last = self.forcing_here();
+        self.last = self.forcing(0.0);
         scene.set_terms(self.start, &mut self.terms);
         scene.set_line(rung.sample, self.start, &mut self.terms);
-        self.first = self.forcing_here();
+        self.first = self.forcing(0.0);
     }
 
     /// B and B'' a time after the start of the cell.
@@ -95,16 +96,6 @@ impl Cell {
             let re = cos * term.re - sin * term.im;
             all.value = all.value + re;
             all.curvature = all.curvature - re * (w * w);
-        }
-        all
-    }
-
-    /// B and B'' at the time to which `terms` belong.
-    fn forcing_here(&self) -> Forcing {
-        let mut all = Forcing { value: 0.0, curvature: 0.0 };
-        for (term, &w) in self.terms.iter().zip(&self.frequencies) {
-            all.value += term.re;
-            all.curvature -= term.re * (w * w);
         }
         all
     }

@@ -21,7 +21,7 @@
 use super::inside::StickPiece;
 use super::scene::Scene;
 use super::stick_step::StickEnds;
-use crate::lanes::{Choose, Lanes};
+use crate::lanes::Lanes;
 
 /// exp(-FAR_EXPONENT) is a probability that is negligible even in 1e10 steps.
 const FAR_EXPONENT: f64 = 35.0;

@@ -35,7 +35,7 @@
 //! is cut off at 2^-40 h.
 
 use super::velocity_bounds::VelocityBounds;
-use crate::lanes::{Choose, Lanes};
+use crate::lanes::Lanes;
 use crate::model::LARGEST;
 
 /// The velocity eps x' and its derivative at one time.
@@ -181,11 +181,9 @@ impl StopSearch {
     pub fn near_stop<L: Lanes>(&self, left: SlipVelocity<L>, next: &Interval<L>, normals: [L; 3]) -> NearStop<L> {
         let mean = Quintic::new(left, next);
         let p = mean.near_zero();
-        let (h, noise) = (next.length, next.noise);
-        let [dx, dv, da] = conditional_factor(p, normals);
-        let travel = mean.travel(p) + noise * h * h * dx;
-        let velocity = mean.velocity(p) * next.inverse + noise * h * dv;
-        let acceleration = mean.acceleration(p) * next.inverse * next.inverse + noise * da;
+        let h = next.length;
+        let (travel, motion) = mean.drawn(next, p, normals);
+        let SlipVelocity { velocity, acceleration } = motion;
         // `after` and `behind` may both equal the whole interval, where a step is so short that its
         // moments underflow.
         let (after, behind) = (p * h, (L::splat(1.0) - p) * h);
@@ -194,7 +192,7 @@ impl StopSearch {
         // At the stop V falls, by `caution` standard deviations.
         let falls = acceleration.lt(L::splat(0.0));
         let is_at_it = L::and(falls, (late.abs() * (self.noise * self.noise)).le(tolerated * tolerated));
-        NearStop { after, behind, travel, motion: SlipVelocity { velocity, acceleration }, late, is_at_it }
+        NearStop { after, behind, travel, motion, late, is_at_it }
     }
 }
 
@@ -249,11 +247,7 @@ pub fn state_inside<L: Lanes>(
     p: L,
     normals: [L; 3],
 ) -> (L, SlipVelocity<L>) {
-    let (mean, [dx, dv, da]) = (Quintic::new(left, next), conditional_factor(p, normals));
-    let (h, inverse, noise) = (next.length, next.inverse, next.noise);
-    let velocity = mean.velocity(p) * inverse + noise * h * dv;
-    let acceleration = mean.acceleration(p) * inverse * inverse + noise * da;
-    (mean.travel(p) + noise * h * h * dx, SlipVelocity { velocity, acceleration })
+    Quintic::new(left, next).drawn(next, p, normals)
 }
 
 impl<L: Lanes> Interval<L> {
@@ -406,6 +400,17 @@ impl<L: Lanes> Quintic<L> {
             c5: s * 6.0 - (d0 + d1) * 3.0 - e0 + e1,
             d1,
         }
+    }
+
+    /// Draws the distance from the start of the interval and the motion at a fraction `p` of it, of
+    /// which this is the mean, with three normals.
+    #[inline(always)]
+    fn drawn(&self, next: &Interval<L>, p: L, normals: [L; 3]) -> (L, SlipVelocity<L>) {
+        let [dx, dv, da] = conditional_factor(p, normals);
+        let (h, inverse, noise) = (next.length, next.inverse, next.noise);
+        let velocity = self.velocity(p) * inverse + noise * h * dv;
+        let acceleration = self.acceleration(p) * inverse * inverse + noise * da;
+        (self.travel(p) + noise * h * h * dx, SlipVelocity { velocity, acceleration })
     }
 
     #[inline(always)]

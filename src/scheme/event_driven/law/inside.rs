@@ -13,7 +13,7 @@
 
 use super::first_stop::{Interval, SlipVelocity, state_inside};
 use super::scene::Scene;
-use crate::lanes::{Choose, Lanes};
+use crate::lanes::Lanes;
 use crate::noise::{
     AddressedDraws, Distances, TimeChange, bridge_at, meeting_probability, misses_other, no_meeting_probability,
 };

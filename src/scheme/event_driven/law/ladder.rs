@@ -12,7 +12,7 @@ use std::sync::Arc;
 #[derive(Clone, Debug)]
 pub struct StepLadder {
     /// The length of most cells.
-    length: f64,
+    pub length: f64,
     cuts: Option<Arc<Cuts>>,
 }
 
@@ -52,11 +52,6 @@ impl StepLadder {
         }
         let usual = usual_spacing(&times);
         StepLadder { length: usual / parts(usual), cuts: Some(Arc::new(Cuts { times, firsts })) }
-    }
-
-    /// The length of most cells.
-    pub fn length(&self) -> f64 {
-        self.length
     }
 
     /// Whether all cells have the same length.
@@ -104,10 +99,10 @@ mod tests {
         // The four intervals between samples have 3, 1, 3 and 3 cells.
         assert_eq!([2, 3, 6, 9].map(|index| ladder.rung(index).end), [1.0, 1.3, 2.3, 3.3]);
         assert_eq!([0, 2, 3, 4, 9, 10].map(|index| ladder.rung(index).sample), [0.0, 0.0, 1.0, 1.3, 2.3, 2.3]);
-        assert_eq!((ladder.length(), ladder.is_even()), (1.0 / 3.0, false));
+        assert_eq!((ladder.length, ladder.is_even()), (1.0 / 3.0, false));
         assert_eq!(ladder.rung(10).start, 3.3);
         // Ten minutes are filled by three cells of 200 s.
-        assert_eq!(StepLadder::cut(vec![0.0, 600.0], 200.0).length(), 200.0);
+        assert_eq!(StepLadder::cut(vec![0.0, 600.0], 200.0).length, 200.0);
         assert_eq!(StepLadder::even(0.5).rung(7), CellPlace { start: 3.5, end: 4.0, length: 0.5, sample: 0.0 });
     }
 }

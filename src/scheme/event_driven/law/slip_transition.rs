@@ -32,7 +32,7 @@
 //! which adds positive matrices. No eigenvalue is computed, so critical damping and resonance need
 //! no special case.
 
-use crate::lanes::{Choose, Lanes};
+use crate::lanes::Lanes;
 use crate::noise::increment_variance;
 
 /// Terms of each series. In units of the fastest rate L, coefficient k of the squared responses is
@@ -233,10 +233,6 @@ impl DrivenOscillator {
         HarmonicResponse { x, v, turn: (cos, sin) }
     }
 
-    fn noise_variance(&self, h: f64) -> f64 {
-        increment_variance(self.relaxation_rate, self.diffusion, h)
-    }
-
     fn doubled(&self, step: &SlipTransition, harmonics: &mut [HarmonicResponse]) -> SlipTransition {
         let ([a, b, c, d], [e, f, g, k], n) = (step.x, step.v, step.n);
         for response in harmonics {
@@ -261,7 +257,7 @@ impl DrivenOscillator {
             v: [e * a + f * e, e * b + f * f, e * c + f * g + g * n, e * d + f * k + k],
             n: n * n,
             covariance: [
-                self.noise_variance(length),
+                increment_variance(self.relaxation_rate, self.diffusion, length),
                 nv + qv[2] * n,
                 nx + qx[2] * n,
                 vv + e * qv[0] + f * qv[1] + g * qv[2],
@@ -277,18 +273,24 @@ impl DrivenOscillator {
 /// The same transition in every lane.
 #[inline(always)]
 pub fn splat<L: Lanes>(step: &SlipTransition) -> SlipTransition<L> {
-    let [x0, x1, x2, x3] = step.x;
-    let [v0, v1, v2, v3] = step.v;
-    let [c0, c1, c2, c3, c4, c5] = step.covariance;
-    let [g0, g1, g2, g3, g4] = step.given_noise;
     SlipTransition {
         length: L::splat(step.length),
-        x: [L::splat(x0), L::splat(x1), L::splat(x2), L::splat(x3)],
-        v: [L::splat(v0), L::splat(v1), L::splat(v2), L::splat(v3)],
+        x: splat_all(step.x),
+        v: splat_all(step.v),
         n: L::splat(step.n),
-        covariance: [L::splat(c0), L::splat(c1), L::splat(c2), L::splat(c3), L::splat(c4), L::splat(c5)],
-        given_noise: [L::splat(g0), L::splat(g1), L::splat(g2), L::splat(g3), L::splat(g4)],
+        covariance: splat_all(step.covariance),
+        given_noise: splat_all(step.given_noise),
     }
+}
+
+/// Each of these numbers in every lane.
+#[inline(always)]
+fn splat_all<L: Lanes, const N: usize>(numbers: [f64; N]) -> [L; N] {
+    let mut all = [L::splat(0.0); N];
+    for (lanes, number) in all.iter_mut().zip(numbers) {
+        *lanes = L::splat(number);
+    }
+    all
 }
 
 /// The series y / h^2 of the solution of y'' + damping y' + stiffness y = sum_k f_k r^k/k!, y(0) =

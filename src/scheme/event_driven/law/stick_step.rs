@@ -17,7 +17,7 @@
 
 use super::corridor::Limit;
 use super::scene::Scene;
-use crate::lanes::{Choose, Lanes};
+use crate::lanes::Lanes;
 use crate::model::Sign;
 use crate::noise::{AddressedDraws, BentThreshold, TimeChange, first_meeting_probability, misses_other};
 

@@ -74,8 +74,7 @@ impl TwoNoises {
     /// Draws n1(0) and n2(0) of a path.
     pub fn draw(&self, path: AddressedDraws) -> [f64; 2] {
         let normals = path.for_start().normal_pair();
-        let drawn = |(noise, normal): (OneNoise, f64)| noise.initial.0 + noise.initial.1 * normal;
-        [drawn((self.0[0], normals[0])), drawn((self.0[1], normals[1]))]
+        [0, 1].map(|i| self.0[i].initial.0 + self.0[i].initial.1 * normals[i])
     }
 
     fn fastest(&self) -> f64 {

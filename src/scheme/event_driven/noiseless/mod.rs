@@ -20,4 +20,4 @@ pub use exact_time::ExactTime;
 pub use general::GeneralNoiseless;
 pub use one_path::Noiseless;
 pub use stretch::{End, Stretch, Stretches};
-pub use unfelt_noise::UnfeltNoise;
+pub use unfelt_noise::WithUnfeltNoise;

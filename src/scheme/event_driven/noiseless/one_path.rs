@@ -73,7 +73,7 @@ impl Noiseless {
             Some(InitialNoise::Stationary) | None => 0.0,
         };
         let body = ForcedOscillator::new(model, noise_start);
-        let fastest = body.terms().iter().map(|t| t.rate.abs()).fold(model.oscillator.natural_frequency(), f64::max);
+        let fastest = body.terms.iter().map(|t| t.rate.abs()).fold(model.oscillator.natural_frequency(), f64::max);
         // A body without a spring under a constant force has no time scale but that of the run.
         let longest = if timeline.end > 0.0 { timeline.end } else { 1.0 };
         let span = (1.0 / fastest).min(if fastest > 0.0 { f64::INFINITY } else { longest }).min(body.bounded_for());
@@ -109,7 +109,7 @@ impl Noiseless {
     }
 
     fn terms_at(&self, t: ExactTime) -> Vec<Complex> {
-        self.body.terms().iter().map(|term| t.phased(term)).collect()
+        self.body.terms.iter().map(|term| t.phased(term)).collect()
     }
 
     /// The exit from a static phase that begins at a time and a displacement; none if it does not
@@ -156,7 +156,7 @@ impl Noiseless {
         } else if never {
             None
         } else {
-            let bend = m * self.body.forcing_curvature();
+            let bend = m * self.body.forcing_curvature;
             let distances = |r: f64| {
                 let [increment, slope, _] =
                     self.body.forcing_increment((&terms, line), r).map(|derivative| derivative * m);
@@ -251,7 +251,7 @@ impl Noiseless {
         let state = flow.at(0.0);
         let (bend, growth) = flow.jerk_bound(&state);
         let bend = bend + growth * self.span;
-        let by_acceleration = safe_step(0.0, eps * flow.start_acceleration(), bend);
+        let by_acceleration = safe_step(0.0, eps * flow.start_acceleration, bend);
         let by_jerk = 3.0 * eps * state.jerk / flow.snap_bound(bend);
         by_acceleration.max(by_jerk).min(self.span).max(self.indeterminate_start())
     }
@@ -349,7 +349,7 @@ impl Stretches for Noiseless {
 
     fn state(&self, leg: &Leg, t: f64, _: &mut WorkLeft) -> Result<Seen, Unresolved> {
         let r = leg.start.until(t).max(0.0);
-        let terms = self.body.terms();
+        let terms = &self.body.terms;
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;
         // With beta = 0 the terms of the body do not contain the temperature that the observer
         // sees. With samples, a leg without an end may extend over several of them.

@@ -10,35 +10,26 @@ use crate::model::{Event, InitialNoise, Model, Noise};
 use crate::noise::{Stream, Transition};
 use crate::scheme::{Glide, Instant, Observer, Snapshot};
 
-/// The fluctuations of T in a scene whose motion does not depend on them.
-#[derive(Clone, Copy, Debug)]
-pub struct UnfeltNoise(Option<Noise>);
-
-impl UnfeltNoise {
-    /// The fluctuations of a model's temperature; none if it has no diffusion.
-    pub fn new(model: &Model) -> Self {
-        UnfeltNoise(model.temperature.effective_noise().filter(Noise::is_random))
-    }
-
-    /// An observer that adds the fluctuations of each path to T in every snapshot, and passes
-    /// everything on to `observer`.
-    pub fn added_before<'a>(&self, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> WithUnfeltNoise<'a> {
-        let lanes = match self.0 {
-            None => Vec::new(),
-            Some(noise) => paths.iter().map(|&path| Lane::start(&noise, Stream::new(seed, path))).collect(),
-        };
-        WithUnfeltNoise { observer, noise: self.0, lanes, time: 0.0, temperature: Vec::new() }
-    }
-}
-
-/// See [`UnfeltNoise::added_before`].
+/// An observer that adds the fluctuations of each path to T in every snapshot, and passes everything
+/// on to another one.
 pub struct WithUnfeltNoise<'a> {
     observer: &'a mut dyn Observer,
+    /// None if the temperature has no diffusion.
     noise: Option<Noise>,
     lanes: Vec<Lane>,
     /// The time of the last snapshot.
     time: f64,
     temperature: Vec<f64>,
+}
+
+impl<'a> WithUnfeltNoise<'a> {
+    /// The observer of these paths of a model.
+    pub fn new(model: &Model, observer: &'a mut dyn Observer, seed: u64, paths: &[u64]) -> Self {
+        let noise = model.temperature.effective_noise().filter(Noise::is_random);
+        let start = |noise| paths.iter().map(|&path| Lane::start(noise, Stream::new(seed, path))).collect();
+        let lanes = noise.as_ref().map_or(Vec::new(), start);
+        WithUnfeltNoise { observer, noise, lanes, time: 0.0, temperature: Vec::new() }
+    }
 }
 
 /// u and the random numbers of one path.
