@@ -18,13 +18,8 @@ pub fn can_be_computed_with(sizes: &[f64]) -> bool {
 const FARTHEST_SD: f64 = 40.0;
 
 impl Model {
-    /// The largest |g(x0, 0, t)| up to `end`: that at many times and at all kinks, where g depends
-    /// on time; 0 where there is no g or where it is not a number.
-    pub fn own_force_at_start(&self, end: f64) -> f64 {
-        self.largest_at_start(end).0
-    }
-
-    /// The same with its time.
+    /// The largest |g(x0, 0, t)| up to `end` with its time: that at many times and at all kinks,
+    /// where g depends on time; 0 where there is no g or where it is not a number.
     pub fn largest_at_start(&self, end: f64) -> (f64, f64) {
         const TIMES: u32 = 1000;
         let Some(own) = &self.force else { return (0.0, 0.0) };
@@ -86,6 +81,6 @@ impl Model {
     /// standard deviations.
     pub fn force_bound(&self, sds: f64, end: f64) -> f64 {
         let linear = self.oscillator.force_bound(self.temperature.bound(sds, end), self.initial_displacement.abs());
-        linear + self.own_force_at_start(end)
+        linear + self.largest_at_start(end).0
     }
 }

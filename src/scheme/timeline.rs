@@ -97,22 +97,21 @@ impl Timeline {
             let never = f64::INFINITY;
             let output = if k < rows { this.output_time(k) } else { never };
             let period = if n <= periods { (n as f64 * this.period.unwrap_or(0.0)).min(this.end) } else { never };
-            let after = if counts { never } else { this.after };
-            if output <= period && output <= after && output <= this.end {
-                k += 1;
-                Some(Stop { time: output, instant: Instant::Output(k - 1) })
-            } else if period <= after && period <= this.end {
-                n += 1;
-                Some(Stop { time: period, instant: Instant::Period(n - 1) })
-            } else if !counts {
-                counts = true;
-                Some(Stop { time: this.after, instant: Instant::Counting })
-            } else if !ended {
-                ended = true;
-                Some(Stop { time: this.end, instant: Instant::End })
-            } else {
-                None
+            let all = [
+                (output, Instant::Output(k)),
+                (period, Instant::Period(n)),
+                (if counts { never } else { this.after }, Instant::Counting),
+                (if ended { never } else { this.end }, Instant::End),
+            ];
+            // Of equal times the first one.
+            let (time, instant) = all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).filter(|first| first.0 < never)?;
+            match instant {
+                Instant::Output(_) => k += 1,
+                Instant::Period(_) => n += 1,
+                Instant::Counting => counts = true,
+                Instant::End => ended = true,
             }
+            Some(Stop { time, instant })
         })
     }
 

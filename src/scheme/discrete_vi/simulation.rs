@@ -219,7 +219,7 @@ impl Simulate for DiscreteSimulation {
 pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let Model { oscillator, friction, .. } = model;
     let thermal = oscillator.force_per_temperature().abs() * model.temperature.bound(FARTHEST_NOISE_SDS, end);
-    let force = thermal + model.own_force_at_start(end);
+    let force = thermal + model.largest_at_start(end).0;
     let driven = if oscillator.stiffness > 0.0 {
         let growth = 1.0 + oscillator.natural_frequency() * end;
         let thrown = model.initial_velocity.abs() / oscillator.natural_frequency();

@@ -4,7 +4,7 @@
 use super::super::cell_loop::Inside;
 use super::super::law::{Cell, Glance};
 use super::Abreast;
-use crate::lanes::{InstructionSet, LaneProgram, Lanes};
+use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
 /// Where more than one in `MOST_ODD` lanes has to cross the cell again, all paths are simulated
@@ -16,23 +16,6 @@ const SWEPT: usize = 4096;
 
 /// After so many tasks in one cell it is asked whether the paths are still wanted.
 const LOOK: u32 = 64;
-
-/// The number of lanes in which paths cross a cell.
-pub fn width(instructions: InstructionSet) -> usize {
-    let mut width = Width(0);
-    instructions.run_paired(&mut width);
-    width.0
-}
-
-/// See [`width`].
-struct Width(usize);
-
-impl LaneProgram for Width {
-    #[inline(always)]
-    fn run<L: Lanes>(&mut self) {
-        self.0 = L::WIDTH;
-    }
-}
 
 /// A crossing of one cell by all paths, in lanes of one kind.
 pub struct Crossing<'p, 'a, L: Lanes> {

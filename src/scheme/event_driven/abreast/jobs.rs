@@ -31,7 +31,7 @@ pub struct Jobs {
     batch: Queue,
     lanes: usize,
     /// The number of lanes of a register.
-    width: usize,
+    pub width: usize,
 }
 
 /// Lanes that wait. The last one is taken first.
@@ -77,8 +77,8 @@ impl Queue {
 }
 
 impl Jobs {
-    /// Tables and queues for `lanes` lanes, a whole number of registers of `width` lanes.
-    pub fn new(lanes: usize, width: usize) -> Self {
+    /// Tables and queues for `lanes` lanes, a whole number of registers.
+    pub fn new(lanes: usize) -> Self {
         let rows = lanes + ROW;
         let mut stack = Vec::with_capacity(DEPTH * rows);
         stack.resize(rows, Row([0.0; ROW]));
@@ -90,7 +90,7 @@ impl Jobs {
             queues: std::array::from_fn(|_| Queue::new(rows)),
             batch: Queue::new(rows),
             lanes: rows,
-            width,
+            width: ROW,
         }
     }
 

@@ -103,7 +103,7 @@ impl<'a> Abreast<'a> {
             spent: vec![0; lanes + ROW],
             spent_before: vec![0; lanes + ROW],
             lost: BTreeMap::new(),
-            jobs: Jobs::new(lanes, crossing::width(instructions)),
+            jobs: Jobs::new(lanes),
             records: Records::default(),
             begun: [vec![0.0; lanes + ROW], vec![0.0; lanes + ROW]],
             events: Vec::new(),

@@ -15,7 +15,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
     #[inline(always)]
     pub(super) fn sweep(&mut self) {
-        let Abreast { phases, slips, sticks, spent, .. } = &mut *self.paths;
+        let Abreast { phases, slips, sticks, spent, jobs, .. } = &mut *self.paths;
+        jobs.width = L::WIDTH;
         phases.divide::<L>(slips, sticks);
         spent.iter_mut().for_each(|spent| *spent += 1);
         let nobody = self.paths.jobs.nobody();
