@@ -8,6 +8,7 @@
 //!   cell_loop    the loop over cells of time
 //!   alone        a path crosses a cell event by event, one path after the other
 //!   abreast      all paths that are simulated together cross a cell together, in lanes
+//! user_force   a force of the user's own, if there is one
 //! work         a limit on the computing time of one path
 //! ```
 //!
@@ -21,6 +22,7 @@ mod law;
 mod noiseless;
 mod noisy;
 mod simulation;
+mod user_force;
 mod work;
 
 pub use law::{DEFAULT_TOLERANCE, DrivenOscillator, HarmonicResponse, Resolution, SlipTransition, TOLERANCES};

@@ -36,10 +36,7 @@ pub struct Noisy {
     pub(super) step: SlipStep,
     /// The usual step, its half, its quarter and so on, where there is a force of the user's own.
     pub(super) halved: Vec<SlipStep>,
-    /// What a step may leave of the mean of that force, as a fraction of f_s.
-    pub(super) most_error: f64,
-    /// How much noise may bend that force on a step, as a fraction of the forces.
-    pub(super) most_bend: f64,
+    pub(super) rules: StepRules,
     pub(super) search: StopSearch,
     /// The number of evaluations that a path may make.
     pub(super) work_limit: u64,
@@ -79,15 +76,15 @@ impl Noisy {
         let is_swift = fastest > TWO_SCALES * slow;
         let longest_cell = if is_swift { rules.slip_length / slow } else { longest };
         // Whatever oscillates at rest is looked at often enough to be seen.
-        let longest_cell = longest_cell.min(rules.slip_length / scene.own_rate(timeline.end));
+        let longest_cell = longest_cell.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
         let ladder = scene.ladder(cell_length(longest_cell.min(scene.longest_cell()), timeline.end), timeline.end);
         let cell_length = ladder.length;
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
-        let halvings = if scene.has_own_force() { FINEST_HALVING + 1 } else { 0 };
+        let halvings = if scene.own.is_some() { FINEST_HALVING + 1 } else { 0 };
         let halved = |n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n));
         let halved = (0..halvings).map(halved).collect();
-        let cost = if scene.has_own_force() { OWN_FORCE } else { 1 };
+        let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
         let corridor = Corridor::new(&scene, rules.chord_error);
         Noisy {
@@ -98,8 +95,7 @@ impl Noisy {
             oscillator,
             step,
             halved,
-            most_error: rules.most_error,
-            most_bend: rules.most_bend,
+            rules: *rules,
             search,
             work_limit: work_limit(cost),
             closeness: 1,
@@ -109,7 +105,7 @@ impl Noisy {
     /// Whether the paths can be simulated abreast: all cells have one length, there is only one
     /// noise, and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
-        !self.scene.has_own_force() && self.scene.two_noises.is_none() && self.ladder.is_even()
+        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.ladder.is_even()
     }
 
     /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and

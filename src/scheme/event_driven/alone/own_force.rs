@@ -125,7 +125,7 @@ impl TrialStart {
                     (x[7], v[7]) = (quarter(-h, [xs[1], xs[0]], [vs[1], vs[0]]), quarter(-h, [vs[1], vs[0]], [a1, a0]));
                 }
             }
-            g = scene.own_forces(self.direction, &x, &v, &t);
+            g = scene.own.at_each(self.direction, &x, &v, &t);
             for way in 0..WAYS.len() {
                 let mean = simpson(here, [g[way], g[3 + way]]);
                 change[way] = distance(mean, means[way]);
@@ -184,8 +184,8 @@ impl OwnForce {
     /// g where a path is that slips in this direction; none if there is no g.
     #[inline(always)]
     pub fn new(scene: &Scene, direction: Sign, time: f64, path: &Path<f64>) -> Option<Self> {
-        scene.has_own_force().then(|| {
-            let here = scene.own_force(direction, path.displacement, path.motion, time);
+        scene.own.is_some().then(|| {
+            let here = scene.own.at(Some(direction), path.displacement, path.motion, time);
             OwnForce { here, push: here, more: 0.0, end: here, start_force: path.force, halvings: 0, may_grow: false }
         })
     }
@@ -212,14 +212,14 @@ impl OwnForce {
         let (x, v, time) = (path.displacement, path.motion, slip.time(path));
         let start = TrialStart { direction: slip.direction, x, v, acceleration, time };
         let forces = friction.static_force + path.force.abs() + self.here.abs();
-        let most_error = slip.noisy.most_error * friction.static_force.max(SHARE * forces);
+        let most_error = slip.noisy.rules.most_error * friction.static_force.max(SHARE * forces);
         loop {
             path.work.spend()?;
             let step = &slip.noisy.halved[halvings];
             let trial = start.trial(&slip.noisy.scene, self.here, step.length().min(remaining), step.spread());
             let is_resolved = trial.error <= most_error
                 && trial.unsettled <= most_error
-                && trial.bend <= slip.noisy.most_bend * forces;
+                && trial.bend <= slip.noisy.rules.most_bend * forces;
             if is_resolved || halvings == finest {
                 if trial.error.is_nan() {
                     return Err(Unresolved::NoNumber);
@@ -263,7 +263,7 @@ impl OwnForce {
             let (mut x, mut v, mut t) = ([xm; 8], [vm; 8], [time - 0.5 * h; 8]);
             (x[1], v[1], t[1]) = (x1, v1, time);
             let middle;
-            [middle, end, ..] = scene.own_forces(slip.direction, &x, &v, &t);
+            [middle, end, ..] = scene.own.at_each(slip.direction, &x, &v, &t);
             let [on_start, on_middle, on_end] = [self.here, middle, end].map(|g| unit * (g - self.push));
             dx = whole * on_start + 4.0 * half * on_middle;
             dv = slope * on_start + 4.0 * half_slope * on_middle + on_end;

@@ -145,7 +145,7 @@ pub fn cross<C: Cascade>(
 fn thrown<M>(scene: &Scene, path: &mut Path<M>) -> Event {
     let (x, v) = (path.displacement, scene.initial_velocity);
     let (direction, free) = (Sign::of(v), path.force - 2.0 * scene.oscillator.damping * v);
-    path.force = free + (scene.own_force(direction, x, v, 0.0) - scene.hold(x, 0.0).pull);
+    path.force = free + (scene.own.at(Some(direction), x, v, 0.0) - scene.own.hold(x, 0.0).pull);
     let force = scene.told(free, x, v, 0.0);
     Event { kind: EventKind::SlipStarted(direction), time: 0.0, displacement: x, force }
 }

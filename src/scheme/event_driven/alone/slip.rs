@@ -283,8 +283,8 @@ impl Slip<'_> {
         path.noise = end_noise;
         path.force =
             cell.last.value + end_noise - body.stiffness * path.displacement - 2.0 * body.damping * path.motion;
-        if scene.has_own_force() {
-            path.force += scene.own_force(direction, path.displacement, path.motion, cell.end);
+        if scene.own.is_some() {
+            path.force += scene.own.at(Some(direction), path.displacement, path.motion, cell.end);
         }
     }
 }

@@ -217,8 +217,8 @@ impl WatchedPiece for FlowPiece<'_> {
         let (x, v) = piece.seen(&state);
         let noise = match is_felt {
             // The balance of forces takes the constant that stands for g for g itself.
-            true if scene.has_own_force() => {
-                let here = scene.own_force(flow.slip.direction, x, v, glance.at);
+            true if scene.own.is_some() => {
+                let here = scene.own.at(Some(flow.slip.direction), x, v, glance.at);
                 state.noise - (here - flow.push)
             }
             true => state.noise,

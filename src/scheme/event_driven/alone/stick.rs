@@ -47,7 +47,7 @@ pub(super) fn stick<C: Cascade>(
         displacement,
         force,
     };
-    if scene.has_own_force() && !path.force.is_finite() {
+    if scene.own.is_some() && !path.force.is_finite() {
         return Err(Unresolved::NoNumber);
     }
     if path.force.abs() >= scene.limit(displacement, cell.start + path.after) {
@@ -80,7 +80,7 @@ struct Stick<'a> {
 impl<'a> Stick<'a> {
     #[inline(always)]
     fn new(scene: &'a Scene, corridor: &'a Corridor, cell: &'a Cell, displacement: f64, end_noise: f64) -> Self {
-        let is_moved = scene.is_moved_at_rest();
+        let is_moved = scene.own.depends_on_time();
         let spring =
             if is_moved { scene.oscillator.stiffness * displacement } else { scene.spring(displacement, cell.start) };
         let limit = scene.limit(displacement, cell.start);
@@ -95,7 +95,7 @@ impl<'a> Stick<'a> {
             return (forcing, Limit { value: self.limit, curvature: 0.0 });
         }
         let spacing = self.cell.length * OWN_SPACING;
-        let at = |after: f64| self.scene.hold(self.displacement, self.cell.start + after);
+        let at = |after: f64| self.scene.own.hold(self.displacement, self.cell.start + after);
         let all = [at(after - spacing), at(after), at(after + spacing)];
         let curvature = |[before, here, behind]: [f64; 3]| (before - 2.0 * here + behind) / (spacing * spacing);
         let [pulls, excesses] = [all.map(|hold| hold.pull), all.map(|hold| hold.excess)];
@@ -146,7 +146,7 @@ impl<'a> Stick<'a> {
     #[inline(always)]
     fn rules(&self, [first, last]: &[Limit; 2]) -> Corridor {
         let width = first.value + last.value;
-        if self.scene.has_load() { self.corridor.of_width(self.scene, width) } else { *self.corridor }
+        if self.scene.own.has_load() { self.corridor.of_width(self.scene, width) } else { *self.corridor }
     }
 
     /// Where the path is.

@@ -9,11 +9,12 @@
 //! force a direction, other forces take its place in slips, and b and its limit are those that make
 //! both thresholds of a stick equal ([`Force::hold`]); events tell the b of the model.
 
+use super::super::user_force::UserForce;
 use super::corridor::Limit;
 use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
-use crate::lanes::{InstructionSet, Lanes};
-use crate::model::{Complex, Force, Friction, Hold, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature};
+use crate::lanes::Lanes;
+use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature};
 use crate::noise::{AddressedDraws, Transition, bridge_at};
 use std::sync::Arc;
 
@@ -57,8 +58,8 @@ pub struct Scene {
     pub two_noises: Option<TwoNoises>,
     /// K beta: force per unit of temperature.
     pub force_per_temperature: f64,
-    /// g, with the instructions that evaluate it.
-    own: Option<(Force, InstructionSet)>,
+    /// g.
+    pub own: UserForce,
 }
 
 /// The number of sticks with their slips that a cell may be long.
@@ -115,55 +116,15 @@ impl Scene {
             initial_noise: noise.initial,
             two_noises,
             force_per_temperature: gain,
-            own: model.force.clone().map(|force| (force, InstructionSet::detect())),
+            own: UserForce::of(model),
         }
-    }
-
-    /// Whether there is a force g of the user's own.
-    #[inline(always)]
-    pub fn has_own_force(&self) -> bool {
-        self.own.is_some()
-    }
-
-    /// Whether g, or the limit of b, changes while the body is at rest.
-    pub fn is_moved_at_rest(&self) -> bool {
-        self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
-    }
-
-    /// The fastest angular frequency at which g, or the limit of b, oscillates in t until `end`.
-    pub fn own_rate(&self, end: f64) -> f64 {
-        self.own.as_ref().map_or(0.0, |(force, _)| force.fastest_rate(end))
-    }
-
-    /// g(x, x', t) in a slip in this direction, or 0 where there is none.
-    #[inline(always)]
-    pub fn own_force(&self, direction: Sign, x: f64, velocity: f64, time: f64) -> f64 {
-        match &self.own {
-            Some((force, instructions)) => force.in_slip(direction).at(*instructions, x, velocity, time),
-            None => 0.0,
-        }
-    }
-
-    /// g in a slip in this direction at eight places and times.
-    #[inline(always)]
-    pub fn own_forces(&self, direction: Sign, x: &[f64; 8], velocity: &[f64; 8], time: &[f64; 8]) -> [f64; 8] {
-        match &self.own {
-            Some((force, instructions)) => force.in_slip(direction).at_each(*instructions, x, velocity, time),
-            None => [0.0; 8],
-        }
-    }
-
-    /// g(x, 0, t) in a stick, and how much the limit of b differs from f_s.
-    #[inline(always)]
-    pub fn hold(&self, x: f64, time: f64) -> Hold {
-        self.own.as_ref().map_or(Hold::default(), |(force, instructions)| force.hold(*instructions, x, time))
     }
 
     /// The limit of |b| in a stick.
     #[inline(always)]
     pub fn limit(&self, x: f64, time: f64) -> f64 {
         let f_s = self.friction.static_force;
-        if self.has_load() { f_s + self.hold(x, time).excess } else { f_s }
+        if self.own.has_load() { f_s + self.own.hold(x, time).excess } else { f_s }
     }
 
     /// The limit of |b| where it is f_s at both ends of a piece.
@@ -172,23 +133,21 @@ impl Scene {
         [Limit { value: L::splat(self.friction.static_force), curvature: L::splat(0.0) }; 2]
     }
 
-    /// Whether friction is no constant.
-    #[inline(always)]
-    pub fn has_load(&self) -> bool {
-        self.own.as_ref().is_some_and(|(force, _)| force.sides().is_some())
-    }
-
     /// b at rest in a slip in this direction, from b in a stick there.
     #[inline(always)]
     pub fn slipping(&self, direction: Sign, held: f64, x: f64, time: f64) -> f64 {
-        if self.has_load() { held + self.own_force(direction, x, 0.0, time) - self.hold(x, time).pull } else { held }
+        if self.own.has_load() {
+            held + self.own.at(Some(direction), x, 0.0, time) - self.own.hold(x, time).pull
+        } else {
+            held
+        }
     }
 
     /// b in a stick, from b at rest in a slip in this direction there.
     #[inline(always)]
     pub fn held(&self, direction: Sign, slipping: f64, x: f64, time: f64) -> f64 {
-        if self.has_load() {
-            slipping - self.own_force(direction, x, 0.0, time) + self.hold(x, time).pull
+        if self.own.has_load() {
+            slipping - self.own.at(Some(direction), x, 0.0, time) + self.own.hold(x, time).pull
         } else {
             slipping
         }
@@ -197,19 +156,17 @@ impl Scene {
     /// The b of the model with this x', from b in a stick there without its damping.
     #[inline(always)]
     pub fn told(&self, held: f64, x: f64, velocity: f64, time: f64) -> f64 {
-        match &self.own {
-            Some((force, instructions)) if velocity != 0.0 || self.has_load() => {
-                held + (force.at(*instructions, x, velocity, time) - self.hold(x, time).pull)
-            }
-            _ => held,
+        if self.own.is_some() && (velocity != 0.0 || self.own.has_load()) {
+            held + (self.own.at(None, x, velocity, time) - self.own.hold(x, time).pull)
+        } else {
+            held
         }
     }
 
     /// K x - g(x, 0, t): the force that holds against B and n in a stick.
     #[inline(always)]
     pub fn spring(&self, x: f64, time: f64) -> f64 {
-        let spring = self.oscillator.stiffness * x;
-        if self.has_own_force() { spring - self.hold(x, time).pull } else { spring }
+        self.oscillator.stiffness * x - self.own.hold(x, time).pull
     }
 
     /// Draws n(0) of a path. Returns n(0) and the part of it that belongs to the second noise (0 if
@@ -270,7 +227,7 @@ impl Scene {
     /// a cell also ends at every sample of a measured temperature and at every kink of g.
     pub fn ladder(&self, longest: f64, end: f64) -> StepLadder {
         let samples = self.series.as_ref().map_or(&[][..], |series| series.times());
-        let kinks = self.own.as_ref().map_or(Vec::new(), |(force, _)| force.kinks(end, longest));
+        let kinks = self.own.kinks(end, longest);
         let mut cuts = [&[0.0], samples, &kinks].concat();
         cuts.retain(|time| *time >= 0.0 && time.is_finite());
         cuts.sort_by(f64::total_cmp);

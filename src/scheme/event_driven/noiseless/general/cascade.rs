@@ -90,7 +90,7 @@ impl GeneralNoiseless {
         let forces = forces.with_kinks(timeline.end, longest);
         let fastest = rate.max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
         let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
-        let is_searched = forces.is_own_in_time() || forces.have_load() || oscillator.stiffness == 0.0;
+        let is_searched = forces.own.depends_on_time() || forces.own.has_load() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
             let mut undamped = model.clone();
             (undamped.oscillator.damping, undamped.force) = (0.0, None);
@@ -126,7 +126,7 @@ impl GeneralNoiseless {
         work: &mut WorkLeft,
     ) -> Result<Part, Unresolved> {
         let (temperature, f_s, has_load) =
-            (self.forces.near(start), self.model.friction.static_force, self.forces.have_load());
+            (self.forces.near(start), self.model.friction.static_force, self.forces.own.has_load());
         let [held, limit] = self.held(&temperature, displacement, work)?;
         let force = force.filter(|_| !has_load).unwrap_or(held);
         let exit = |r: f64, b: f64, direction: Sign| {
@@ -139,7 +139,7 @@ impl GeneralNoiseless {
             Some(exit(0.0, force, Sign::of(force)))
         } else if let Some(sticks) = &self.sticks {
             // K (beta T - x) + g = K (beta T - (x - g/K)).
-            let g = self.forces.hold(displacement, start.value()).pull;
+            let g = self.forces.own.hold(displacement, start.value()).pull;
             let found = sticks.stick_exit(start, displacement - g / self.model.oscillator.stiffness, work)?;
             found.map(|event| exit(start.until(event.time).max(0.0), event.force, Sign::of(event.force)))
         } else if self.forces.depend_on_time() {
@@ -208,7 +208,7 @@ impl GeneralNoiseless {
     /// The equation of motion of a sub-phase that begins at x.
     fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign, x: f64) -> SlipMotion<'a> {
         let start = temperature.start.value();
-        let rounding = if self.forces.is_own_in_time() { ROUNDING_OF_TIME * start / self.span } else { 0.0 };
+        let rounding = if self.forces.own.depends_on_time() { ROUNDING_OF_TIME * start / self.span } else { 0.0 };
         let mut motion = SlipMotion {
             forces: &self.forces,
             temperature,

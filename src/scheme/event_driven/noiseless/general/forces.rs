@@ -1,9 +1,9 @@
 //! The force on the body, b(x, x', t) = K (beta T(t) - x) - 2 alpha x' + g(x, x', t), with times
 //! that keep their digits over many periods.
 
+use super::super::super::user_force::UserForce;
 use super::super::exact_time::ExactTime;
-use crate::lanes::InstructionSet;
-use crate::model::{Complex, Force, ForcingTerm, Hold, InitialNoise, Model, Oscillator, Series, Sign};
+use crate::model::{Complex, ForcingTerm, Hold, InitialNoise, Model, Oscillator, Series, Sign};
 use std::sync::Arc;
 
 /// All forces on the body but friction.
@@ -15,8 +15,8 @@ pub struct Forces {
     series: Option<Arc<Series>>,
     /// The constant and the trend of T.
     line: [f64; 2],
-    /// g, with the instructions that evaluate it.
-    own: Option<(Force, InstructionSet)>,
+    /// g.
+    pub own: UserForce,
     /// Its kinks, in order.
     kinks: Arc<[f64]>,
 }
@@ -49,44 +49,20 @@ impl Forces {
             InitialNoise::Stationary => None,
         });
         let terms = harmonics.chain(relaxing).filter(|term| term.amplitude.abs() > 0.0).collect();
-        let Model { oscillator, temperature, force, .. } = model;
+        let Model { oscillator, temperature, .. } = model;
         let (series, line) = (temperature.series.clone(), [temperature.offset, temperature.trend]);
-        let own = force.clone().map(|force| (force, InstructionSet::detect()));
-        Forces { oscillator: *oscillator, terms, series, line, own, kinks: Arc::new([]) }
+        Forces { oscillator: *oscillator, terms, series, line, own: UserForce::of(model), kinks: Arc::new([]) }
     }
 
     /// The same with the kinks from 0 to `end`, among them what steps of this length would pass by.
     pub fn with_kinks(mut self, end: f64, step: f64) -> Self {
-        self.kinks = self.own.as_ref().map_or(Vec::new(), |(force, _)| force.kinks(end, step)).into();
+        self.kinks = self.own.kinks(end, step).into();
         self
     }
 
     /// The fastest rate of the temperature, and of g until `end`.
     pub fn fastest_rate(&self, end: f64) -> f64 {
-        let own = self.own.as_ref().map_or(0.0, |(force, _)| force.fastest_rate(end));
-        self.terms.iter().map(|term| term.rate.abs()).fold(own, f64::max)
-    }
-
-    /// g(x, x', t) in a slip in this direction, or where the body moves as its velocity says.
-    pub fn own(&self, direction: Option<Sign>, x: f64, v: f64, t: f64) -> f64 {
-        self.own.as_ref().map_or(0.0, |(force, instructions)| {
-            direction.map_or(force, |direction| force.in_slip(direction)).at(*instructions, x, v, t)
-        })
-    }
-
-    /// g(x, 0, t) in a stick, and how much the limit of b differs from f_s.
-    pub fn hold(&self, x: f64, t: f64) -> Hold {
-        self.own.as_ref().map_or(Hold::default(), |(force, instructions)| force.hold(*instructions, x, t))
-    }
-
-    /// Whether friction has a load, or g a direction.
-    pub fn have_load(&self) -> bool {
-        self.own.as_ref().is_some_and(|(force, _)| force.sides().is_some())
-    }
-
-    /// Whether g, or the limit of b, depends on t.
-    pub fn is_own_in_time(&self) -> bool {
-        self.own.as_ref().is_some_and(|(force, _)| force.depends_on_time())
+        self.terms.iter().map(|term| term.rate.abs()).fold(self.own.fastest_rate(end), f64::max)
     }
 
     /// By how much b at rest and its limit change within some roundings of the time, where there
@@ -96,7 +72,7 @@ impl Forces {
             return 0.0;
         }
         let rounding = 2.0 * f64::EPSILON * t;
-        let [before, after] = [t - rounding, t + rounding].map(|t| self.hold(x, t));
+        let [before, after] = [t - rounding, t + rounding].map(|t| self.own.hold(x, t));
         (after.pull - before.pull).abs() + (after.excess - before.excess).abs()
     }
 
@@ -104,7 +80,7 @@ impl Forces {
     pub fn depend_on_time(&self) -> bool {
         let temperature_changes =
             self.series.is_some() || self.line[1] != 0.0 || self.terms.iter().any(|term| term.rate.abs() > 0.0);
-        self.is_own_in_time() || (temperature_changes && self.oscillator.force_per_temperature() != 0.0)
+        self.own.depends_on_time() || (temperature_changes && self.oscillator.force_per_temperature() != 0.0)
     }
 
     /// The temperature near a time.
@@ -129,14 +105,14 @@ impl Forces {
         local
     }
 
-    /// b for x and x' a duration after the start of `local`, with the g of [`Forces::own`].
+    /// b for x and x' a duration after the start of `local`, with the g of [`UserForce::at`].
     pub fn at(&self, local: &LocalTemperature, direction: Option<Sign>, [x, v]: [f64; 2], after: f64) -> f64 {
-        self.oscillator.force(local.after(after), x, v) + self.own(direction, x, v, local.start.after(after).value())
+        self.oscillator.force(local.after(after), x, v) + self.own.at(direction, x, v, local.start.after(after).value())
     }
 
     /// b in a stick at x, and its limit less f_s.
     pub fn held(&self, local: &LocalTemperature, x: f64, after: f64) -> [f64; 2] {
-        let Hold { pull, excess } = self.hold(x, local.start.after(after).value());
+        let Hold { pull, excess } = self.own.hold(x, local.start.after(after).value());
         [self.oscillator.force(local.after(after), x, 0.0) + pull, excess]
     }
 
@@ -144,7 +120,7 @@ impl Forces {
     pub fn size(&self, local: &LocalTemperature, direction: Sign, [x, v]: [f64; 2], after: f64) -> f64 {
         let Oscillator { damping, .. } = self.oscillator;
         let spring = self.oscillator.force_bound(local.after(after).abs(), x.abs());
-        spring + (2.0 * damping * v).abs() + self.own(Some(direction), x, v, local.start.after(after).value()).abs()
+        spring + (2.0 * damping * v).abs() + self.own.at(Some(direction), x, v, local.start.after(after).value()).abs()
     }
 }
 
