@@ -13,7 +13,7 @@
 //! different second keys, so they share no number.
 
 use super::mirror;
-use super::normal::{half_normals, standard_normal};
+use super::normal::half_normals;
 use super::stream::{GAMMA, path_word};
 use crate::lanes::{Lanes, LookupTable};
 use std::f64::consts::SQRT_2;
@@ -25,7 +25,7 @@ pub struct AddressedDraws {
     key: u64,
     counter: u64,
     /// The bits of [`mirror::parts`].
-    flip: u64,
+    pub(super) flip: u64,
 }
 
 /// The first place of a cell whose numbers are only used for observing a path.
@@ -92,31 +92,11 @@ impl AddressedDraws {
         [self.origin, self.key, self.flip]
     }
 
-    /// The next standard normal.
-    #[inline(always)]
-    pub fn normal(&mut self) -> f64 {
-        standard_normal(self.next_u64() ^ self.flip)
-    }
-
-    /// The next two standard normals, made from one draw ([`super::Stream::normal_pair`]).
-    #[inline(always)]
-    pub fn normal_pair(&mut self) -> [f64; 2] {
-        let draw = self.next_u64() ^ self.flip;
-        // This does not use `map`, which is not compiled for the instruction set of the caller.
-        [standard_normal(draw), standard_normal(draw.rotate_left(32))]
-    }
-
     /// The next three standard normals, made from two draws.
     #[inline(always)]
     pub fn three_normals(&mut self) -> [f64; 3] {
         let ([one, two], three) = (self.normal_pair(), self.normal());
         [one, two, three]
-    }
-
-    /// A uniform number in (0, 1): the midpoint of one of 2^53 cells.
-    #[inline(always)]
-    pub fn uniform(&mut self) -> f64 {
-        ((self.next_u64() >> 11) as f64 + 0.5) * (1.0 / 9_007_199_254_740_992.0)
     }
 }
 

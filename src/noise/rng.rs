@@ -1,16 +1,41 @@
-//! The random numbers of a path as generators of `rand_core`, so that any law of `rand_distr` can be
-//! drawn from them.
+//! Normals and uniform numbers from the words of a path, and these words as generators of `rand_core`,
+//! so that any law of `rand_distr` can be drawn from them.
 //!
-//! These are the bare words: a mirror image has the same ones. Only the normals of this library
+//! A generator gives the bare words: a mirror image has the same ones. Only the normals of this library
 //! have the opposite sign there.
 
-use super::{AddressedDraws, Stream};
+use super::{AddressedDraws, Stream, standard_normal};
 use rand_core::TryRng;
 use std::convert::Infallible;
 
-/// A generator whose words are those of this type's `next_u64`.
+/// The numbers that are made from the words of this type's `next_u64`, and a generator of these words.
 macro_rules! generator {
     ($name:ty) => {
+        impl $name {
+            /// The next standard normal.
+            #[inline(always)]
+            pub fn normal(&mut self) -> f64 {
+                standard_normal(self.next_u64() ^ self.flip)
+            }
+
+            /// The next two standard normals, made from one draw: the first from the draw, the second
+            /// from the draw with its two halves exchanged. The upper halves, which determine a normal
+            /// to one part in 2^32, have no bit in common. The lower halves matter alone only beyond 6.2
+            /// sigma.
+            #[inline(always)]
+            pub fn normal_pair(&mut self) -> [f64; 2] {
+                let draw = self.next_u64() ^ self.flip;
+                // This does not use `map`, which is not compiled for the instruction set of the caller.
+                [standard_normal(draw), standard_normal(draw.rotate_left(32))]
+            }
+
+            /// A uniform number in (0, 1): the midpoint of one of 2^53 cells.
+            #[inline(always)]
+            pub fn uniform(&mut self) -> f64 {
+                ((self.next_u64() >> 11) as f64 + 0.5) * (1.0 / 9_007_199_254_740_992.0)
+            }
+        }
+
         impl TryRng for $name {
             type Error = Infallible;
 

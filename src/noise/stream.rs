@@ -38,7 +38,7 @@ pub(super) fn path_word(seed: u64, path: u64, i: u64) -> u64 {
 pub struct Stream {
     state: [u64; 4],
     /// The bits of [`mirror::parts`].
-    flip: u64,
+    pub(super) flip: u64,
 }
 
 impl Stream {
@@ -67,27 +67,6 @@ impl Stream {
         s[2] ^= t;
         s[3] = s[3].rotate_left(45);
         result
-    }
-
-    /// The next standard normal.
-    #[inline(always)]
-    pub fn normal(&mut self) -> f64 {
-        super::standard_normal(self.next_u64() ^ self.flip)
-    }
-
-    /// The next two standard normals, made from one draw: the first from the draw, the second from
-    /// the draw with its two halves exchanged. The upper halves, which determine a normal to one
-    /// part in 2^32, have no bit in common. The lower halves matter alone only beyond 6.2 sigma.
-    #[inline(always)]
-    pub fn normal_pair(&mut self) -> [f64; 2] {
-        let draw = self.next_u64() ^ self.flip;
-        [draw, draw.rotate_left(32)].map(super::standard_normal)
-    }
-
-    /// A uniform number in (0, 1): the midpoint of one of 2^53 cells.
-    #[inline(always)]
-    pub fn uniform(&mut self) -> f64 {
-        ((self.next_u64() >> 11) as f64 + 0.5) * (1.0 / 9_007_199_254_740_992.0)
     }
 }
 
