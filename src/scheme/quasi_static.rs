@@ -42,15 +42,16 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, Cell, Corridor, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated,
-    StepLadder, StepRules, Stretch, Stretches, Unresolved, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft,
-    cell_length, check_friction, noise_between, work_limit,
+    self, Cascade, Cell, Course, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated, StepRules,
+    Stretch, Stretches, Unresolved, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft, check_friction,
+    noise_between,
 };
 use super::{
     Along, DEFAULT_TOLERANCE, Discretisation, Glide, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
+use std::convert::Infallible;
 
 /// The quasi-static scheme with this tolerance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -251,7 +252,7 @@ struct NoiselessRecursion {
 }
 
 /// A phase that begins at this x and, if it is a slip, with this excess of |b|.
-type Part = Stretch<(f64, f64), ()>;
+type Part = Stretch<(f64, f64), Infallible>;
 
 impl NoiselessRecursion {
     /// The phase that begins at a time and a place, and the event that ends it.
@@ -280,7 +281,7 @@ impl NoiselessRecursion {
 
 impl Stretches for NoiselessRecursion {
     type Motion = (f64, f64);
-    type Cut = ();
+    type Cut = Infallible;
 
     fn timeline(&self) -> &Timeline {
         &self.exits.timeline
@@ -294,8 +295,8 @@ impl Stretches for NoiselessRecursion {
         self.part(Phase::Static, ExactTime::ZERO, (self.exits.model.initial_displacement, 0.0), work)
     }
 
-    fn next(&self, part: &Part, work: &mut WorkLeft) -> Result<Part, Unresolved> {
-        let Some((_, End::Event(event))) = part.end else { return Err(Unresolved::NoNumber) };
+    fn next(&self, _: &Part, (_, end): (f64, End<Infallible>), work: &mut WorkLeft) -> Result<Part, Unresolved> {
+        let End::Event(event) = end;
         let from = (event.displacement, self.slip.excess(&event));
         self.part(event.kind.phase(), ExactTime::ZERO.after(event.time), from, work)
     }
@@ -324,21 +325,16 @@ impl Stretches for NoiselessRecursion {
 #[derive(Clone, Debug)]
 struct NoisyRecursion {
     scene: Scene,
-    timeline: Timeline,
-    ladder: StepLadder,
-    corridor: Corridor,
+    course: Course,
     slip: Swing,
-    work_limit: u64,
-    closeness: usize,
 }
 
 impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let ladder = scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end), timeline.end);
-        let corridor = Corridor::new(&scene, rules.chord_error);
-        NoisyRecursion { scene, timeline: *timeline, ladder, corridor, slip, work_limit: work_limit(1), closeness: 1 }
+        let course = Course::new(&scene, timeline, rules, longest, 1);
+        NoisyRecursion { scene, course, slip }
     }
 }
 
@@ -352,24 +348,8 @@ impl Cascade for NoisyRecursion {
         &self.scene
     }
 
-    fn timeline(&self) -> &Timeline {
-        &self.timeline
-    }
-
-    fn ladder(&self) -> &StepLadder {
-        &self.ladder
-    }
-
-    fn corridor(&self) -> &Corridor {
-        &self.corridor
-    }
-
-    fn work_limit(&self) -> u64 {
-        self.work_limit
-    }
-
-    fn closeness(&self) -> usize {
-        self.closeness
+    fn course(&self) -> &Course {
+        &self.course
     }
 
     fn scratch(&self) {}
@@ -485,7 +465,7 @@ impl Simulate for QuasiStaticSimulation {
 
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.exits {
-            Exits::Noisy(cascade) => cascade.work_limit = limit,
+            Exits::Noisy(cascade) => cascade.course.work_limit = limit,
             Exits::Noiseless(cascade) => cascade.exits.work_limit = limit,
         }
         self
@@ -493,7 +473,7 @@ impl Simulate for QuasiStaticSimulation {
 
     fn looked_at_closer(mut self, closeness: usize) -> Self {
         if let Exits::Noisy(cascade) = &mut self.exits {
-            cascade.closeness = closeness;
+            cascade.course.closeness = closeness;
         }
         self
     }

@@ -14,10 +14,10 @@
 //! their ends is drawn from its bridge to the end of the cell.
 
 use super::abreast::Abreast;
-use super::alone::OneByOne;
+use super::alone::{Course, OneByOne};
 use super::cell_loop;
-use super::law::{Corridor, DrivenOscillator, Scene, SlipStep, StepLadder, StepRules, StopSearch, cell_length};
-use super::work::{OWN_FORCE, Simulated, work_limit};
+use super::law::{DrivenOscillator, Scene, SlipStep, StepRules, StopSearch};
+use super::work::{OWN_FORCE, Simulated};
 use crate::lanes::InstructionSet;
 use crate::model::Model;
 use crate::scheme::{Observer, Timeline};
@@ -27,9 +27,7 @@ use std::cell::RefCell;
 #[derive(Clone, Debug)]
 pub struct Noisy {
     pub(super) scene: Scene,
-    pub(super) timeline: Timeline,
-    pub(super) ladder: StepLadder,
-    pub(super) corridor: Corridor,
+    pub(super) course: Course,
     pub(super) oscillator: DrivenOscillator,
     /// The slip step of the usual length. It covers a whole cell where
     /// [`Noisy::has_one_step_a_cell`].
@@ -38,10 +36,6 @@ pub struct Noisy {
     pub(super) halved: Vec<SlipStep>,
     pub(super) rules: StepRules,
     pub(super) search: StopSearch,
-    /// The number of evaluations that a path may make.
-    pub(super) work_limit: u64,
-    /// Every `closeness`-th row of the output grid belongs to the run.
-    pub(super) closeness: usize,
 }
 
 /// If the fastest rate of the body is more than this multiple of the rates of forcing and noise,
@@ -77,42 +71,29 @@ impl Noisy {
         let longest_cell = if is_swift { rules.slip_length / slow } else { longest };
         // Whatever oscillates at rest is looked at often enough to be seen.
         let longest_cell = longest_cell.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
-        let ladder = scene.ladder(cell_length(longest_cell.min(scene.longest_cell()), timeline.end), timeline.end);
-        let cell_length = ladder.length;
+        let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
+        let course = Course::new(&scene, timeline, rules, longest_cell, cost);
+        let cell_length = course.ladder.length;
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
         let halvings = if scene.own.is_some() { FINEST_HALVING + 1 } else { 0 };
         let halved = |n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n));
         let halved = (0..halvings).map(halved).collect();
-        let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
-        let corridor = Corridor::new(&scene, rules.chord_error);
-        Noisy {
-            scene,
-            timeline: *timeline,
-            ladder,
-            corridor,
-            oscillator,
-            step,
-            halved,
-            rules: *rules,
-            search,
-            work_limit: work_limit(cost),
-            closeness: 1,
-        }
+        Noisy { scene, course, oscillator, step, halved, rules: *rules, search }
     }
 
     /// Whether the paths can be simulated abreast: all cells have one length, there is only one
     /// noise, and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
-        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.ladder.is_even()
+        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.course.ladder.is_even()
     }
 
     /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and
     /// its transition is a sum of power series without doubling.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.length();
-        self.has_equal_cells() && self.ladder.length == length && self.oscillator.has_series_for(length)
+        self.has_equal_cells() && self.course.ladder.length == length && self.oscillator.has_series_for(length)
     }
 
     /// The best number of paths to simulate together: enough to fill the registers with the flagged

@@ -99,7 +99,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let (corridor, scene) = (&self.paths.noisy.corridor, &self.paths.noisy.scene);
+        let (corridor, scene) = (&self.paths.noisy.course.corridor, &self.paths.noisy.scene);
         let reach = corridor.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limit());
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;

@@ -325,7 +325,7 @@ mod tests {
     /// x and x' after so many equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
-        let cell = Cell::new(scene, &noisy.ladder, 0);
+        let cell = Cell::new(scene, &noisy.course.ladder, 0);
         let slip = Slip { noisy, cell: &cell, direction: Sign::Positive, end_noise: 0.0 };
         let step = SlipStep::new(&noisy.oscillator, 0, DURATION / steps as f64);
         let mut path = Path::new(scene, 0.0, AddressedDraws::new(1, 0), WorkLeft::new(0));

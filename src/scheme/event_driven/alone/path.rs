@@ -1,7 +1,7 @@
 //! One path, and how it crosses a cell: phase by phase.
 
-use super::super::law::{Cell, Corridor, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder};
-use super::super::work::{Unresolved, WorkLeft};
+use super::super::law::{Cell, Corridor, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, cell_length};
+use super::super::work::{Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Phase, Sign};
@@ -32,6 +32,35 @@ pub struct Path<'w, M> {
     pub lost: Option<Unresolved>,
 }
 
+/// How the paths of a scheme go from cell to cell.
+#[derive(Clone, Debug)]
+pub struct Course {
+    pub timeline: Timeline,
+    /// The division of time into cells.
+    pub ladder: StepLadder,
+    /// Finds the exits from sticks.
+    pub corridor: Corridor,
+    /// The number of evaluations that a path may make.
+    pub work_limit: u64,
+    /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
+    /// for a closer look at a path.
+    pub closeness: usize,
+}
+
+impl Course {
+    /// The course through cells that are at most this long, where an evaluation takes `cost` times as
+    /// long as usual.
+    pub fn new(scene: &Scene, timeline: &Timeline, rules: &StepRules, longest: f64, cost: u64) -> Self {
+        Course {
+            timeline: *timeline,
+            ladder: scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end), timeline.end),
+            corridor: Corridor::new(scene, rules.chord_error),
+            work_limit: work_limit(cost),
+            closeness: 1,
+        }
+    }
+}
+
 /// What the loop needs from a scheme.
 pub trait Cascade {
     /// What the scheme knows of the motion of a path besides displacement, noise, force and phase.
@@ -40,16 +69,8 @@ pub trait Cascade {
     type Scratch;
 
     fn scene(&self) -> &Scene;
-    fn timeline(&self) -> &Timeline;
-    /// The division of time into cells.
-    fn ladder(&self) -> &StepLadder;
-    /// Finds the exits from sticks.
-    fn corridor(&self) -> &Corridor;
-    /// The number of evaluations that a path may make.
-    fn work_limit(&self) -> u64;
-    /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
-    /// for a closer look at a path.
-    fn closeness(&self) -> usize;
+    fn course(&self) -> &Course;
+
     fn scratch(&self) -> Self::Scratch;
 
     /// Takes a path in a sub-phase to the end of the cell, where n is `end_noise`, or to the event
@@ -80,7 +101,7 @@ pub fn start<'w, C: Cascade>(
 ) -> Path<'w, C::Memory> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     let (noise, second_noise) = scene.draw_initial_noise(draws);
-    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::watched(cascade.work_limit(), is_stopped)) }
+    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::watched(cascade.course().work_limit, is_stopped)) }
 }
 
 impl<'w, M: Default> Path<'w, M> {

@@ -3,20 +3,20 @@
 //! own ([`super::own_force`]).
 
 use super::super::law::{
-    Cell, Corridor, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity,
-    StepLadder, WHOLE_PLACE, force, forcing, motion, noise_between,
+    Cell, Glance, Known, SAME_LENGTH, SHORTEST, Scene, SlipPoint, SlipStep, SlipStop, SlipVelocity, WHOLE_PLACE, force,
+    forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
 use super::super::work::Unresolved;
 use super::own_force::OwnForce;
-use super::path::{Cascade, Path};
+use super::path::{Cascade, Course, Path};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
 use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign};
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
-use crate::scheme::{Along, Glide, Timeline};
+use crate::scheme::{Along, Glide};
 use std::cell::RefCell;
 
 /// Buffers for the computation of one path at a time.
@@ -41,24 +41,8 @@ impl Cascade for Noisy {
         &self.scene
     }
 
-    fn timeline(&self) -> &Timeline {
-        &self.timeline
-    }
-
-    fn ladder(&self) -> &StepLadder {
-        &self.ladder
-    }
-
-    fn corridor(&self) -> &Corridor {
-        &self.corridor
-    }
-
-    fn work_limit(&self) -> u64 {
-        self.work_limit
-    }
-
-    fn closeness(&self) -> usize {
-        self.closeness
+    fn course(&self) -> &Course {
+        &self.course
     }
 
     fn scratch(&self) -> SlipBuffers {

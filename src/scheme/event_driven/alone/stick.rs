@@ -53,7 +53,7 @@ pub(super) fn stick<C: Cascade>(
     if path.force.abs() >= scene.limit(displacement, cell.start + path.after) {
         return Ok(Some(slip(path.force, path.after)));
     }
-    let stick = Stick::new(scene, cascade.corridor(), cell, displacement, end_noise);
+    let stick = Stick::new(scene, &cascade.course().corridor, cell, displacement, end_noise);
     let Some(exit) = stick.exit(path, pending, watch)? else {
         path.force = stick.with_own(cell.last, cell.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() { Err(Unresolved::NoNumber) } else { Ok(None) };

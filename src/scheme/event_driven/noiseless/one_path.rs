@@ -127,7 +127,7 @@ impl Noiseless {
             match leg.end {
                 None => return Ok(None),
                 Some((_, End::Event(event))) => return Ok(Some(event)),
-                Some((_, End::Cut(()))) => leg = self.next(&leg, work)?,
+                Some(cut) => leg = self.next(&leg, cut, work)?,
             }
         }
     }
@@ -293,9 +293,8 @@ impl Stretches for Noiseless {
         Ok(Leg { start, phase, from: LegStart { displacement, velocity: 0.0, force, terms, line }, end })
     }
 
-    fn next(&self, leg: &Leg, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
+    fn next(&self, leg: &Leg, (duration, end): (f64, End<()>), work: &mut WorkLeft) -> Result<Leg, Unresolved> {
         work.spend()?;
-        let Some((duration, end)) = leg.end else { return Err(Unresolved::NoNumber) };
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
         match (end, leg.phase) {

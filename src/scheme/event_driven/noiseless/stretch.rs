@@ -54,8 +54,13 @@ pub trait Stretches {
     /// The stretch that begins at t = 0.
     fn first(&self, work: &mut WorkLeft) -> Result<StretchOf<Self>, Unresolved>;
 
-    /// The stretch that follows one that ends.
-    fn next(&self, stretch: &StretchOf<Self>, work: &mut WorkLeft) -> Result<StretchOf<Self>, Unresolved>;
+    /// The stretch that follows one that ends like this after a duration.
+    fn next(
+        &self,
+        stretch: &StretchOf<Self>,
+        end: (f64, End<Self::Cut>),
+        work: &mut WorkLeft,
+    ) -> Result<StretchOf<Self>, Unresolved>;
 
     /// x, x', T and whether the path is static, at a time within the stretch.
     fn state(&self, stretch: &StretchOf<Self>, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved>;
@@ -77,13 +82,13 @@ pub trait Stretches {
         };
         for stop in self.timeline().stops() {
             while let Ok(here) = &stretch
-                && let Some((duration, end)) = here.end_by(stop.time)
+                && let Some(end) = here.end_by(stop.time)
             {
-                stretch = follow(here, duration).and_then(|()| {
-                    if let End::Event(event) = end {
+                stretch = follow(here, end.0).and_then(|()| {
+                    if let End::Event(event) = end.1 {
                         (0..lanes).for_each(|lane| observer.borrow_mut().event(lane, event));
                     }
-                    self.next(here, &mut work)
+                    self.next(here, end, &mut work)
                 });
             }
             let seen = stretch.as_ref().map_err(|lost| *lost).and_then(|here| {

@@ -254,8 +254,12 @@ impl Stretches for GeneralNoiseless {
         Ok(Part { start: ExactTime::ZERO, phase: Phase::Static, from: PartStart { temperature, motion }, end })
     }
 
-    fn next(&self, part: &Part, work: &mut WorkLeft) -> Result<Part, Unresolved> {
-        let Some((duration, end)) = part.end else { return Err(Unresolved::NoNumber) };
+    fn next(
+        &self,
+        part: &Part,
+        (duration, end): (f64, End<Self::Cut>),
+        work: &mut WorkLeft,
+    ) -> Result<Part, Unresolved> {
         let start = part.start.after(duration);
         match (end, part.phase) {
             (End::Event(event), _) => match event.kind.phase() {
