@@ -42,8 +42,8 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, Cell, Course, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Scene, Simulated, StepRules,
-    Stretch, Stretches, Unresolved, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft, check_friction,
+    self, Cascade, Cell, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Resolved, Route, Scene, Simulated,
+    StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft, check_friction,
     noise_between,
 };
 use super::{
@@ -256,13 +256,7 @@ type Part = Stretch<(f64, f64), Infallible>;
 
 impl NoiselessRecursion {
     /// The phase that begins at a time and a place, and the event that ends it.
-    fn part(
-        &self,
-        phase: Phase,
-        start: ExactTime,
-        (x, excess): (f64, f64),
-        work: &mut WorkLeft,
-    ) -> Result<Part, Unresolved> {
+    fn part(&self, phase: Phase, start: ExactTime, (x, excess): (f64, f64), work: &mut WorkLeft) -> Resolved<Part> {
         work.spend()?;
         let end = if let Phase::Slip(direction) = phase {
             let (duration, model) = (self.slip.response.duration, &self.exits.model);
@@ -291,17 +285,17 @@ impl Stretches for NoiselessRecursion {
         self.exits.work_limit
     }
 
-    fn first(&self, work: &mut WorkLeft) -> Result<Part, Unresolved> {
+    fn first(&self, work: &mut WorkLeft) -> Resolved<Part> {
         self.part(Phase::Static, ExactTime::ZERO, (self.exits.model.initial_displacement, 0.0), work)
     }
 
-    fn next(&self, _: &Part, (_, end): (f64, End<Infallible>), work: &mut WorkLeft) -> Result<Part, Unresolved> {
+    fn next(&self, _: &Part, (_, end): (f64, End<Infallible>), work: &mut WorkLeft) -> Resolved<Part> {
         let End::Event(event) = end;
         let from = (event.displacement, self.slip.excess(&event));
         self.part(event.kind.phase(), ExactTime::ZERO.after(event.time), from, work)
     }
 
-    fn state(&self, part: &Part, t: f64, _: &mut WorkLeft) -> Result<Seen, Unresolved> {
+    fn state(&self, part: &Part, t: f64, _: &mut WorkLeft) -> Resolved<Seen> {
         let ((x, excess), temperature) = (part.from, self.exits.model.temperature.mean(t));
         Ok(match part.phase {
             Phase::Static => (x, 0.0, temperature, true),
@@ -312,7 +306,7 @@ impl Stretches for NoiselessRecursion {
         })
     }
 
-    fn glides(&self, part: &Part, duration: f64, tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+    fn glides(&self, part: &Part, duration: f64, tell: impl FnMut(Glide)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
             let until = duration.min(self.slip.response.duration);
             self.slip.glides(part.start.value(), x, direction, excess, [0.0, until], tell);
@@ -325,7 +319,7 @@ impl Stretches for NoiselessRecursion {
 #[derive(Clone, Debug)]
 struct NoisyRecursion {
     scene: Scene,
-    course: Course,
+    route: Route,
     slip: Swing,
 }
 
@@ -333,8 +327,8 @@ impl NoisyRecursion {
     fn new(scene: Scene, timeline: &Timeline, rules: &StepRules, slip: Swing) -> Self {
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let longest = rules.slip_length / rates.fold(scene.noise_rate(), f64::max);
-        let course = Course::new(&scene, timeline, rules, longest, 1);
-        NoisyRecursion { scene, course, slip }
+        let route = Route::new(&scene, timeline, rules, longest, 1);
+        NoisyRecursion { scene, route, slip }
     }
 }
 
@@ -348,8 +342,8 @@ impl Cascade for NoisyRecursion {
         &self.scene
     }
 
-    fn course(&self) -> &Course {
-        &self.course
+    fn route(&self) -> &Route {
+        &self.route
     }
 
     fn scratch(&self) {}
@@ -362,7 +356,7 @@ impl Cascade for NoisyRecursion {
         end_noise: f64,
         _: &mut (),
         watch: &mut impl Watch,
-    ) -> Result<Option<Event>, Unresolved> {
+    ) -> Resolved<Option<Event>> {
         path.work.spend()?;
         let x0 = path.displacement;
         let (began, excess) = (path.motion.0 - cell.start, path.motion.1);
@@ -465,7 +459,7 @@ impl Simulate for QuasiStaticSimulation {
 
     fn with_work_limit(mut self, limit: u64) -> Self {
         match &mut self.exits {
-            Exits::Noisy(cascade) => cascade.course.work_limit = limit,
+            Exits::Noisy(cascade) => cascade.route.work_limit = limit,
             Exits::Noiseless(cascade) => cascade.exits.work_limit = limit,
         }
         self
@@ -473,7 +467,7 @@ impl Simulate for QuasiStaticSimulation {
 
     fn looked_at_closer(mut self, closeness: usize) -> Self {
         if let Exits::Noisy(cascade) = &mut self.exits {
-            cascade.course.closeness = closeness;
+            cascade.route.closeness = closeness;
         }
         self
     }

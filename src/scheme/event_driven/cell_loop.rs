@@ -52,9 +52,9 @@ pub trait PathSet {
 
 /// Simulates `count` paths to the last stop of the timeline, or until the observer stops them.
 pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>) -> Simulated {
-    let course = paths.cascade().course();
-    let mut cell = Cell::new(paths.cascade().scene(), &course.ladder, 0);
-    let (closeness, timeline) = (course.closeness, course.timeline);
+    let route = paths.cascade().route();
+    let mut cell = Cell::new(paths.cascade().scene(), &route.ladder, 0);
+    let (closeness, timeline) = (route.closeness, route.timeline);
     let mut columns = StateColumns::new(count);
     let (mut quiet, mut inside) =
         (Vec::new(), Inside { glides: observer.borrow().follows().then(Vec::new), ..Inside::default() });
@@ -68,7 +68,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
         quiet.clear();
         while !is_before(stop, cell.end) && quiet.len() < MOST_QUIET {
             quiet.push(cell.clone());
-            cell.move_to(paths.cascade().scene(), &paths.cascade().course().ladder, cell.index + 1);
+            cell.move_to(paths.cascade().scene(), &paths.cascade().route().ladder, cell.index + 1);
         }
         if quiet.is_empty() {
             let next = || stops.next_if(|stop| is_before(stop, cell.end));
@@ -76,7 +76,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
             paths.cross_watched(&cell, &mut inside);
             inside.tell(*observer.borrow_mut(), stops.peek().is_none());
             quiet.push(cell.clone());
-            cell.move_to(paths.cascade().scene(), &paths.cascade().course().ladder, cell.index + 1);
+            cell.move_to(paths.cascade().scene(), &paths.cascade().route().ladder, cell.index + 1);
         } else {
             paths.cross(&quiet, observer);
         }

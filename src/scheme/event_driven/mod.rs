@@ -29,11 +29,11 @@ pub use law::{DEFAULT_TOLERANCE, DrivenOscillator, HarmonicResponse, Resolution,
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
-pub(super) use alone::{Cascade, Course, OneByOne, Path, Watch, WatchedPiece};
+pub(super) use alone::{Cascade, OneByOne, Path, Route, Watch, WatchedPiece};
 pub(super) use cell_loop::{Watching, simulate};
 pub(super) use law::{Cell, Glance, Known, Scene, StepRules, noise_between};
 pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, WithUnfeltNoise};
-pub(super) use work::WorkLeft;
+pub(super) use work::{Resolved, WorkLeft};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};
 use crate::model::{Model, can_be_computed_with};

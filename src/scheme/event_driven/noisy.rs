@@ -14,7 +14,7 @@
 //! their ends is drawn from its bridge to the end of the cell.
 
 use super::abreast::Abreast;
-use super::alone::{Course, OneByOne};
+use super::alone::{OneByOne, Route};
 use super::cell_loop;
 use super::law::{DrivenOscillator, Scene, SlipStep, StepRules, StopSearch};
 use super::work::{OWN_FORCE, Simulated};
@@ -27,7 +27,7 @@ use std::cell::RefCell;
 #[derive(Clone, Debug)]
 pub struct Noisy {
     pub(super) scene: Scene,
-    pub(super) course: Course,
+    pub(super) route: Route,
     pub(super) oscillator: DrivenOscillator,
     /// The slip step of the usual length. It covers a whole cell where
     /// [`Noisy::has_one_step_a_cell`].
@@ -72,28 +72,28 @@ impl Noisy {
         // Whatever oscillates at rest is looked at often enough to be seen.
         let longest_cell = longest_cell.min(rules.slip_length / scene.own.fastest_rate(timeline.end));
         let cost = if scene.own.is_some() { OWN_FORCE } else { 1 };
-        let course = Course::new(&scene, timeline, rules, longest_cell, cost);
-        let cell_length = course.ladder.length;
+        let route = Route::new(&scene, timeline, rules, longest_cell, cost);
+        let cell_length = route.ladder.length;
         let length = cell_length / (cell_length / longest).ceil();
         let step = SlipStep::new(&oscillator, frequencies.len(), length);
         let halvings = if scene.own.is_some() { FINEST_HALVING + 1 } else { 0 };
         let halved = |n| SlipStep::new(&oscillator, frequencies.len(), length / f64::from(1u32 << n));
         let halved = (0..halvings).map(halved).collect();
         let search = StopSearch { noise: scene.diffusion / body.mass, caution: rules.caution };
-        Noisy { scene, course, oscillator, step, halved, rules: *rules, search }
+        Noisy { scene, route, oscillator, step, halved, rules: *rules, search }
     }
 
     /// Whether the paths can be simulated abreast: all cells have one length, there is only one
     /// noise, and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
-        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.course.ladder.is_even()
+        !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.route.ladder.is_even()
     }
 
     /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and
     /// its transition is a sum of power series without doubling.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.length();
-        self.has_equal_cells() && self.course.ladder.length == length && self.oscillator.has_series_for(length)
+        self.has_equal_cells() && self.route.ladder.length == length && self.oscillator.has_series_for(length)
     }
 
     /// The best number of paths to simulate together: enough to fill the registers with the flagged

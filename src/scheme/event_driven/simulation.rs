@@ -94,14 +94,14 @@ impl Simulate for EventDrivenSimulation {
         match &mut self.chosen {
             Chosen::Noiseless(cascade) => cascade.work_limit = limit,
             Chosen::General(cascade) => cascade.work_limit = limit,
-            Chosen::Noisy(cascade) => cascade.course.work_limit = limit,
+            Chosen::Noisy(cascade) => cascade.route.work_limit = limit,
         }
         self
     }
 
     fn looked_at_closer(mut self, closeness: usize) -> Self {
         if let Chosen::Noisy(cascade) = &mut self.chosen {
-            cascade.course.closeness = closeness;
+            cascade.route.closeness = closeness;
         }
         self
     }

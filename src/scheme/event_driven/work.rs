@@ -46,6 +46,9 @@ pub enum Unresolved {
     Stopped,
 }
 
+/// What is computed of a path, unless it is given up.
+pub type Resolved<T> = Result<T, Unresolved>;
+
 /// The number of evaluations that a path with noise may make. They take about ten seconds; the
 /// paths of usual scenes take microseconds to seconds.
 const WORK_LIMIT: u64 = 100_000_000;
@@ -85,7 +88,7 @@ impl<'w> WorkLeft<'w> {
 
     /// Counts one evaluation; an error if none is left, or if the path is no longer wanted.
     #[inline(always)]
-    pub fn spend(&mut self) -> Result<(), Unresolved> {
+    pub fn spend(&mut self) -> Resolved<()> {
         match self.left.checked_sub(1) {
             Some(left) => {
                 self.left = left;
@@ -98,7 +101,7 @@ impl<'w> WorkLeft<'w> {
     /// Counts an evaluation where none is left until the next look.
     #[cold]
     #[inline(never)]
-    fn look(&mut self) -> Result<(), Unresolved> {
+    fn look(&mut self) -> Resolved<()> {
         let Some(later) = self.later.checked_sub(1) else { return Err(Unresolved::TooLong) };
         if (self.is_stopped)() {
             return Err(Unresolved::Stopped);

@@ -126,7 +126,7 @@ impl<'a> Abreast<'a> {
     /// The path of a lane at the start of the cell.
     fn path(&self, lane: usize) -> Path<'a, f64> {
         let [displacement, motion, noise, force, eps, ..] = self.now[lane].0;
-        let left = self.noisy.course.work_limit.saturating_sub(self.spent_before[lane]);
+        let left = self.noisy.route.work_limit.saturating_sub(self.spent_before[lane]);
         Path {
             after: 0.0,
             displacement,
@@ -150,7 +150,7 @@ impl<'a> Abreast<'a> {
         let [origin, key, flip] = path.draws.keys().map(f64::from_bits);
         self.next[lane] = Row([path.displacement, v, path.noise, path.force, eps, origin, key, flip]);
         self.phases.set(lane, eps != 0.0);
-        self.spent[lane] = self.noisy.course.work_limit - path.work.left();
+        self.spent[lane] = self.noisy.route.work_limit - path.work.left();
         if let Some(why) = path.lost {
             self.give_up(lane, why);
         }
@@ -165,7 +165,7 @@ impl<'a> Abreast<'a> {
     /// Gives up the paths that have spent all their evaluations.
     #[inline(always)]
     fn limit_work(&mut self) {
-        let limit = self.noisy.course.work_limit;
+        let limit = self.noisy.route.work_limit;
         let mut is_over = false;
         for &spent in &self.spent {
             is_over |= spent > limit;
@@ -250,7 +250,7 @@ impl PathSet for Abreast<'_> {
     }
 
     fn simulated(&self) -> Simulated {
-        let limit = self.noisy.course.work_limit;
+        let limit = self.noisy.route.work_limit;
         Simulated {
             lost: self.lost.keys().copied().collect(),
             why: self.lost.values().next().copied(),

@@ -135,9 +135,9 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let searched = SearchedSlip { count: searched.count.alone_where(is_stop), ..searched };
         searched.put(&mut self.paths.jobs, rows);
         let stops = L::bitmask(is_stop) & lanes;
-        self.paths.jobs.push::<L>(Task::FindStop, rows, stops);
-        self.paths.jobs.push::<L>(Task::Bisect, rows, lanes & !stops);
-        self.paths.jobs.push::<L>(Task::SlipOn, rows, more);
+        self.queue(Task::FindStop, rows, stops);
+        self.queue(Task::Bisect, rows, lanes & !stops);
+        self.queue(Task::SlipOn, rows, more);
     }
 
     /// Goes on to the next interval.
@@ -196,8 +196,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         self.saw_slip(rows, L::bitmask(is_before) & missed, &searched, &before);
         let end = SlipVelocity { velocity: L::splat(0.0), acceleration };
         self.saw_slip(rows, good, &searched, &Interval::new(end, rest, there, search.noise));
-        self.paths.jobs.push::<L>(Task::FindStop, rows, missed & !spoiled);
-        self.paths.jobs.push::<L>(Task::Rest, rows, good);
+        self.queue(Task::FindStop, rows, missed & !spoiled);
+        self.queue(Task::Rest, rows, good);
     }
 
     /// Begins what follows a stop: a stick, or another sub-phase.
@@ -226,7 +226,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let begun = Begun { after, noise, force, eps, x, count, origin, key };
             let own = self.paths.jobs.only::<L>(rows, turned);
             begun.put(&mut self.paths.jobs, &own);
-            self.paths.jobs.push::<L>(Task::Begin, rows, turned);
+            self.queue(Task::Begin, rows, turned);
         }
         let held = held & !edge;
         if held != 0 {

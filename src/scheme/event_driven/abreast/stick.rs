@@ -99,15 +99,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let (corridor, scene) = (&self.paths.noisy.course.corridor, &self.paths.noisy.scene);
+        let (corridor, scene) = (&self.paths.noisy.route.corridor, &self.paths.noisy.scene);
         let reach = corridor.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limit());
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
-        self.paths.jobs.push::<L>(Task::Halve, rows, long);
-        self.paths.jobs.push::<L>(Task::Decide, rows, near & !long);
+        self.queue(Task::Halve, rows, long);
+        self.queue(Task::Decide, rows, near & !long);
         self.saw_stick(rows, lanes & !near, (&piece.left, &piece.right), piece.x, StickEnd::Clear);
         let more = !L::bitmask(piece.count.has_none());
-        self.paths.jobs.push::<L>(Task::StickOn, rows, lanes & !near & more);
+        self.queue(Task::StickOn, rows, lanes & !near & more);
     }
 
     /// Draws n in the middle of the pieces.
@@ -162,8 +162,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let kept = lanes & !left;
         self.saw_stick(rows, kept, (&piece.left, &piece.right), piece.x, StickEnd::Kept);
         let more = !L::bitmask(piece.count.has_none());
-        self.paths.jobs.push::<L>(Task::StickOn, rows, kept & more);
-        self.paths.jobs.push::<L>(Task::Leave, rows, left);
+        self.queue(Task::StickOn, rows, kept & more);
+        self.queue(Task::Leave, rows, left);
     }
 
     /// Finds when pieces are left.
@@ -182,7 +182,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let own = self.paths.jobs.only::<L>(rows, again);
             let count = count.drawn(3).behind_where(L::always());
             SearchedStick { count, ..piece }.put(&mut self.paths.jobs, &own);
-            self.paths.jobs.push::<L>(Task::Leave, rows, again);
+            self.queue(Task::Leave, rows, again);
         }
         let lanes = lanes & !again;
         let after = piece.left.after + passed;
@@ -194,6 +194,6 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let count = count.drawn(3).spent().alone_where(L::always());
         let own = self.paths.jobs.only::<L>(rows, lanes);
         Begun { after, noise, force, eps: side, x, count, origin, key }.put(&mut self.paths.jobs, &own);
-        self.paths.jobs.push::<L>(Task::Begin, rows, lanes);
+        self.queue(Task::Begin, rows, lanes);
     }
 }

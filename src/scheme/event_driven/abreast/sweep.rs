@@ -65,8 +65,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let curvature = L::splat(self.cell.last.curvature);
         let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
         let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
-        let reach =
-            self.paths.noisy.course.corridor.reach(scene, right.after, (&left, &right), &scene.constant_limit());
+        let reach = self.paths.noisy.route.corridor.reach(scene, right.after, (&left, &right), &scene.constant_limit());
         let near = L::bitmask(reach.is_near) & lanes & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);
@@ -76,8 +75,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             piece.put(&mut self.paths.jobs, &own);
             self.paths.jobs.flag::<L>(rows, near);
             let is_long = L::bitmask(reach.is_long) & near;
-            self.paths.jobs.push::<L>(Task::Halve, rows, is_long);
-            self.paths.jobs.push::<L>(Task::Decide, rows, near & !is_long);
+            self.queue(Task::Halve, rows, is_long);
+            self.queue(Task::Decide, rows, near & !is_long);
         }
     }
 
@@ -120,9 +119,15 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             let searches = L::bitmask(first.velocity.gt(zero)) & flagged & finite;
             self.odd_lanes(rows, flagged & !searches);
             let stops = L::bitmask(search.is_stop(first, &interval)) & searches;
-            self.paths.jobs.push::<L>(Task::FindStop, rows, stops);
-            self.paths.jobs.push::<L>(Task::Bisect, rows, searches & !stops);
+            self.queue(Task::FindStop, rows, stops);
+            self.queue(Task::Bisect, rows, searches & !stops);
         }
+    }
+
+    /// Puts these lanes into the queue of a task.
+    #[inline(always)]
+    pub(super) fn queue(&mut self, task: Task, rows: &RowNumbers, lanes: u32) {
+        self.paths.jobs.push::<L>(task, rows, lanes);
     }
 
     /// Marks lanes that have to cross the cell again, alone.

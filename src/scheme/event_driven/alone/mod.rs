@@ -21,7 +21,7 @@ mod stop_search;
 mod watch;
 
 pub use one_by_one::OneByOne;
-pub use path::{Cascade, Course, Path, cross, start};
+pub use path::{Cascade, Path, Route, cross, start};
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;
 pub use watch::{Follower, Glances, Nobody, Watch, WatchedPiece};

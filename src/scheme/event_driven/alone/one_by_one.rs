@@ -111,7 +111,7 @@ impl<C: Cascade> PathSet for OneByOne<'_, C> {
         Simulated {
             lost: (0..self.paths.len()).filter(|&lane| self.paths[lane].lost.is_some()).collect(),
             why: self.paths.iter().find_map(|path| path.lost),
-            evaluations: self.paths.iter().map(|path| self.cascade.course().work_limit - path.work.left()).sum(),
+            evaluations: self.paths.iter().map(|path| self.cascade.route().work_limit - path.work.left()).sum(),
         }
     }
 }

@@ -24,7 +24,7 @@
 //! The error of g by this is of order 3/2 in a step, and of order 2 in the law of the path.
 
 use super::super::law::{Scene, SlipPoint, SlipStep, middle};
-use super::super::work::Unresolved;
+use super::super::work::{Resolved, Unresolved};
 use super::path::Path;
 use super::slip::Slip;
 use crate::model::Sign;
@@ -200,7 +200,7 @@ impl OwnForce {
         remaining: f64,
         path: &mut Path<f64>,
         partial: &'s mut SlipStep,
-    ) -> Result<(&'s SlipStep, bool), Unresolved> {
+    ) -> Resolved<(&'s SlipStep, bool)> {
         let Scene { oscillator, friction, .. } = &slip.noisy.scene;
         let finest = slip.noisy.halved.len() - 1;
         let mut halvings = if self.may_grow { self.halvings.saturating_sub(1) } else { self.halvings };
@@ -325,7 +325,7 @@ mod tests {
     /// x and x' after so many equal steps under this noise.
     fn end(noisy: &Noisy, part: &SlipStep, noise: &[SlipPoint], steps: usize) -> [f64; 2] {
         let scene = &noisy.scene;
-        let cell = Cell::new(scene, &noisy.course.ladder, 0);
+        let cell = Cell::new(scene, &noisy.route.ladder, 0);
         let slip = Slip { noisy, cell: &cell, direction: Sign::Positive, end_noise: 0.0 };
         let step = SlipStep::new(&noisy.oscillator, 0, DURATION / steps as f64);
         let mut path = Path::new(scene, 0.0, AddressedDraws::new(1, 0), WorkLeft::new(0));

@@ -1,7 +1,7 @@
 //! One path, and how it crosses a cell: phase by phase.
 
 use super::super::law::{Cell, Corridor, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, cell_length};
-use super::super::work::{Unresolved, WorkLeft, work_limit};
+use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Phase, Sign};
@@ -34,7 +34,7 @@ pub struct Path<'w, M> {
 
 /// How the paths of a scheme go from cell to cell.
 #[derive(Clone, Debug)]
-pub struct Course {
+pub struct Route {
     pub timeline: Timeline,
     /// The division of time into cells.
     pub ladder: StepLadder,
@@ -47,11 +47,11 @@ pub struct Course {
     pub closeness: usize,
 }
 
-impl Course {
-    /// The course through cells that are at most this long, where an evaluation takes `cost` times as
+impl Route {
+    /// The route through cells that are at most this long, where an evaluation takes `cost` times as
     /// long as usual.
     pub fn new(scene: &Scene, timeline: &Timeline, rules: &StepRules, longest: f64, cost: u64) -> Self {
-        Course {
+        Route {
             timeline: *timeline,
             ladder: scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end), timeline.end),
             corridor: Corridor::new(scene, rules.chord_error),
@@ -69,7 +69,7 @@ pub trait Cascade {
     type Scratch;
 
     fn scene(&self) -> &Scene;
-    fn course(&self) -> &Course;
+    fn route(&self) -> &Route;
 
     fn scratch(&self) -> Self::Scratch;
 
@@ -83,7 +83,7 @@ pub trait Cascade {
         end_noise: f64,
         scratch: &mut Self::Scratch,
         watch: &mut impl Watch,
-    ) -> Result<Option<Event>, Unresolved>;
+    ) -> Resolved<Option<Event>>;
 
     /// The motion at the start of the phase that follows an event.
     fn motion_after(&self, event: &Event) -> Self::Memory;
@@ -101,7 +101,7 @@ pub fn start<'w, C: Cascade>(
 ) -> Path<'w, C::Memory> {
     let (scene, draws) = (cascade.scene(), AddressedDraws::new(seed, path));
     let (noise, second_noise) = scene.draw_initial_noise(draws);
-    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::watched(cascade.course().work_limit, is_stopped)) }
+    Path { second_noise, ..Path::new(scene, noise, draws, WorkLeft::watched(cascade.route().work_limit, is_stopped)) }
 }
 
 impl<'w, M: Default> Path<'w, M> {
@@ -132,7 +132,7 @@ pub fn cross<C: Cascade>(
     (scratch, pending): &mut (C::Scratch, PendingNodes),
     watch: &mut impl Watch,
     mut emit: impl FnMut(Event),
-) -> Result<(), Unresolved> {
+) -> Resolved<()> {
     let end_noise = noise_at_the_end(cell, path);
     path.draws = path.draws.at(cell.index, EVENT_PLACE);
     path.after = 0.0;

@@ -7,9 +7,9 @@ use super::super::law::{
     forcing, motion, noise_between,
 };
 use super::super::noisy::Noisy;
-use super::super::work::Unresolved;
+use super::super::work::{Resolved, Unresolved};
 use super::own_force::OwnForce;
-use super::path::{Cascade, Course, Path};
+use super::path::{Cascade, Path, Route};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
 use super::watch::{Watch, WatchedPiece};
@@ -41,8 +41,8 @@ impl Cascade for Noisy {
         &self.scene
     }
 
-    fn course(&self) -> &Course {
-        &self.course
+    fn route(&self) -> &Route {
+        &self.route
     }
 
     fn scratch(&self) -> SlipBuffers {
@@ -61,7 +61,7 @@ impl Cascade for Noisy {
         end_noise: f64,
         scratch: &mut SlipBuffers,
         watch: &mut impl Watch,
-    ) -> Result<Option<Event>, Unresolved> {
+    ) -> Resolved<Option<Event>> {
         Slip { noisy: self, cell, direction, end_noise }.go_on(path, scratch, watch)
     }
 
@@ -97,7 +97,7 @@ impl Slip<'_> {
         path: &mut Path<f64>,
         buffers: &mut SlipBuffers,
         watch: &mut impl Watch,
-    ) -> Result<Option<Event>, Unresolved> {
+    ) -> Resolved<Option<Event>> {
         let SlipBuffers { partial, pending, terms, flow, passed } = buffers;
         if path.after == 0.0 {
             terms.copy_from_slice(&self.cell.terms);

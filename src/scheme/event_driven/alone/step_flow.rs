@@ -6,7 +6,7 @@ use super::super::law::{
     forcing, forwards, motion, noise_between, resolved_travel,
 };
 use super::super::noisy::Noisy;
-use super::super::work::Unresolved;
+use super::super::work::Resolved;
 use super::path::Path;
 use super::slip::Slip;
 use super::stop_search::{Passed, PendingIntervals};
@@ -90,7 +90,7 @@ impl<'a> StepFlow<'a> {
         pending: &mut PendingIntervals,
         passed: &mut Vec<Passed>,
         is_observed: bool,
-    ) -> Result<Option<SlipStop>, Unresolved> {
+    ) -> Resolved<Option<SlipStop>> {
         let search = &self.slip.noisy.search;
         passed.clear();
         let keep = |interval| {

@@ -3,7 +3,7 @@
 //! f_s are those of [`crate::model::Force::hold`].
 
 use super::super::law::{Cell, Corridor, Forcing, Limit, Node, Scene, StickEnd, StickStep, ends, stick_piece};
-use super::super::work::Unresolved;
+use super::super::work::{Resolved, Unresolved};
 use super::path::{Cascade, Path};
 use super::watch::Watch;
 use crate::model::{Event, EventKind, Sign};
@@ -39,7 +39,7 @@ pub(super) fn stick<C: Cascade>(
     end_noise: f64,
     pending: &mut PendingNodes,
     watch: &mut impl Watch,
-) -> Result<Option<Event>, Unresolved> {
+) -> Resolved<Option<Event>> {
     let (scene, displacement) = (cascade.scene(), path.displacement);
     let slip = |force: f64, after: f64| Event {
         kind: EventKind::SlipStarted(Sign::of(force)),
@@ -53,7 +53,7 @@ pub(super) fn stick<C: Cascade>(
     if path.force.abs() >= scene.limit(displacement, cell.start + path.after) {
         return Ok(Some(slip(path.force, path.after)));
     }
-    let stick = Stick::new(scene, &cascade.course().corridor, cell, displacement, end_noise);
+    let stick = Stick::new(scene, &cascade.route().corridor, cell, displacement, end_noise);
     let Some(exit) = stick.exit(path, pending, watch)? else {
         path.force = stick.with_own(cell.last, cell.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() { Err(Unresolved::NoNumber) } else { Ok(None) };
@@ -111,7 +111,7 @@ impl<'a> Stick<'a> {
         path: &mut Path<M>,
         PendingNodes(pending): &mut PendingNodes,
         watch: &mut impl Watch,
-    ) -> Result<Option<Node>, Unresolved> {
+    ) -> Resolved<Option<Node>> {
         let mut left = self.start(path);
         pending[0] = self.end();
         let mut top = 0;

@@ -5,7 +5,7 @@ use super::super::law::{
     FINEST, HALVINGS, Interval, KnownStep, STOP_REFINEMENTS, SlipStop, SlipVelocity, StopSearch, early_parts, forwards,
     halves,
 };
-use super::super::work::{Unresolved, WorkLeft};
+use super::super::work::{Resolved, Unresolved, WorkLeft};
 use crate::noise::AddressedDraws;
 
 /// The intervals that remain to be searched, the nearest one last. It is kept from search to
@@ -55,7 +55,7 @@ impl StopSearch {
         pending: &mut PendingIntervals,
         work: &mut WorkLeft,
         mut passed: impl FnMut(Passed),
-    ) -> Result<Option<SlipStop>, Unresolved> {
+    ) -> Resolved<Option<SlipStop>> {
         let (whole, start) = (self.whole(step), step.start);
         if self.is_clear(start, &whole) {
             passed(Passed { after: 0.0, travel: 0.0, start, interval: whole });
@@ -81,11 +81,7 @@ struct Bisection<'a, 'w, P> {
 impl<P: FnMut(Passed)> Bisection<'_, '_, P> {
     /// The first zero of V in `whole`, which is not clear.
     #[inline(always)]
-    fn run(
-        mut self,
-        whole: Interval,
-        PendingIntervals(pending): &mut PendingIntervals,
-    ) -> Result<Option<SlipStop>, Unresolved> {
+    fn run(mut self, whole: Interval, PendingIntervals(pending): &mut PendingIntervals) -> Resolved<Option<SlipStop>> {
         let finest = whole.length * FINEST;
         pending[0] = whole;
         let (mut top, mut is_clear) = (0, false);
@@ -156,7 +152,7 @@ impl<P: FnMut(Passed)> Bisection<'_, '_, P> {
     /// Both ends are needed. A free step from the first draw to the zero would give the force at
     /// the stop too much variance, and so too many sticks.
     #[inline(always)]
-    fn stop(&mut self, next: Interval) -> Result<SlipStop, Unresolved> {
+    fn stop(&mut self, next: Interval) -> Resolved<SlipStop> {
         let acceleration = self.come_to_stop(next);
         if !(self.after + self.travel + acceleration).is_finite() {
             return Err(Unresolved::NoNumber);

@@ -14,7 +14,7 @@
 //! the resolution of r. For the first zero of several functions, the step is the smallest of their
 //! u*.
 
-use super::super::work::{Unresolved, WorkLeft};
+use super::super::work::{Resolved, Unresolved, WorkLeft};
 
 /// A function g at one point, and a bound of its second derivative ahead of this point.
 #[derive(Clone, Copy, Debug)]
@@ -42,7 +42,7 @@ pub fn first_root<const N: usize>(
     end: f64,
     span: f64,
     work: &mut WorkLeft,
-) -> Result<Option<(f64, usize)>, Unresolved> {
+) -> Resolved<Option<(f64, usize)>> {
     let mut r = start;
     loop {
         if r > end {

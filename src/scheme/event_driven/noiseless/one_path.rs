@@ -13,7 +13,7 @@
 //! is missed, and are found to rounding. Nothing is random, so one path is computed and reported
 //! for every lane.
 
-use super::super::work::{Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
+use super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::exact_time::ExactTime;
 use super::first_root::{Jet, first_root, safe_step};
 use super::stretch::{End, Stretch, Stretches};
@@ -114,12 +114,7 @@ impl Noiseless {
 
     /// The exit from a static phase that begins at a time and a displacement; none if it does not
     /// end before t_end.
-    pub fn stick_exit(
-        &self,
-        start: ExactTime,
-        displacement: f64,
-        work: &mut WorkLeft,
-    ) -> Result<Option<Event>, Unresolved> {
+    pub fn stick_exit(&self, start: ExactTime, displacement: f64, work: &mut WorkLeft) -> Resolved<Option<Event>> {
         let terms = self.terms_at(start);
         let force = self.force_at_rest(start, &terms, displacement);
         let mut leg = self.stick(start, displacement, force, terms, work)?;
@@ -147,7 +142,7 @@ impl Noiseless {
         force: f64,
         terms: Vec<Complex>,
         work: &mut WorkLeft,
-    ) -> Result<Leg, Unresolved> {
+    ) -> Resolved<Leg> {
         let (f_s, m) = (self.model.friction.static_force, self.model.oscillator.mass);
         let (line, horizon, is_cut) = self.line(start);
         let never = self.never_exits(displacement, f_s);
@@ -210,7 +205,7 @@ impl Noiseless {
         terms: Vec<Complex>,
         direction: Sign,
         work: &mut WorkLeft,
-    ) -> Result<Leg, Unresolved> {
+    ) -> Resolved<Leg> {
         let (line, horizon, is_cut) = self.line(start);
         let (friction, mass) = (self.model.friction, self.model.oscillator.mass);
         let eps = direction.value();
@@ -277,7 +272,7 @@ impl Stretches for Noiseless {
         self.work_limit
     }
 
-    fn first(&self, work: &mut WorkLeft) -> Result<Leg, Unresolved> {
+    fn first(&self, work: &mut WorkLeft) -> Resolved<Leg> {
         let terms = self.terms_at(ExactTime::ZERO);
         let displacement = self.model.initial_displacement;
         let force = self.force_at_rest(ExactTime::ZERO, &terms, displacement);
@@ -293,7 +288,7 @@ impl Stretches for Noiseless {
         Ok(Leg { start, phase, from: LegStart { displacement, velocity: 0.0, force, terms, line }, end })
     }
 
-    fn next(&self, leg: &Leg, (duration, end): (f64, End<()>), work: &mut WorkLeft) -> Result<Leg, Unresolved> {
+    fn next(&self, leg: &Leg, (duration, end): (f64, End<()>), work: &mut WorkLeft) -> Resolved<Leg> {
         work.spend()?;
         let start = leg.start.after(duration);
         let terms = self.terms_at(start);
@@ -325,7 +320,7 @@ impl Stretches for Noiseless {
         }
     }
 
-    fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+    fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
         let Phase::Slip(direction) = leg.phase else { return Ok(()) };
         let (flow, pieces) =
             (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
@@ -346,7 +341,7 @@ impl Stretches for Noiseless {
         Ok(())
     }
 
-    fn state(&self, leg: &Leg, t: f64, _: &mut WorkLeft) -> Result<Seen, Unresolved> {
+    fn state(&self, leg: &Leg, t: f64, _: &mut WorkLeft) -> Resolved<Seen> {
         let r = leg.start.until(t).max(0.0);
         let terms = &self.body.terms;
         let gain = self.model.oscillator.force_per_temperature() / self.model.oscillator.mass;

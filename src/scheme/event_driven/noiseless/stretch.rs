@@ -1,6 +1,6 @@
 //! The one path that there is without noise, stretch by stretch, reported for every lane.
 
-use super::super::work::{Simulated, Unresolved, WorkLeft};
+use super::super::work::{Resolved, Simulated, WorkLeft};
 use super::exact_time::ExactTime;
 use crate::model::{Event, Phase};
 use crate::scheme::columns::{LOST, Seen, StateColumns};
@@ -52,7 +52,7 @@ pub trait Stretches {
     fn work_limit(&self) -> u64;
 
     /// The stretch that begins at t = 0.
-    fn first(&self, work: &mut WorkLeft) -> Result<StretchOf<Self>, Unresolved>;
+    fn first(&self, work: &mut WorkLeft) -> Resolved<StretchOf<Self>>;
 
     /// The stretch that follows one that ends like this after a duration.
     fn next(
@@ -60,13 +60,13 @@ pub trait Stretches {
         stretch: &StretchOf<Self>,
         end: (f64, End<Self::Cut>),
         work: &mut WorkLeft,
-    ) -> Result<StretchOf<Self>, Unresolved>;
+    ) -> Resolved<StretchOf<Self>>;
 
     /// x, x', T and whether the path is static, at a time within the stretch.
-    fn state(&self, stretch: &StretchOf<Self>, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved>;
+    fn state(&self, stretch: &StretchOf<Self>, t: f64, work: &mut WorkLeft) -> Resolved<Seen>;
 
     /// The first part of a stretch, of this duration, in pieces that a quintic describes.
-    fn glides(&self, stretch: &StretchOf<Self>, duration: f64, tell: impl FnMut(Glide)) -> Result<(), Unresolved>;
+    fn glides(&self, stretch: &StretchOf<Self>, duration: f64, tell: impl FnMut(Glide)) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.

@@ -16,7 +16,7 @@
 //! temperature, and of an input of g.
 //! Nothing is random, so one path is computed and reported for every lane.
 
-use super::super::super::work::{Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
+use super::super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, work_limit};
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
 use super::super::stretch::{End, Stretch, Stretches};
@@ -109,7 +109,7 @@ impl GeneralNoiseless {
     }
 
     /// b in a stick, and its limit.
-    fn held(&self, at: &LocalTemperature, displacement: f64, work: &mut WorkLeft) -> Result<[f64; 2], Unresolved> {
+    fn held(&self, at: &LocalTemperature, displacement: f64, work: &mut WorkLeft) -> Resolved<[f64; 2]> {
         work.spend()?;
         let [b, excess] = self.forces.held(at, displacement, 0.0);
         let limit = self.model.friction.static_force + excess;
@@ -118,13 +118,7 @@ impl GeneralNoiseless {
 
     /// A static phase and its exit, the first time at which |b| > f_s. `force` is b at the start,
     /// if it is known exactly.
-    fn stick(
-        &self,
-        start: ExactTime,
-        displacement: f64,
-        force: Option<f64>,
-        work: &mut WorkLeft,
-    ) -> Result<Part, Unresolved> {
+    fn stick(&self, start: ExactTime, displacement: f64, force: Option<f64>, work: &mut WorkLeft) -> Resolved<Part> {
         let (temperature, f_s, has_load) =
             (self.forces.near(start), self.model.friction.static_force, self.forces.own.has_load());
         let [held, limit] = self.held(&temperature, displacement, work)?;
@@ -179,7 +173,7 @@ impl GeneralNoiseless {
         direction: Sign,
         step: f64,
         work: &mut WorkLeft,
-    ) -> Result<Part, Unresolved> {
+    ) -> Resolved<Part> {
         let temperature = self.forces.near(start);
         let slip = self.motion(&temperature, direction, displacement);
         let from = slip.with(displacement, velocity, 0.0, work)?;
@@ -239,7 +233,7 @@ impl Stretches for GeneralNoiseless {
         self.work_limit
     }
 
-    fn first(&self, work: &mut WorkLeft) -> Result<Part, Unresolved> {
+    fn first(&self, work: &mut WorkLeft) -> Resolved<Part> {
         let displacement = self.model.initial_displacement;
         let velocity = self.model.initial_velocity;
         if velocity == 0.0 {
@@ -254,12 +248,7 @@ impl Stretches for GeneralNoiseless {
         Ok(Part { start: ExactTime::ZERO, phase: Phase::Static, from: PartStart { temperature, motion }, end })
     }
 
-    fn next(
-        &self,
-        part: &Part,
-        (duration, end): (f64, End<Self::Cut>),
-        work: &mut WorkLeft,
-    ) -> Result<Part, Unresolved> {
+    fn next(&self, part: &Part, (duration, end): (f64, End<Self::Cut>), work: &mut WorkLeft) -> Resolved<Part> {
         let start = part.start.after(duration);
         match (end, part.phase) {
             (End::Event(event), _) => match event.kind.phase() {
@@ -277,7 +266,7 @@ impl Stretches for GeneralNoiseless {
     }
 
     /// The pieces do not count as work of the path, which is the same whether it is followed or not.
-    fn glides(&self, part: &Part, duration: f64, mut tell: impl FnMut(Glide)) -> Result<(), Unresolved> {
+    fn glides(&self, part: &Part, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else { return Ok(()) };
         let (motion, mut work) = (
             self.motion(&part.from.temperature, direction, part.from.motion.displacement),
@@ -299,7 +288,7 @@ impl Stretches for GeneralNoiseless {
         Ok(())
     }
 
-    fn state(&self, part: &Part, t: f64, work: &mut WorkLeft) -> Result<Seen, Unresolved> {
+    fn state(&self, part: &Part, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {
         let temperature = self.model.temperature.mean(t);
         let Kinematics { displacement, .. } = part.from.motion;
         let Phase::Slip(direction) = part.phase else { return Ok((displacement, 0.0, temperature, true)) };

@@ -8,7 +8,7 @@
 //! A step whose results do not converge, as where g has a kink inside, is made shorter. Only the
 //! shortest step is taken as it is; what happens in it is below the rounding of everything else.
 
-use super::super::super::work::{Unresolved, WorkLeft};
+use super::super::super::work::{Resolved, Unresolved, WorkLeft};
 use super::forces::{Forces, LocalTemperature};
 use crate::model::Sign;
 
@@ -61,7 +61,7 @@ const APPROACH: (usize, f64) = (4, 0.2);
 
 impl SlipMotion<'_> {
     /// x'' for x and x' a time after the start.
-    fn acceleration(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Result<f64, Unresolved> {
+    fn acceleration(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Resolved<f64> {
         work.spend()?;
         Ok((self.forces.at(self.temperature, Some(self.direction), [x, v], after) - self.friction) / self.mass)
     }
@@ -74,14 +74,14 @@ impl SlipMotion<'_> {
     }
 
     /// The motion with x and x' a time after the start.
-    pub fn with(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Result<Kinematics, Unresolved> {
+    pub fn with(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Resolved<Kinematics> {
         let acceleration = self.acceleration(x, v, after, work)?;
         let motion = Kinematics { after, displacement: x, velocity: v, acceleration };
         if x.is_finite() && v.is_finite() && acceleration.is_finite() { Ok(motion) } else { Err(Unresolved::NoNumber) }
     }
 
     /// The motion at a later time.
-    pub fn at(&self, from: Kinematics, after: f64, work: &mut WorkLeft) -> Result<Kinematics, Unresolved> {
+    pub fn at(&self, from: Kinematics, after: f64, work: &mut WorkLeft) -> Resolved<Kinematics> {
         let (mut motion, mut step) = (from, after - from.after);
         while motion.after < after {
             (motion, step) = self.step(motion, step, after, work)?;
@@ -90,13 +90,7 @@ impl SlipMotion<'_> {
     }
 
     /// The motion after one step of at most a length and up to a time, and the length to try next.
-    pub fn step(
-        &self,
-        from: Kinematics,
-        length: f64,
-        until: f64,
-        work: &mut WorkLeft,
-    ) -> Result<(Kinematics, f64), Unresolved> {
+    pub fn step(&self, from: Kinematics, length: f64, until: f64, work: &mut WorkLeft) -> Resolved<(Kinematics, f64)> {
         let size = self.size(&from);
         let mut h = length;
         loop {
@@ -125,7 +119,7 @@ impl SlipMotion<'_> {
         size: f64,
         is_shortest: bool,
         work: &mut WorkLeft,
-    ) -> Result<Option<([f64; 2], usize)>, Unresolved> {
+    ) -> Resolved<Option<([f64; 2], usize)>> {
         let mut row = [[0.0; 2]; PARTS.len()];
         let (mut best, mut previous) = ([f64::NAN; 2], f64::INFINITY);
         for (k, &parts) in PARTS.iter().enumerate() {
@@ -164,13 +158,7 @@ impl SlipMotion<'_> {
     }
 
     /// The increments of x and x' in a step of length h, by the modified midpoint rule.
-    fn midpoint_rule(
-        &self,
-        from: &Kinematics,
-        h: f64,
-        parts: u32,
-        work: &mut WorkLeft,
-    ) -> Result<[f64; 2], Unresolved> {
+    fn midpoint_rule(&self, from: &Kinematics, h: f64, parts: u32, work: &mut WorkLeft) -> Resolved<[f64; 2]> {
         let Kinematics { after, displacement: x, velocity: v, acceleration } = *from;
         let part = h / f64::from(parts);
         let (mut before, mut here) = ([0.0; 2], [part * v, part * acceleration]);

@@ -7,7 +7,7 @@
 //! where those of its slope lie that far below zero and V changes its sign. Otherwise the interval
 //! is divided, down to a length at which the sign at its end decides.
 
-use super::super::super::work::{Unresolved, WorkLeft};
+use super::super::super::work::{Resolved, WorkLeft};
 use super::slip_motion::{Kinematics, SlipMotion};
 
 /// The shortest interval, as a fraction of the step.
@@ -70,7 +70,7 @@ pub fn first_stop(
     from: Kinematics,
     to: Kinematics,
     work: &mut WorkLeft,
-) -> Result<Option<Kinematics>, Unresolved> {
+) -> Resolved<Option<Kinematics>> {
     let knot = |m: &Kinematics| Knot { after: m.after, velocity: eps * m.velocity, acceleration: eps * m.acceleration };
     let length = to.after - from.after;
     let mut left = knot(&from);
@@ -121,7 +121,7 @@ fn zero(
     from: Kinematics,
     (left, right): (Knot, Knot),
     work: &mut WorkLeft,
-) -> Result<Kinematics, Unresolved> {
+) -> Resolved<Kinematics> {
     let (mut low, mut high) = (left.after, right.after);
     let mut u = low + (high - low) * (left.velocity / (left.velocity - right.velocity)).clamp(0.01, 1.0);
     for _ in 0..MOST_STEPS {

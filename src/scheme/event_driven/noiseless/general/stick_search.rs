@@ -7,7 +7,7 @@
 //! within an interval could in principle look like a parabola; the first interval of a search is
 //! short, and only intervals without doubt are followed by longer ones.
 
-use super::super::super::work::Unresolved;
+use super::super::super::work::{Resolved, Unresolved};
 
 /// The shortest interval, as a fraction of the first one. A force that exceeds the threshold for
 /// less than this does so by less than its rounding.
@@ -42,12 +42,12 @@ pub struct SearchSteps {
 /// The first time r > 0 up to `horizon` at which |b(r)| exceeds `threshold`; none if it does not.
 /// |b(0)| is at most the threshold. b has no kink between a time r and r + `until_kink(r)`.
 pub fn first_exit(
-    mut b: impl FnMut(f64) -> Result<f64, Unresolved>,
+    mut b: impl FnMut(f64) -> Resolved<f64>,
     threshold: f64,
     horizon: f64,
     steps: SearchSteps,
     until_kink: impl Fn(f64) -> f64,
-) -> Result<Option<f64>, Unresolved> {
+) -> Resolved<Option<f64>> {
     let mut left = (0.0, b(0.0)?);
     let is_on_threshold = left.1.abs() >= threshold * (1.0 - ON_THRESHOLD);
     let mut step = steps.first;
@@ -97,11 +97,11 @@ pub fn first_exit(
 /// The time between two times at which |b| passes the threshold, to rounding, by secants that keep
 /// the bracket (the Illinois rule).
 fn crossing(
-    mut b: impl FnMut(f64) -> Result<f64, Unresolved>,
+    mut b: impl FnMut(f64) -> Resolved<f64>,
     threshold: f64,
     left: (f64, f64),
     right: (f64, f64),
-) -> Result<f64, Unresolved> {
+) -> Resolved<f64> {
     let side = right.1.signum();
     let excess = |b: f64| side * b - threshold;
     let (mut low, mut high) = ((left.0, excess(left.1)), (right.0, excess(right.1)));
