@@ -1,14 +1,15 @@
-//! Normals and uniform numbers from the words of a path, and these words as generators of `rand_core`,
-//! so that any law of `rand_distr` can be drawn from them.
+//! Normals and uniform numbers from the words of a path, and these words as generators of
+//! `rand_core`, so that any law of `rand_distr` can be drawn from them.
 //!
-//! A generator gives the bare words: a mirror image has the same ones. Only the normals of this library
-//! have the opposite sign there.
+//! A generator gives the bare words: a mirror image has the same ones. Only the normals of this
+//! library have the opposite sign there.
 
 use super::{AddressedDraws, Stream, standard_normal};
 use rand_core::TryRng;
 use std::convert::Infallible;
 
-/// The numbers that are made from the words of this type's `next_u64`, and a generator of these words.
+/// The numbers that are made from the words of this type's `next_u64`, and a generator of these
+/// words.
 macro_rules! generator {
     ($name:ty) => {
         impl $name {
@@ -18,14 +19,15 @@ macro_rules! generator {
                 standard_normal(self.next_u64() ^ self.flip)
             }
 
-            /// The next two standard normals, made from one draw: the first from the draw, the second
-            /// from the draw with its two halves exchanged. The upper halves, which determine a normal
-            /// to one part in 2^32, have no bit in common. The lower halves matter alone only beyond 6.2
-            /// sigma.
+            /// The next two standard normals, made from one draw: the first from the draw, the
+            /// second from the draw with its two halves exchanged. The upper halves, which
+            /// determine a normal to one part in 2^32, have no bit in common. The lower halves
+            /// matter alone only beyond 6.2 sigma.
             #[inline(always)]
             pub fn normal_pair(&mut self) -> [f64; 2] {
                 let draw = self.next_u64() ^ self.flip;
-                // This does not use `map`, which is not compiled for the instruction set of the caller.
+                // This does not use `map`, which is not compiled for the instruction set of the
+                // caller.
                 [standard_normal(draw), standard_normal(draw.rotate_left(32))]
             }
 

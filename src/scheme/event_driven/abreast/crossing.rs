@@ -54,8 +54,8 @@ impl Stage for CrossingStage {
     }
 }
 
-/// Makes the tasks, and a stage of each, which works on all lanes that were taken out of the queue of
-/// the task.
+/// Makes the tasks, and a stage of each, which works on all lanes that were taken out of the queue
+/// of the task.
 macro_rules! tasks {
     ($($(#[$about:meta])* $Task:ident: $work:ident,)*) => {
         /// What remains to be done for a flagged lane.

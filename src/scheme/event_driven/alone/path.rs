@@ -48,8 +48,8 @@ pub struct Route {
 }
 
 impl Route {
-    /// The route through cells that are at most this long, where an evaluation takes `cost` times as
-    /// long as usual.
+    /// The route through cells that are at most this long, where an evaluation takes `cost` times
+    /// as long as usual.
     pub fn new(scene: &Scene, timeline: &Timeline, rules: &StepRules, longest: f64, cost: u64) -> Self {
         Route {
             timeline: *timeline,

@@ -10,8 +10,8 @@ use crate::model::{Event, InitialNoise, Model, Noise};
 use crate::noise::{Stream, Transition};
 use crate::scheme::{Glide, Instant, Observer, Snapshot};
 
-/// An observer that adds the fluctuations of each path to T in every snapshot, and passes everything
-/// on to another one.
+/// An observer that adds the fluctuations of each path to T in every snapshot, and passes
+/// everything on to another one.
 pub struct WithUnfeltNoise<'a> {
     observer: &'a mut dyn Observer,
     /// None if the temperature has no diffusion.

@@ -265,7 +265,8 @@ impl Stretches for GeneralNoiseless {
         }
     }
 
-    /// The pieces do not count as work of the path, which is the same whether it is followed or not.
+    /// The pieces do not count as work of the path, which is the same whether it is followed or
+    /// not.
     fn glides(&self, part: &Part, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else { return Ok(()) };
         let (motion, mut work) = (
