@@ -48,12 +48,10 @@ impl Only {
     ///
     /// [`Absent`] says why this subject has no such figure, or which panels the figure has.
     pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
-        let sheet = (self.figure.draws)(subject, style)?;
-        let sheet = if let Some(letter) = self.panel {
-            sheet.only(letter).map_err(|others| Absent::Panel(letter, others))?
-        } else {
-            sheet
-        };
+        let mut sheet = (self.figure.draws)(subject, style)?;
+        if let Some(letter) = self.panel {
+            sheet = sheet.only(letter).map_err(|others| Absent::Panel(letter, others))?;
+        }
         Ok(sheet.alone(style))
     }
 }

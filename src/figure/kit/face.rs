@@ -23,12 +23,14 @@ struct Parsed {
     em: f64,
 }
 
-static REGULAR: &[u8] = include_bytes!("../../../assets/inter/Inter-Regular.ttf");
-static ITALIC: &[u8] = include_bytes!("../../../assets/inter/Inter-Italic.ttf");
-static BOLD: &[u8] = include_bytes!("../../../assets/inter/Inter-Bold.ttf");
+static FILES: [&[u8]; 3] = [
+    include_bytes!("../../../assets/inter/Inter-Regular.ttf"),
+    include_bytes!("../../../assets/inter/Inter-Italic.ttf"),
+    include_bytes!("../../../assets/inter/Inter-Bold.ttf"),
+];
 
 static PARSED: LazyLock<[Parsed; 3]> = LazyLock::new(|| {
-    [REGULAR, ITALIC, BOLD].map(|bytes| {
+    FILES.map(|bytes| {
         // This cannot fail: tests/command/assets.rs compares the bytes with their hash, and a test
         // below reads every typeface.
         let font = FontRef::new(bytes).expect("a vendored font is sound");
@@ -47,7 +49,7 @@ impl Face {
 
     /// The font file.
     pub fn bytes(self) -> &'static [u8] {
-        [REGULAR, ITALIC, BOLD][self as usize]
+        FILES[self as usize]
     }
 
     /// The number of font units in the size of the letters.
