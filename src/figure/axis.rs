@@ -1,20 +1,14 @@
 //! An axis: converts numbers to positions, and chooses the numbers that are written beside it.
 
 use super::kit::Label;
-
-/// How numbers are spaced along an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Scale {
-    /// Evenly.
-    Linear,
-    /// By their logarithms.
-    Log,
-}
+use std::fmt::Display;
+use std::ops::RangeInclusive;
 
 /// An axis from one number to a larger one.
 #[derive(Clone, Debug)]
 pub struct Axis {
-    scale: Scale,
+    /// Whether numbers are spaced by their logarithms.
+    is_log: bool,
     low: f64,
     high: f64,
     title: Label,
@@ -43,38 +37,53 @@ const LITTLE: f64 = 1e-3;
 
 impl Axis {
     /// A linear axis over exactly this range.
-    pub fn linear(range: [f64; 2], title: Label, unit: &str) -> Self {
+    pub fn linear(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
         let [low, high] = widened(range);
-        let unit = unit.to_string();
-        Axis { scale: Scale::Linear, low, high, title, unit, whole: false, open: false, names: Vec::new() }
+        let (title, unit) = (title.into(), unit.to_string());
+        Axis { is_log: false, low, high, title, unit, whole: false, open: false, names: Vec::new() }
     }
 
     /// A linear axis over the finite ones of these values that ends at marks.
-    pub fn around(values: impl IntoIterator<Item = f64>, title: Label, unit: &str) -> Self {
+    pub fn around(values: impl IntoIterator<Item = f64>, title: impl Into<Label>, unit: &str) -> Self {
         Axis { open: true, ..Axis::linear(range_of(values), title, unit) }
     }
 
     /// A linear axis from zero to the first mark that is not below this number.
-    pub fn from_zero(high: f64, title: Label, unit: &str) -> Self {
+    pub fn from_zero(high: f64, title: impl Into<Label>, unit: &str) -> Self {
         Axis { open: true, ..Axis::linear([0.0, high], title, unit) }
     }
 
     /// A logarithmic axis over this range of positive numbers that ends at marks.
-    pub fn log_around(range: [f64; 2], title: Label, unit: &str) -> Self {
+    pub fn log_around(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
         Axis { open: true, ..Axis::log(range, title, unit) }
     }
 
     /// A logarithmic axis over this range of positive numbers.
-    pub fn log(range: [f64; 2], title: Label, unit: &str) -> Self {
+    pub fn log(range: [f64; 2], title: impl Into<Label>, unit: &str) -> Self {
         let high = if range[1] > 0.0 && range[1].is_finite() { range[1] } else { 1.0 };
         let low = if range[0] > 0.0 && range[0] < high { range[0] } else { high / 10.0 };
-        let unit = unit.to_string();
-        Axis { scale: Scale::Log, low, high, title, unit, whole: false, open: false, names: Vec::new() }
+        Axis { is_log: true, low, high, ..Axis::linear(range, title, unit) }
+    }
+
+    /// An axis for densities or shares: logarithmic, or from zero. The number is not above its lower
+    /// end.
+    pub fn of_shares(
+        shares: impl Iterator<Item = f64>,
+        title: impl Into<Label>,
+        unit: &str,
+        is_log: bool,
+    ) -> (Self, f64) {
+        let [least, most] = range_of(shares.filter(|share| *share > 0.0));
+        match is_log {
+            // The axis ends at a mark, which may be as far below as a power of ten.
+            true => (Axis::log_around([least, most], title, unit), least / 10.0),
+            false => (Axis::from_zero(most, title, unit), 0.0),
+        }
     }
 
     /// An axis with names at given positions instead of numbers.
     pub fn named(range: [f64; 2], names: Vec<(f64, Label)>) -> Self {
-        Axis { names, ..Axis::linear(range, Label::default(), "") }
+        Axis { names, ..Axis::linear(range, "", "") }
     }
 
     /// The same axis with marks at whole numbers only.
@@ -91,32 +100,30 @@ impl Axis {
     /// The position of a number: 0 at the lower end of the axis, 1 at the upper end. On a
     /// logarithmic axis, a number without a logarithm is far below the lower end.
     pub fn place(&self, x: f64) -> f64 {
-        match self.scale {
-            Scale::Linear => ((x - self.low) / (self.high - self.low)).clamp(-FAR, FAR),
-            Scale::Log if x > 0.0 => ((x / self.low).ln() / (self.high / self.low).ln()).clamp(-FAR, FAR),
-            Scale::Log => -FAR,
-        }
+        let place = match self.is_log {
+            false => (x - self.low) / (self.high - self.low),
+            true if x > 0.0 => (x / self.low).ln() / (self.high / self.low).ln(),
+            true => -FAR,
+        };
+        place.clamp(-FAR, FAR)
     }
 
     /// The title with the unit and with the power of ten that the numbers are multiples of.
     pub fn title(&self) -> Label {
-        let power = self.power();
         let title = self.title.clone();
-        let factor = if power == 0 { String::new() } else { format!("10^{{{}}}", minus(&power.to_string())) };
-        match (factor.is_empty(), self.unit.is_empty()) {
-            (true, true) => title,
-            (true, false) => title.and(Label::verbatim(" (")).and(unit(&self.unit)).and(Label::verbatim(")")),
-            (false, true) => title.and(Label::new(&format!(" ({factor})"))),
-            (false, false) => {
-                title.and(Label::new(&format!(" ({factor} "))).and(unit(&self.unit)).and(Label::verbatim(")"))
-            }
-        }
+        let opening = match (self.power(), self.unit.as_str()) {
+            (0, "") => return title,
+            (0, _) => " (".to_string(),
+            (power, "") => return title.and(format!(" ({})", power_of_ten(power))),
+            (power, _) => format!(" ({} ", power_of_ten(power)),
+        };
+        title.and(opening).and(unit(&self.unit)).and(")")
     }
 
     /// The power of ten that the numbers of a linear axis are multiples of.
     fn power(&self) -> i32 {
         let largest = self.low.abs().max(self.high.abs());
-        let is_plain = self.scale == Scale::Log || (LITTLE..LARGE).contains(&largest);
+        let is_plain = self.is_log || (LITTLE..LARGE).contains(&largest);
         if is_plain || self.whole { 0 } else { largest.log10().floor() as i32 }
     }
 
@@ -128,27 +135,22 @@ impl Axis {
         }
         let room = if self.whole { room.min(WHOLE_ROOM) } else { room };
         let most = (length / room).max(2.0);
-        match self.scale {
-            Scale::Log if !self.is_narrow() => self.log_ticks(most),
-            _ => self.linear_ticks(most),
-        }
+        if self.has_log_marks() { self.log_ticks(most) } else { self.linear_ticks(most) }
     }
 
     /// The same axis with its ends moved outwards to marks, if the ends are not fixed.
     pub fn ending_at_marks(mut self, length: f64, room: f64) -> Self {
         if self.open {
             let most = (length / room).max(2.0);
-            [self.low, self.high] = match self.scale {
-                Scale::Log if !self.is_narrow() => self.log_ends(most),
-                _ => self.linear_ends(most),
-            };
+            [self.low, self.high] = if self.has_log_marks() { self.log_ends(most) } else { self.linear_ends(most) };
         }
         self
     }
 
-    /// Whether a logarithmic axis is so short that it has marks like a linear one.
-    fn is_narrow(&self) -> bool {
-        self.high < 2.0 * self.low
+    /// Whether its marks are spaced by their logarithms: a short logarithmic axis has those of a linear
+    /// one.
+    fn has_log_marks(&self) -> bool {
+        self.is_log && self.high >= 2.0 * self.low
     }
 
     /// The distance of two marks, of which an axis of this range has at most so many.
@@ -172,8 +174,7 @@ impl Axis {
     fn log_ends(&self, most: f64) -> [f64; 2] {
         let [low, high] = [self.low.log10(), self.high.log10()];
         let ends = |set: &[f64]| {
-            let powers = low.floor() as i32 - 1..=high.ceil() as i32;
-            let numbers: Vec<f64> = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n))).collect();
+            let numbers = multiples(set, low.floor() as i32 - 1..=high.ceil() as i32);
             let first = numbers.iter().filter(|x| x.log10() <= low + SLACK).count() - 1;
             let last = numbers.partition_point(|x| x.log10() < high - SLACK).min(numbers.len() - 1);
             [numbers[first], numbers[last]]
@@ -183,8 +184,7 @@ impl Axis {
             [0.0, 1.0].iter().all(|end| ticks.iter().any(|tick| (tick.at - end).abs() < SLACK))
         };
         let [many, some, powers] = FEW_DECADES;
-        let digits = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
-        [many, &digits, some].into_iter().map(ends).find(has_marks).unwrap_or_else(|| ends(powers))
+        [many, &DIGITS, some].into_iter().map(ends).find(has_marks).unwrap_or_else(|| ends(powers))
     }
 
     fn linear_ticks(&self, most: f64) -> Vec<Tick> {
@@ -203,40 +203,31 @@ impl Axis {
 
     fn log_ticks(&self, most: f64) -> Vec<Tick> {
         let (first, last) = (self.low.log10() - SLACK, self.high.log10() + SLACK);
+        let tick = |x: f64, label: Option<Label>| Tick { at: self.place(x), label };
+        let inside = |digits: &[f64]| {
+            let mut numbers = multiples(digits, first.floor() as i32..=last.ceil() as i32);
+            numbers.retain(|x| (first..=last).contains(&x.log10()));
+            numbers
+        };
         let decades = (last.floor() - first.ceil()) as i32 + 1;
-        let mut ticks = Vec::new();
         if decades < 3 {
             // With few powers of ten on the axis, the marks are plain numbers: all in this list, or
             // 1, 2 and 5 times each power of ten, or only the powers, whichever fits.
-            let all = |set: &[f64]| -> Vec<f64> {
-                let powers = first.floor() as i32..=last.ceil() as i32;
-                let numbers = powers.flat_map(|n| set.iter().map(move |digit| digit * 10f64.powi(n)));
-                numbers.filter(|x| (first..=last).contains(&x.log10())).collect()
-            };
-            let chosen = FEW_DECADES
-                .iter()
-                .map(|set| all(set))
-                .find(|all| all.len() as f64 <= most)
-                .unwrap_or_else(|| all(&[1.0]));
-            ticks.extend(chosen.into_iter().map(|x| Tick { at: self.place(x), label: Some(plain(x)) }));
-            return ticks;
+            let fitting = FEW_DECADES.into_iter().map(inside).find(|numbers| numbers.len() as f64 <= most);
+            let numbers = fitting.unwrap_or_else(|| inside(&[1.0]));
+            return numbers.into_iter().map(|x| tick(x, Some(plain(x)))).collect();
         }
         let every = (f64::from(decades) / most).ceil().max(1.0) as i32;
-        for n in first.ceil() as i32..=last.floor() as i32 {
-            let label = (n % every == 0).then(|| Label::new(&format!("10^{{{}}}", minus(&n.to_string()))));
-            ticks.push(Tick { at: self.place(10f64.powi(n)), label });
-        }
+        let power = |n: i32| tick(10f64.powi(n), (n % every == 0).then(|| power_of_ten(n).into()));
+        let mut ticks: Vec<Tick> = (first.ceil() as i32..=last.floor() as i32).map(power).collect();
         if every == 1 {
-            for n in first.floor() as i32..=last.floor() as i32 {
-                let small = (2..10).map(|digit| f64::from(digit) * 10f64.powi(n));
-                let inside = small.filter(|x| (first..=last).contains(&x.log10()));
-                ticks.extend(inside.map(|x| Tick { at: self.place(x), label: None }));
-            }
+            ticks.extend(inside(&DIGITS[1..]).into_iter().map(|x| tick(x, None)));
         }
         ticks
     }
 }
 
+const DIGITS: [f64; 9] = [1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0];
 /// The digits of the numbers at a logarithmic axis with few powers of ten on it.
 const FEW_DECADES: [&[f64]; 3] = [&[1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0], &[1.0, 2.0, 5.0], &[1.0]];
 /// The space that a whole number of one or two digits needs.
@@ -245,6 +236,11 @@ const WHOLE_ROOM: f64 = 13.0;
 const FAR: f64 = 50.0;
 /// The rounding error that is allowed, as a share of a step.
 const SLACK: f64 = 1e-9;
+
+/// These digits times each of these powers of ten.
+fn multiples(digits: &[f64], powers: RangeInclusive<i32>) -> Vec<f64> {
+    powers.flat_map(|n| digits.iter().map(move |digit| digit * 10f64.powi(n))).collect()
+}
 
 /// The range, made wider if it is empty.
 fn widened([low, high]: [f64; 2]) -> [f64; 2] {
@@ -286,6 +282,11 @@ pub fn minus(text: &str) -> String {
     text.replace('-', "\u{2212}")
 }
 
+/// A power of ten as a text with marks.
+fn power_of_ten(power: impl Display) -> String {
+    format!("10^{{{}}}", minus(&power.to_string()))
+}
+
 /// A number with two significant digits, or as a product with a power of ten.
 pub fn plain(x: f64) -> Label {
     written(x, 2)
@@ -298,15 +299,15 @@ pub fn between([low, high]: [f64; 2]) -> Label {
     }
     let ratio = low.abs().max(high.abs()) / (high - low);
     let digits = if ratio > 1.0 && ratio.is_finite() { 2 + ratio.log10().ceil() as usize } else { 2 };
-    written(low, digits).and(Label::verbatim(" to ")).and(written(high, digits))
+    written(low, digits).and(" to ").and(written(high, digits))
 }
 
 fn written(x: f64, digits: usize) -> Label {
     let text = crate::numbers::significant(x, digits);
     match text.split_once('e') {
         None => Label::verbatim(&minus(&text)),
-        Some(("1", power)) => Label::new(&format!("10^{{{}}}", minus(power))),
-        Some((digits, power)) => Label::new(&format!("{}·10^{{{}}}", minus(digits), minus(power))),
+        Some(("1", power)) => power_of_ten(power).into(),
+        Some((digits, power)) => format!("{}·{}", minus(digits), power_of_ten(power)).into(),
     }
 }
 
@@ -318,8 +319,8 @@ pub fn unit(label: &str) -> Label {
         let digits = after.len() - after.trim_start_matches(|c: char| c.is_ascii_digit() || c == '-').len();
         out = out.and(Label::verbatim(before));
         out = match digits {
-            0 => out.and(Label::verbatim("^")),
-            n => out.and(Label::new(&format!("^{{{}}}", minus(&after[..n])))),
+            0 => out.and("^"),
+            n => out.and(format!("^{{{}}}", minus(&after[..n]))),
         };
         rest = &after[digits..];
     }
@@ -342,7 +343,7 @@ mod tests {
     }
 
     fn axis(low: f64, high: f64) -> Axis {
-        Axis::linear([low, high], Label::new("t"), "s")
+        Axis::linear([low, high], "t", "s")
     }
 
     #[test]
@@ -363,7 +364,7 @@ mod tests {
 
     #[test]
     fn powers_of_ten_are_written_alike_and_not_too_close() {
-        let log = |low, high| Axis::log([low, high], Label::new("D"), "");
+        let log = |low, high| Axis::log([low, high], "D", "");
         assert_eq!(labels(&log(1e-5, 1e-1), 200.0), ["10−5", "10−4", "10−3", "10−2", "10−1"]);
         assert_eq!(labels(&log(1e-8, 1e8), 100.0).len(), 5);
         assert_eq!(labels(&log(0.02, 0.6), 100.0), ["0.02", "0.05", "0.1", "0.2", "0.5"]);
@@ -375,7 +376,7 @@ mod tests {
     fn an_empty_range_is_widened() {
         assert_eq!(axis(2.0, 2.0).range(), [1.0, 3.0]);
         assert_eq!(axis(0.0, 0.0).range(), [-1.0, 1.0]);
-        assert_eq!(Axis::around([], Label::new(""), "").range(), [-1.0, 1.0]);
+        assert_eq!(Axis::around([], "", "").range(), [-1.0, 1.0]);
     }
 
     /// The ends of an axis over data are marks, and the data are between them.
@@ -384,8 +385,8 @@ mod tests {
         for (low, high) in [(-6.3, 6.2), (0.0, 1.77), (-7.0, 0.2), (3.0, 3.1), (1e-7, 4e-7), (0.0, 0.05)] {
             for length in [40.0, 84.0, 150.0, 400.0] {
                 let linear = Axis { open: true, ..axis(low, high) };
-                let log = Axis::log_around([high / 40.0, high], Label::new(""), "");
-                let long = Axis::log_around([high / 4e4, high], Label::new(""), "");
+                let log = Axis::log_around([high / 40.0, high], "", "");
+                let long = Axis::log_around([high / 4e4, high], "", "");
                 for axis in [linear, log, long] {
                     let [low, high] = axis.range();
                     let ended = axis.ending_at_marks(length, 17.0);
@@ -402,7 +403,7 @@ mod tests {
 
     #[test]
     fn powers_in_a_unit_are_raised() {
-        assert_eq!(unit("m^2/s"), Label::new("m^{2}/s"));
+        assert_eq!(unit("m^2/s"), Label::from("m^{2}/s"));
         assert_eq!(unit("a_b*"), Label::verbatim("a_b*"));
     }
 }

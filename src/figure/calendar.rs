@@ -12,7 +12,7 @@ const MOST: f64 = 5.0;
 pub fn time(days: [f64; 2], start: Option<Start>) -> Axis {
     let dates = start.map_or_else(Vec::new, |start| dates(days, start));
     match dates.len() {
-        0 | 1 => Axis::linear(days, Label::new("time *t*"), "d"),
+        0 | 1 => Axis::linear(days, "time *t*", "d"),
         _ => Axis::named(days, dates.into_iter().map(|(day, date)| (day, Label::verbatim(&date))).collect()),
     }
 }

@@ -2,9 +2,7 @@
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
 use super::theme::THIN;
-use super::{
-    Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of, sheet,
-};
+use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of, sheet};
 use crate::bearing::calibration::Calibration;
 use std::ops::Range;
 
@@ -53,7 +51,7 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
     let [low, high] = range_of(measured.iter().chain(&modelled).map(|point| point[1]));
     // The marks of slips are below the curves.
     let mark = low - 0.08 * (high - low);
-    let mut above = Panel::new(time(), Axis::around([mark, high], Label::new("*z*"), "mm"), height);
+    let mut above = Panel::new(time(), Axis::around([mark, high], "*z*", "mm"), height);
     above.line(measured, Stroke::solid(palette.first, THIN));
     above.line(modelled, Stroke::solid(palette.second, THIN));
     // In a stretch of this length the marks of slips are separate; in a longer one they would merge
@@ -65,7 +63,7 @@ fn pair(calibration: &Calibration, days: [f64; 2], height: f64, style: &Style) -
         }
     }
     let warmth = curve(&record.temperatures, 1.0);
-    let degrees = Axis::around(warmth.iter().map(|point| point[1]), Label::new("*T*"), "°C");
+    let degrees = Axis::around(warmth.iter().map(|point| point[1]), "*T*", "°C");
     let mut below = Panel::new(time(), degrees, 0.55 * height);
     below.line(warmth, Stroke::solid(palette.fourth, THIN));
     vec![above.above_another(), below]

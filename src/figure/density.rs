@@ -2,7 +2,7 @@
 //! logarithmic axis, that of x, and that of both as cells of a plane.
 
 use super::steps::{self, DensityBin};
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{DensityCurve, Dimension};
 use ndarray::Array2;
 
@@ -31,16 +31,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let unit = |time: i32, length: i32| Dimension { time, length, ..Dimension::ONE }.label(&scenario.units);
     let axis_of = |curve: &DensityCurve, title: &str, unit: &str| {
-        Axis::linear([curve.edges[0], curve.edges[curve.edges.len() - 1]], Label::new(title), unit)
+        Axis::linear([curve.edges[0], curve.edges[curve.edges.len() - 1]], title, unit)
     };
     let panel = |curve: &DensityCurve, horizontal: Axis, title: &str, unit: &str, is_log: bool| {
-        let [_, most] = range_of(curve.density.iter().copied());
-        let [least, _] = range_of(curve.density.iter().copied().filter(|density| *density > 0.0));
-        let vertical = match is_log {
-            true => Axis::log_around([least, most], Label::new(title), unit),
-            false => Axis::from_zero(most, Label::new(title), unit),
-        };
-        let floor = if is_log { least / 10.0 } else { 0.0 };
+        let (vertical, floor) = Axis::of_shares(curve.density.iter().copied(), title, unit, is_log);
         let mut panel = Panel::new(horizontal, vertical, 66.0);
         let bin = |(i, density): (usize, &f64)| {
             let ends = if *density > 0.0 { curve.ends.at(i) } else { [0.0; 2] };
@@ -62,8 +56,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let seen: Vec<[f64; 2]> = above(&cells, level(&cells, SEEN), ends).concat();
     let seen = |k: usize| range_of(seen.iter().map(|corner| corner[k]));
     let mut plane = Panel::new(
-        Axis::around(seen(0), Label::new("displacement *x*"), &unit(0, 1)),
-        Axis::around(seen(1), Label::new("velocity *x*\u{2032}"), &unit(-1, 1)),
+        Axis::around(seen(0), "displacement *x*", &unit(0, 1)),
+        Axis::around(seen(1), "velocity *x*\u{2032}", &unit(-1, 1)),
         96.0,
     );
     let fills = [palette.wide, palette.narrow];
@@ -72,12 +66,12 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let moving = crate::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
     let legend = [
-        LegendEntry::words(Label::new(&format!("*x*\u{2032} in motion, {moving} % of the time"))),
+        LegendEntry::words(format!("*x*\u{2032} in motion, {moving} % of the time")),
         LegendEntry::line(solid(palette.first), "density"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
     let words = |held: f64| format!("{} % of the time in motion", 100.0 * held);
-    let key = HELD.into_iter().zip(fills).map(|(held, fill)| LegendEntry::area(fill, &words(held)));
+    let key = HELD.into_iter().zip(fills).map(|(held, fill)| LegendEntry::area(fill, words(held)));
     let panels = [velocity(false).above_another(), velocity(true), displacement, plane.keyed(key)];
     Ok(sheet(&format!("Densities: {}", scenario.title), legend, panels))
 }

@@ -19,14 +19,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let unit = |dimension: Dimension| dimension.label(&scenario.units);
     let end = scenario.time.end;
-    let time = || Axis::linear([0.0, 1.03 * end], Label::new("time *t* = *nP*"), &unit(Dimension::TIME));
+    let time = || Axis::linear([0.0, 1.03 * end], "time *t* = *nP*", &unit(Dimension::TIME));
     let after = summary.transient.map_or(0.0, |transient| transient.end);
     let dashes = Stroke::dashed(palette.second, LINE, &DASHES);
 
     let panel = |values: &[f64], ends: &Ends, slope: f64, axis: (&str, Dimension)| {
         let seen = values.iter().chain(&ends.low).chain(&ends.high).copied().chain([0.0]);
         let (title, dimension) = axis;
-        let mut panel = Panel::new(time(), Axis::around(seen, Label::new(title), &unit(dimension)), 80.0);
+        let mut panel = Panel::new(time(), Axis::around(seen, title, &unit(dimension)), 80.0);
         if after > 0.0 {
             panel.before(after, palette.grid);
         }
@@ -74,11 +74,11 @@ fn reported(summary: &Summary) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);
         let is_known = e.low.is_finite() && e.high.is_finite();
-        let range = || if is_known { between([e.low, e.high]) } else { Label::verbatim("of unknown interval") };
-        e.estimate.is_finite().then(|| Label::verbatim(name).and(range()))
+        let range = || if is_known { between([e.low, e.high]) } else { "of unknown interval".into() };
+        e.estimate.is_finite().then(|| Label::from(name).and(range()))
     };
     if summary.counted_periods() < 3 {
-        return vec![Label::verbatim("too few periods to tell a drift")];
+        return vec!["too few periods to tell a drift".into()];
     }
     // Without a spring nothing settles, and the numbers speak for themselves.
     let verdict = summary.unsettled().map(|off| match off.is_empty() {
@@ -86,5 +86,5 @@ fn reported(summary: &Summary) -> Vec<Label> {
         false => "not settled: a slope beyond chance",
     });
     let numbers = [number(Statistic::DriftVelocity, "drift "), number(Statistic::DiffusionCoefficient, "diffusion ")];
-    numbers.into_iter().flatten().chain(verdict.map(Label::verbatim)).collect()
+    numbers.into_iter().flatten().chain(verdict.map(Label::from)).collect()
 }

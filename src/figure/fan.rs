@@ -1,7 +1,7 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Bands, Dimension, QUANTILE_LEVELS};
 use crate::sums::Ends;
 
@@ -18,10 +18,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let palette = style.palette();
     let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
-    let time_axis = || Axis::linear([time[0], time[time.len() - 1]], Label::new("time *t*"), &time_unit);
+    let time_axis = || Axis::linear([time[0], time[time.len() - 1]], "time *t*", &time_unit);
 
     let seen = widest(bands).into_iter().chain(x.mean.iter().copied());
-    let mut fan = Panel::new(time_axis(), Axis::around(seen, Label::new("displacement *x*(*t*)"), &length_unit), 112.0);
+    let mut fan = Panel::new(time_axis(), Axis::around(seen, "displacement *x*(*t*)", &length_unit), 112.0);
     quantiles(bands, palette, &mut fan);
     let mean = Stroke::dashed(palette.second, LINE, &DASHES);
     fan.line(along(time, &x.mean), mean.clone());
@@ -29,7 +29,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let Ends { low, high } = &bands.static_probability_ends;
     let [_, top] = range_of(high.iter().chain(&bands.static_probability).copied());
     let top = if top > 0.0 { top } else { 1.0 };
-    let mut share = Panel::new(time_axis(), Axis::from_zero(top, Label::new("*P*(static)"), ""), 62.0);
+    let mut share = Panel::new(time_axis(), Axis::from_zero(top, "*P*(static)", ""), 62.0);
     share.band(between(time, low, high), palette.narrow);
     share.line(along(time, &bands.static_probability), solid(palette.first));
 
@@ -44,8 +44,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];
-    let bias =
-        scenario.scheme.step().map(|h| LegendEntry::words(Label::verbatim(&format!("with the bias of the step {h}"))));
+    let bias = scenario.scheme.step().map(|h| LegendEntry::words(format!("with the bias of the step {h}")));
     Ok(sheet(&format!("Displacement of the paths: {}", scenario.title), Vec::from_iter(bias), panels))
 }
 

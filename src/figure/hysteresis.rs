@@ -3,7 +3,7 @@
 
 use super::calibration::thinned;
 use super::theme::THIN;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
 
 /// The figure.
 pub const FIGURE: Figure =
@@ -20,8 +20,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let range = |k: usize| range_of(measured.iter().chain(&modelled).map(|point| point[k]));
     let (warmth, height) = (range(0), range(1));
     let panel = |points: Vec<[f64; 2]>, stroke: Stroke| {
-        let x = Axis::around(warmth, Label::new("temperature *T*"), "°C");
-        let mut panel = Panel::new(x, Axis::around(height, Label::new("*z*"), "mm"), 130.0);
+        let x = Axis::around(warmth, "temperature *T*", "°C");
+        let mut panel = Panel::new(x, Axis::around(height, "*z*", "mm"), 130.0);
         panel.line(points, stroke);
         panel
     };

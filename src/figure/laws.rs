@@ -2,7 +2,7 @@
 
 use super::sticks::survival;
 use super::words::grouped;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
 use crate::stats::{Distribution, PhaseLaw, QUANTILE_LEVELS};
 
 /// The figure.
@@ -32,13 +32,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let Some(distribution) = summary.law(law).filter(|distribution| distribution.completed > 0) else { continue };
         let Some([least, most]) = range(distribution) else { continue };
         let unit = law.dimension().label(&scenario.units);
-        let shares = || distribution.survival.iter().copied().filter(|share| *share > 0.0);
-        let (vertical, title) = match style.log {
-            true => (Axis::log_around([range_of(shares())[0], 1.0], Label::new("share beyond"), ""), title),
-            false => (Axis::from_zero(1.0, Label::new("share beyond"), ""), title),
-        };
+        let shares = distribution.survival.iter().copied().chain([1.0]);
+        let (vertical, _) = Axis::of_shares(shares, "share beyond", "", style.log);
         if is_narrow(distribution) {
-            let axis = Axis::around(distribution.quantiles.iter().copied(), Label::new(title), &unit);
+            let axis = Axis::around(distribution.quantiles.iter().copied(), title, &unit);
             let mut panel = Panel::new(axis, vertical, 60.0);
             for (i, (level, value)) in QUANTILE_LEVELS.into_iter().zip(&distribution.quantiles).enumerate() {
                 panel.interval_across(1.0 - level, distribution.quantile_ends.at(i), palette.first);
@@ -47,7 +44,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
             panels.push(panel);
             has_quantiles = true;
         } else {
-            let mut panel = Panel::new(Axis::log([least, most], Label::new(title), &unit), vertical, 60.0);
+            let mut panel = Panel::new(Axis::log([least, most], title, &unit), vertical, 60.0);
             survival(distribution).draw(palette, &mut panel);
             panels.push(panel);
             has_curve = true;
@@ -57,7 +54,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     if panels.is_empty() {
         return Err(Absent::Nothing("no slip was completed"));
     }
-    let mut legend = vec![LegendEntry::words(Label::verbatim(&format!("{} values", ended.join(", "))))];
+    let mut legend = vec![LegendEntry::words(format!("{} values", ended.join(", ")))];
     if has_curve {
         legend.push(LegendEntry::line(solid(palette.first), "Kaplan\u{2013}Meier"));
         legend.push(LegendEntry::area(palette.narrow, "95 % interval"));

@@ -22,23 +22,23 @@ impl LegendEntry {
     pub const ROW: f64 = 11.5;
 
     /// The entry of a curve.
-    pub fn line(stroke: Stroke, label: &str) -> Self {
-        LegendEntry { stroke: Some(stroke), fill: None, mark: None, label: Label::new(label) }
+    pub fn line(stroke: Stroke, label: impl Into<Label>) -> Self {
+        LegendEntry { stroke: Some(stroke), ..LegendEntry::words(label) }
     }
 
     /// The entry of an area.
-    pub fn area(fill: Colour, label: &str) -> Self {
-        LegendEntry { stroke: None, fill: Some(fill), mark: None, label: Label::new(label) }
+    pub fn area(fill: Colour, label: impl Into<Label>) -> Self {
+        LegendEntry { fill: Some(fill), ..LegendEntry::words(label) }
     }
 
     /// The entry of a mark.
-    pub fn mark(mark: Mark, colour: Colour, label: &str) -> Self {
-        LegendEntry { stroke: None, fill: None, mark: Some((mark, colour)), label: Label::new(label) }
+    pub fn mark(mark: Mark, colour: Colour, label: impl Into<Label>) -> Self {
+        LegendEntry { mark: Some((mark, colour)), ..LegendEntry::words(label) }
     }
 
     /// An entry of words alone.
-    pub fn words(label: Label) -> Self {
-        LegendEntry { stroke: None, fill: None, mark: None, label }
+    pub fn words(label: impl Into<Label>) -> Self {
+        LegendEntry { stroke: None, fill: None, mark: None, label: label.into() }
     }
 
     fn sample(&self) -> f64 {

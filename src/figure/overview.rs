@@ -2,7 +2,7 @@
 //! durations of sticks.
 
 use super::trace::PathTrace;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
 use crate::stats::Dimension;
 
 /// The figure. A page leaves it out, because it has the figures of these three panels.
@@ -18,13 +18,13 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         .ok_or(Absent::Nothing("no stick, the first of each path left out, has ended"))?;
     let palette = style.palette();
     let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
-    let time_axis = || Axis::linear([0.0, scenario.time.end], Label::new("time *t*"), &time_unit);
+    let time_axis = || Axis::linear([0.0, scenario.time.end], "time *t*", &time_unit);
 
     let mut seen = fan::widest(&summary.bands);
     seen.extend(curve.iter().map(|point| point[1]));
-    let displacement = |title: &str| Axis::around(seen.iter().copied(), Label::new(title), &length_unit);
+    let displacement = |title: &str| Axis::around(seen.iter().copied(), title, &length_unit);
 
-    let time_of_path = Axis::linear([drawn.from, drawn.scenario.time.end], Label::new("time *t*"), &time_unit);
+    let time_of_path = Axis::linear([drawn.from, drawn.scenario.time.end], "time *t*", &time_unit);
     let mut one = Panel::new(time_of_path, displacement("one path *x*(*t*)"), 84.0);
     let size = seen.iter().fold(0.0, |size, x| f64::max(size, x.abs()));
     for [begin, end] in path.sticks() {
@@ -36,8 +36,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let mut all = Panel::new(time_axis(), displacement("all paths *x*(*t*)"), 84.0);
     fan::quantiles(&summary.bands, palette, &mut all);
 
-    let durations = Axis::log(range, Label::new("stick duration *D*"), &time_unit);
-    let mut outlasting = Panel::new(durations, Axis::from_zero(1.0, Label::new("share longer than *D*"), ""), 84.0);
+    let durations = Axis::log(range, "stick duration *D*", &time_unit);
+    let mut outlasting = Panel::new(durations, Axis::from_zero(1.0, "share longer than *D*", ""), 84.0);
     sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
 
     let curve = |words: &str| LegendEntry::line(solid(palette.first), words);

@@ -20,35 +20,16 @@ enum Layer {
 
 /// Words beside a point. They are placed where there is space for them.
 #[derive(Clone, Debug)]
-pub struct Note {
-    /// The point.
-    pub at: [f64; 2],
-    /// The words.
-    pub label: Label,
+struct Note {
+    at: [f64; 2],
+    label: Label,
     /// The sides of the point where they may be placed, the best one first.
-    pub places: &'static [Beside],
+    places: &'static [Beside],
 }
 
-/// The side of a point at which words are placed.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Beside {
-    /// Below it.
-    Below,
-    /// Above it.
-    Above,
-    /// Left of it.
-    Left,
-    /// Right of it.
-    Right,
-    /// Below and to the left.
-    BelowLeft,
-    /// Below and to the right.
-    BelowRight,
-    /// Above and to the left.
-    AboveLeft,
-    /// Above and to the right.
-    AboveRight,
-}
+/// The side of a point at which words are placed, as a step to the right and one down: `[-1, 1]` is
+/// below it and to its left.
+pub type Beside = [i8; 2];
 
 /// A panel with its two axes and its elements.
 #[derive(Clone, Debug)]
@@ -66,14 +47,6 @@ pub struct Panel {
     pub key: Vec<LegendEntry>,
     layers: Vec<Layer>,
     notes: Vec<Note>,
-}
-
-/// A panel that was drawn on the sheet.
-pub struct Drawn {
-    /// The items to draw.
-    pub items: Vec<Item>,
-    /// The number of notes for which there was no space.
-    pub left_out: usize,
 }
 
 /// The length of a tick.
@@ -163,9 +136,10 @@ impl Panel {
         self.layers.push(Layer::Before { at, fill });
     }
 
-    /// Adds words beside a point. They are left out if there is no space for them.
-    pub fn note(&mut self, note: Note) {
-        self.notes.push(note);
+    /// Adds words beside a point, at the first of these sides where there is space for them. They are
+    /// left out if there is none.
+    pub fn note(&mut self, at: [f64; 2], label: impl Into<Label>, places: &'static [Beside]) {
+        self.notes.push(Note { at, label: label.into(), places });
     }
 
     /// The space that numbers and title need to the left of the frame.
@@ -183,16 +157,16 @@ impl Panel {
         if self.is_labelled { TICK + GAP + SMALL + GAP + LETTERS * 1.3 } else { TICK }
     }
 
-    /// Draws the panel with its frame at this place.
-    pub fn draw(&self, frame: Rect, palette: &Palette) -> Drawn {
+    /// Draws the panel with its frame at this place, and returns the number of notes for which there
+    /// was no space.
+    pub fn draw(&self, frame: Rect, palette: &Palette, items: &mut Vec<Item>) -> usize {
         let across = self.x.clone().ending_at_marks(frame.width, X_ROOM);
-        let mut items = Vec::new();
         let place = |[x, y]: [f64; 2]| {
             [frame.x + frame.width * across.place(x), frame.bottom() - frame.height * self.y.place(y)]
         };
         let behind: Vec<Item> = self.layers.iter().flat_map(|layer| layer.draw(&place, frame)).collect();
         items.push(Item::Clipped { inside: frame, items: behind });
-        self.draw_axes(frame, &across, palette, &mut items);
+        self.draw_axes(frame, &across, palette, items);
         let is_seen = |at: &[f64; 2]| frame.grown(0.01).holds(*at);
         for layer in &self.layers {
             if let Layer::Mark { at, mark, colour } = layer
@@ -201,8 +175,7 @@ impl Panel {
                 items.extend(mark.draw(place(*at), *colour, palette.background));
             }
         }
-        let left_out = self.draw_notes(frame, &place, palette, &mut items);
-        Drawn { items, left_out }
+        self.draw_notes(frame, &place, palette, items)
     }
 
     fn draw_axes(&self, frame: Rect, across: &Axis, palette: &Palette, items: &mut Vec<Item>) {
@@ -273,13 +246,13 @@ impl Panel {
             let [x, y] = place(note.at);
             let point = [x.clamp(frame.x, frame.right()), y];
             let free = note.places.iter().find_map(|beside| {
-                let (at, needed) = beside.at(point, &note.label);
+                let (at, needed) = placed(*beside, point, &note.label);
                 let across = needed.x >= frame.x - 1.0 && needed.right() <= frame.right() + ASIDE;
                 let within = across && needed.y >= frame.y - 1.0 && needed.bottom() <= frame.bottom() + 1.0;
                 // Words diagonally beside their mark must not extend over another mark.
                 let is_own = |mark: &&[f64; 2]| (mark[0] - point[0]).abs() < 0.01;
                 let reaches = |mark: &[f64; 2]| (needed.x..=needed.right()).contains(&mark[0]) && mark[1] == point[1];
-                let is_plain = !beside.is_diagonal() || !marks.iter().any(|mark| !is_own(&mark) && reaches(mark));
+                let is_plain = beside.contains(&0) || !marks.iter().any(|mark| !is_own(&mark) && reaches(mark));
                 let meets_nothing =
                     !taken.iter().any(|other| other.meets(&needed)) && !curves.iter().any(|p| needed.holds(*p));
                 (within && is_plain && meets_nothing).then_some((at, needed))
@@ -304,29 +277,25 @@ impl Tick {
 /// How far words may extend beyond the right side of the frame.
 const ASIDE: f64 = 8.0;
 
-impl Beside {
-    fn is_diagonal(self) -> bool {
-        matches!(self, Beside::BelowLeft | Beside::BelowRight | Beside::AboveLeft | Beside::AboveRight)
-    }
-
-    /// The beginning of the base line of the words, and the rectangle that they take.
-    fn at(self, [x, y]: [f64; 2], label: &Label) -> ([f64; 2], Rect) {
-        let (rise, fall) = (LETTERS * label.rise(), LETTERS * label.fall());
-        let (width, gap, aside) = (LETTERS * label.width(), MARK + 1.4, 1.6);
-        let (left, middle, right) = (x - gap - width, x - width / 2.0, x + gap);
-        let (above, level, below) = (y - gap - fall, y + 0.26 * LETTERS, y + gap + rise);
-        let [x, y] = match self {
-            Beside::Below => [middle, below],
-            Beside::Above => [middle, above],
-            Beside::Left => [left, level],
-            Beside::Right => [right, level],
-            Beside::BelowLeft => [left + gap - aside, below],
-            Beside::BelowRight => [right - gap + aside, below],
-            Beside::AboveLeft => [left + gap - aside, above],
-            Beside::AboveRight => [right - gap + aside, above],
-        };
-        ([x, y], Rect { x: x - 0.5, y: y - rise, width: width + 1.0, height: rise + fall })
-    }
+/// The beginning of the base line of words at this side of a point, and the rectangle that they
+/// take.
+fn placed([right, down]: Beside, [x, y]: [f64; 2], label: &Label) -> ([f64; 2], Rect) {
+    let (rise, fall) = (LETTERS * label.rise(), LETTERS * label.fall());
+    let (width, gap, aside) = (LETTERS * label.width(), MARK + 1.4, 1.6);
+    let (to_left, to_right) = (x - gap - width, x + gap);
+    let x = match (right, down) {
+        (0, _) => x - width / 2.0,
+        (-1, 0) => to_left,
+        (-1, _) => to_left + gap - aside,
+        (_, 0) => to_right,
+        (_, _) => to_right - gap + aside,
+    };
+    let y = match down {
+        -1 => y - gap - fall,
+        0 => y + 0.26 * LETTERS,
+        _ => y + gap + rise,
+    };
+    ([x, y], Rect { x: x - 0.5, y: y - rise, width: width + 1.0, height: rise + fall })
 }
 
 impl Layer {
@@ -354,7 +323,6 @@ impl Layer {
                 };
                 vec![Item::filled(Outline(corners.iter().flat_map(bar).collect()), *fill)]
             }
-            Layer::Interval { ends: [low, high], .. } if low.is_nan() || high.is_nan() => Vec::new(),
             Layer::Interval { at, ends, is_across, colour } => {
                 let bar = |ends: [[f64; 2]; 2]| Item::stroked(Outline::line(&ends), Stroke::solid(*colour, 0.9));
                 let end = |end: f64| place(if *is_across { [end, *at] } else { [*at, end] });
@@ -449,7 +417,7 @@ mod tests {
     }
 
     fn axis() -> Axis {
-        Axis::linear([0.0, 1.0], Label::new("x"), "")
+        Axis::linear([0.0, 1.0], "x", "")
     }
 
     #[test]
@@ -458,12 +426,12 @@ mod tests {
         for i in 0..60 {
             let at = [0.2 + 0.01 * f64::from(i), 0.5];
             panel.mark(at, Mark::Disc, Colour::hex(0));
-            panel.note(Note { at, label: Label::new("*τ*_{12}"), places: &[Beside::Below, Beside::Above] });
+            panel.note(at, "*τ*_{12}", &[[0, 1], [0, -1]]);
         }
         let frame = Rect { x: 0.0, y: 0.0, width: 200.0, height: 100.0 };
-        let drawn = panel.draw(frame, super::super::theme::Style::default().palette());
-        let boxes: Vec<Rect> = drawn
-            .items
+        let mut items = Vec::new();
+        let left_out = panel.draw(frame, super::super::theme::Style::default().palette(), &mut items);
+        let boxes: Vec<Rect> = items
             .iter()
             .filter_map(|item| match item {
                 Item::Words { label, at, .. } if label.words() == "τ12" => {
@@ -472,7 +440,7 @@ mod tests {
                 _ => None,
             })
             .collect();
-        assert_eq!(boxes.len() + drawn.left_out, 60);
+        assert_eq!(boxes.len() + left_out, 60);
         assert!(boxes.len() >= 10, "{}", boxes.len());
         for (i, one) in boxes.iter().enumerate() {
             assert!(boxes[..i].iter().all(|other| !one.meets(other)));

@@ -4,7 +4,7 @@
 //! Source: Bensoussan, Brouste, Cartiaux, Mathey and Mertz, the figure of trajectories and the
 //! figure after it.
 
-use super::panel::{Beside, Note};
+use super::panel::Beside;
 use super::subject::DrawnPath;
 use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
 use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt};
@@ -50,7 +50,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let friction = if scenario.model.has_load() { 0.0 } else { scenario.model.friction.static_force };
     let end = scenario.time.end;
     let margin = MARGIN * (end - from);
-    let time = || Axis::linear([from - margin, end + margin], Label::new("time *t*"), &time_unit);
+    let time = || Axis::linear([from - margin, end + margin], "time *t*", &time_unit);
 
     let displacement = over_time(&trace, palette, time(), &length_unit);
 
@@ -69,17 +69,17 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let mut middle = Vec::new();
     if is_shared {
         let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
-        let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*), force"), ""), 104.0);
+        let mut panel = Panel::new(time(), Axis::around(seen, "velocity *ẋ*(*t*), force", ""), 104.0);
         forces(&mut panel);
         velocities(&trace, palette, &mut panel);
         middle.push(panel);
     } else if !is_crowded {
         let seen = trace.samples().map(|s| s.velocity);
-        let mut panel = Panel::new(time(), Axis::around(seen, Label::new("velocity *ẋ*(*t*)"), &velocity_unit), 76.0);
+        let mut panel = Panel::new(time(), Axis::around(seen, "velocity *ẋ*(*t*)", &velocity_unit), 76.0);
         velocities(&trace, palette, &mut panel);
         middle.push(panel.above_another());
         let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
-        let mut panel = Panel::new(time(), Axis::around(seen, Label::new("force"), &force_unit), 76.0);
+        let mut panel = Panel::new(time(), Axis::around(seen, "force", &force_unit), 76.0);
         forces(&mut panel);
         middle.push(panel);
     }
@@ -89,7 +89,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
         (None, Drive::Force(_)) => "*cT* − *Kx*",
     };
-    let force_axis = Label::new(&format!("force {name}"));
+    let force_axis = format!("force {name}");
     let plane = phase_plane(&trace, palette, friction, &velocity_unit, (force_axis, &force_unit));
 
     let mut legend = vec![LegendEntry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
@@ -105,10 +105,10 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     if trace.moments.len() > MOST_MARKED {
         let done = if is_crowded { "for velocity and forces" } else { "to be marked" };
         let words = format!("{} events, too close {done}", grouped(trace.moments.len() as u64));
-        legend.push(LegendEntry::words(Label::verbatim(&words)));
+        legend.push(LegendEntry::words(words));
     }
     let plane = match in_full(&trace).len() < trace.pieces.len() {
-        true => plane.keyed([LegendEntry::words(Label::verbatim("the longest slip in full, the others thin"))]),
+        true => plane.keyed([LegendEntry::words("the longest slip in full, the others thin")]),
         false => plane,
     };
     let displacement = if is_crowded { displacement } else { displacement.above_another() };
@@ -139,7 +139,7 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
     let base =
         if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 { low - 0.3 * (high - low) } else { 0.0 };
     let room = 0.1 * (high - low).max(f64::MIN_POSITIVE);
-    let axis = Axis::around([low - room, high + room, base], Label::new("displacement *x*(*t*)"), unit);
+    let axis = Axis::around([low - room, high + room, base], "displacement *x*(*t*)", unit);
     let mut panel = Panel::new(time, axis, 108.0);
     panel.level(base, Stroke::solid(palette.faint, 0.4));
     if trace.moments.len() <= MOST_LED {
@@ -160,17 +160,14 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
     moments.sort_by(|one, other| other.0.total_cmp(&one.0));
     for (_, moment) in moments {
         let places: &[Beside] = if moment.at.displacement >= base { &UNDER } else { &OVER };
-        panel.note(Note { at: [moment.at.time, base], label: Label::new(&moment.name), places });
+        panel.note([moment.at.time, base], &moment.name, places);
     }
     panel
 }
 
-const UNDER: [Beside; 6] =
-    [Beside::Below, Beside::BelowRight, Beside::BelowLeft, Beside::Above, Beside::AboveRight, Beside::AboveLeft];
-const OVER: [Beside; 6] =
-    [Beside::Above, Beside::AboveRight, Beside::AboveLeft, Beside::Below, Beside::BelowRight, Beside::BelowLeft];
-const SIDES: [Beside; 6] =
-    [Beside::Right, Beside::Left, Beside::AboveRight, Beside::BelowRight, Beside::AboveLeft, Beside::BelowLeft];
+const UNDER: [Beside; 6] = [[0, 1], [1, 1], [-1, 1], [0, -1], [1, -1], [-1, -1]];
+const OVER: [Beside; 6] = [[0, -1], [1, -1], [-1, -1], [0, 1], [1, 1], [-1, 1]];
+const SIDES: [Beside; 6] = [[1, 0], [-1, 0], [1, -1], [1, 1], [-1, -1], [-1, 1]];
 
 impl LabelledEvent {
     fn mark(&self) -> Mark {
@@ -200,10 +197,10 @@ fn short_slip(trace: &PathTrace, palette: &Palette, short: f64, time_unit: &str,
         return None;
     }
     let began = trace.moments.iter().find(|moment| moment.at.time == begin)?;
-    let title = Label::new("time in the longest slip, *t* − ").and(Label::new(&began.name));
+    let title = Label::from("time in the longest slip, *t* − ").and(&began.name);
     let time = Axis::around([0.0, end - begin], title, time_unit);
     let seen = slip.iter().flat_map(|piece| &piece.samples).map(|s| s.velocity);
-    let mut panel = Panel::new(time, Axis::around(seen, Label::new("velocity *ẋ*"), velocity_unit), 60.0);
+    let mut panel = Panel::new(time, Axis::around(seen, "velocity *ẋ*", velocity_unit), 60.0);
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
     draw_pieces(slip, |s| [s.time - begin, s.velocity], palette, &mut panel);
     Some(panel)
@@ -238,12 +235,12 @@ fn phase_plane(
     palette: &Palette,
     friction: f64,
     velocity_unit: &str,
-    (force, force_unit): (Label, &str),
+    (force, force_unit): (String, &str),
 ) -> Panel {
     // Sticks, which have the velocity zero, must not be on the edge.
     let [low, high] = range_of(trace.samples().map(|s| s.velocity));
     let room = 0.04 * (high - low);
-    let x = Axis::around([low - room, high + room], Label::new("velocity *ẋ*(*t*)"), velocity_unit);
+    let x = Axis::around([low - room, high + room], "velocity *ẋ*(*t*)", velocity_unit);
     // A threshold of which the force stays far is left out.
     let [least, most] = range_of(trace.samples().map(|s| s.spring));
     let levels = [(friction, most, "*f*_{s}"), (-friction, -least, "−*f*_{s}")];
@@ -269,11 +266,10 @@ fn phase_plane(
         panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
     }
     for (level, name) in levels {
-        let places = &[Beside::AboveLeft, Beside::BelowLeft];
-        panel.note(Note { at: [f64::INFINITY, level], label: Label::new(name), places });
+        panel.note([f64::INFINITY, level], name, &[[-1, -1], [-1, 1]]);
     }
     for moment in moments() {
-        panel.note(Note { at: [0.0, moment.at.spring], label: Label::new(&moment.name), places: &SIDES });
+        panel.note([0.0, moment.at.spring], &moment.name, &SIDES);
     }
     panel
 }

@@ -3,7 +3,7 @@
 
 use super::calibration::{DAY, thinned};
 use super::theme::THIN;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet};
+use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet};
 use crate::bearing::calibration::Quantity;
 
 /// The figure.
@@ -18,15 +18,15 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let residual = |i: usize| [record.times[i] / DAY, 1e3 * (record.readings[i] - calibration.modelled[i])];
     let left: Vec<[f64; 2]> = thinned(0..record.times.len()).map(residual).collect();
     let time = calendar::time([0.0, days], record.start);
-    let millimetres = Axis::around(left.iter().map(|point| point[1]), Label::new("measured − model"), "mm");
+    let millimetres = Axis::around(left.iter().map(|point| point[1]), "measured − model", "mm");
     let mut against_time = Panel::new(time, millimetres, 84.0);
     against_time.line(left, Stroke::solid(palette.first, 0.4));
     against_time.level(0.0, Stroke::solid(palette.faint, 0.4));
 
     let correlation: Vec<[f64; 2]> =
         calibration.residuals.autocorrelation.iter().map(|(hours, r)| [hours / 24.0, *r]).collect();
-    let delay = Axis::linear([0.0, 5.2], Label::new("delay"), "d");
-    let axis = Axis::around(correlation.iter().map(|point| point[1]).chain([0.0]), Label::new("autocorrelation"), "");
+    let delay = Axis::linear([0.0, 5.2], "delay", "d");
+    let axis = Axis::around(correlation.iter().map(|point| point[1]).chain([0.0]), "autocorrelation", "");
     let mut memory = Panel::new(delay, axis, 60.0);
     memory.level(0.0, Stroke::solid(palette.faint, 0.4));
     correlation.iter().for_each(|point| memory.mark(*point, Mark::Disc, palette.first));
@@ -41,8 +41,8 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let above: Vec<f64> = calibration.starts.iter().map(|start| 100.0 * (start.err / best - 1.0)).collect();
         let chosen = calibration.estimate(Quantity::StaticWay);
         let ends = [1e3 * chosen.low, 1e3 * chosen.high];
-        let x = Axis::around(ways.iter().copied().chain(ends), Label::new("*f*_{s}/*K*"), "mm");
-        let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), Label::new("err above best"), "%");
+        let x = Axis::around(ways.iter().copied().chain(ends), "*f*_{s}/*K*", "mm");
+        let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), "err above best", "%");
         let mut starts = Panel::new(x, y, 74.0);
         ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
         starts.interval_across(0.1, ends, palette.first);

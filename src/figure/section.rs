@@ -2,7 +2,7 @@
 //! periods (the bifurcation diagram), and the amplitude.
 
 use super::sweep::horizontal;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, LimitCycle};
 use crate::study::sweep::Sweep;
 
@@ -27,22 +27,18 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let unit = Dimension::LENGTH.label(&sweep.question.scenario.units);
     let states = || cycles.iter().flat_map(|(at, cycle)| last(cycle).iter().map(move |x| [*at, *x]));
-    let mut section = Panel::new(
-        horizontal(axis, style),
-        Axis::around(states().map(|p| p[1]), Label::new("*x* at phase zero"), &unit),
-        84.0,
-    );
+    let mut section =
+        Panel::new(horizontal(axis, style), Axis::around(states().map(|p| p[1]), "*x* at phase zero", &unit), 84.0);
     states().for_each(|point| section.mark(point, Mark::Disc, palette.first));
     let [_, most] = range_of(cycles.iter().map(|(_, cycle)| cycle.amplitude));
-    let mut amplitude =
-        Panel::new(horizontal(axis, style), Axis::from_zero(most, Label::new("amplitude"), &unit), 84.0);
+    let mut amplitude = Panel::new(horizontal(axis, style), Axis::from_zero(most, "amplitude", &unit), 84.0);
     let mut curve: Vec<[f64; 2]> = cycles.iter().map(|(at, cycle)| [*at, cycle.amplitude]).collect();
     curve.sort_by(|a, b| a[0].total_cmp(&b[0]));
     for point in &curve {
         amplitude.mark(*point, Mark::Disc, palette.second);
     }
     amplitude.line(curve, solid(palette.second));
-    let legend = [LegendEntry::words(Label::verbatim("the last periods of one path at each point"))];
+    let legend = [LegendEntry::words("the last periods of one path at each point")];
     let title = format!("Section: {}", sweep.question.scenario.title);
     Ok(sheet(&title, legend, [section.above_another(), amplitude]))
 }

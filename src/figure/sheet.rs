@@ -91,9 +91,7 @@ impl Sheet {
             }
             y += if key > 0.0 { key + UNDER } else { 0.0 };
             let frame = Rect { x: left, y, width: (width - left - right).max(20.0), height: panel.height };
-            let drawn = panel.draw(frame, palette);
-            items.extend(drawn.items);
-            missing += drawn.left_out;
+            missing += panel.draw(frame, palette, &mut items);
             y = frame.bottom() + panel.footing() + if panel.is_labelled { APART } else { CLOSE };
         }
         y -= APART;
@@ -121,7 +119,7 @@ mod tests {
     /// A panel by itself has the numbers of its horizontal axis, even where it shares them.
     #[test]
     fn a_panel_is_named_by_its_letter() {
-        let axis = || Axis::linear([0.0, 1.0], Label::new("x"), "");
+        let axis = || Axis::linear([0.0, 1.0], "x", "");
         let panels = [84.0, 60.0].map(|height| Panel::new(axis(), axis(), height).above_another());
         let two = sheet("two", [], panels);
         let second = two.clone().only('B').expect("there is one");

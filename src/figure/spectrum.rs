@@ -1,6 +1,6 @@
 //! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::Dimension;
 use crate::sums::Ends;
 
@@ -23,12 +23,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let palette = style.palette();
     let unit = |time: i32, length: i32| Dimension { time, length, ..Dimension::ONE }.label(&scenario.units);
     let frequencies = &spectrum.frequency;
-    let horizontal = Axis::log(
-        [frequencies[1], frequencies[frequencies.len() - 1]],
-        Label::new("angular frequency *ω*"),
-        &unit(-1, 0),
-    );
-    let vertical = Axis::log_around([least, most], Label::new("power spectrum *S*(*ω*) of *x*\u{2032}"), &unit(-1, 2));
+    let horizontal =
+        Axis::log([frequencies[1], frequencies[frequencies.len() - 1]], "angular frequency *ω*", &unit(-1, 0));
+    let vertical = Axis::log_around([least, most], "power spectrum *S*(*ω*) of *x*\u{2032}", &unit(-1, 2));
     let mut power = Panel::new(horizontal, vertical, 96.0);
     let curve = |values: &[f64]| -> Vec<[f64; 2]> {
         frequencies.iter().zip(values).skip(1).map(|(w, s)| [*w, *s]).filter(|point| point[1] > 0.0).collect()
@@ -37,9 +34,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     power.line(curve(&of.spectrum), solid(palette.first));
     let lags = &spectrum.lag;
     let shown = lags.len();
-    let horizontal = Axis::linear([0.0, lags[shown - 1]], Label::new("lag *s*"), &unit(1, 0));
+    let horizontal = Axis::linear([0.0, lags[shown - 1]], "lag *s*", &unit(1, 0));
     let seen = of.autocovariance_ends.low[..shown].iter().chain(&of.autocovariance_ends.high[..shown]).copied();
-    let title = Label::new("autocovariance *C*(*s*) of *x*\u{2032}");
+    let title = "autocovariance *C*(*s*) of *x*\u{2032}";
     let mut covariance = Panel::new(horizontal, Axis::around(seen.chain([0.0]), title, &unit(-2, 2)), 72.0);
     covariance.level(0.0, Stroke::solid(palette.faint, 0.4));
     covariance.band(band(&lags[..shown], &of.autocovariance_ends, 0), palette.narrow);

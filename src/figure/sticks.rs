@@ -4,7 +4,7 @@
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
 use super::words::grouped;
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, sheet, solid};
 use crate::stats::{Dimension, Distribution};
 
 /// The figure.
@@ -32,23 +32,16 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
-    let durations = || Axis::log([first.edges[0], last.edges[1]], Label::new("stick duration *D*"), &unit);
+    let durations = || Axis::log([first.edges[0], last.edges[1]], "stick duration *D*", &unit);
 
-    let vertical = |values: Vec<f64>, title: &str| {
-        let [least, most] = range_of(values.iter().copied().filter(|value| *value > 0.0));
-        match style.log {
-            // The axis ends at a mark, which may be as far below as a power of ten.
-            true => (Axis::log_around([least, most], Label::new(title), ""), least / 10.0),
-            false => (Axis::from_zero(most, Label::new(title), ""), 0.0),
-        }
-    };
-    let (axis, floor) = vertical(bins.iter().map(|bin| bin.density).collect(), "density per decade");
+    let (axis, floor) = Axis::of_shares(bins.iter().map(|bin| bin.density), "density per decade", "", style.log);
     let mut density = Panel::new(durations(), axis, 84.0);
     let steps: Vec<DensityBin> = bins.iter().map(|bin| (bin.edges, bin.density, [bin.density; 2])).collect();
     steps::draw(&steps, floor, palette, &mut density);
 
     let mut curve = survival(sticks);
-    let (axis, floor) = vertical(curve.shares.iter().map(|point| point[1]).collect(), "share longer than *D*");
+    let shares = curve.shares.iter().map(|point| point[1]);
+    let (axis, floor) = Axis::of_shares(shares, "share longer than *D*", "", style.log);
     let mut outlasting = Panel::new(durations(), axis, 84.0);
     if style.log {
         curve.ends.iter_mut().for_each(|[_, low, _]| *low = low.max(floor));
@@ -61,7 +54,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let interval = LegendEntry::area(palette.narrow, "95 % interval");
     let curve = if sticks.step.is_some() { "Kaplan–Meier, in steps of the scheme" } else { "Kaplan–Meier" };
-    let legend = [LegendEntry::words(Label::verbatim(&counts))];
+    let legend = [LegendEntry::words(counts)];
     let panels = [
         density.above_another().keyed([LegendEntry::line(solid(palette.first), "density")]),
         outlasting.keyed([LegendEntry::line(solid(palette.first), curve), interval]),

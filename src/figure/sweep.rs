@@ -103,15 +103,14 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let mut legend: Vec<LegendEntry> = (curves.iter())
         .map(|curve| LegendEntry {
-            label: curve.label.clone(),
             mark: Some((curve.mark, curve.stroke.colour)),
-            ..LegendEntry::line(curve.stroke.clone(), "")
+            ..LegendEntry::line(curve.stroke.clone(), curve.label.clone())
         })
         .collect();
     if has_corrected {
         legend.push(LegendEntry::mark(Mark::Circle, palette.ink, "less the bias of the step"));
     } else if sweeps.iter().any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some()) {
-        legend.push(LegendEntry::words(Label::verbatim("where there is a step, with its bias")));
+        legend.push(LegendEntry::words("where there is a step, with its bias"));
     }
     Ok(sheet(&format!("Sweep: {}", first.question.scenario.title), legend, panels))
 }
@@ -168,8 +167,8 @@ fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve
             for (n, (axis, setting)) in axes.enumerate() {
                 let comma = if n > 0 || sweeps.len() > 1 { ", " } else { "" };
                 let value = crate::numbers::significant(setting.value, 4);
-                label = label.and(Label::verbatim(comma)).and(letter(&axis.name));
-                label = label.and(Label::verbatim(&format!(" = {}", minus(&value))));
+                label = label.and(comma).and(letter(&axis.name));
+                label = label.and(format!(" = {}", minus(&value)));
             }
             curves.push(Curve { sweep, label, stroke, mark, points });
         }

@@ -4,7 +4,7 @@
 use super::subject::USUAL;
 use super::theme::THIN;
 use super::words::{of_key, of_statistic};
-use super::{Absent, Axis, Figure, Label, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::study::sweep::Design;
 
 /// The figure.
@@ -36,7 +36,7 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         }
         bars.sort_by(|a, b| a.1.estimate.abs().total_cmp(&b.1.estimate.abs()));
         let ends = bars.iter().flat_map(|(_, m)| [m.estimate, m.low, m.high]);
-        let across = Axis::around(ends.chain([0.0]), Label::new("elasticity"), "");
+        let across = Axis::around(ends.chain([0.0]), "elasticity", "");
         let places = bars.iter().enumerate().map(|(i, (key, _))| (i as f64, of_key(&keys[*key].0, style)));
         let [bottom, top] = [-0.6, bars.len() as f64 - 0.4];
         let upwards = Axis::named([bottom, top], places.collect());

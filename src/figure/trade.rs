@@ -2,9 +2,7 @@
 //! against the step, for every scheme, on logarithmic axes.
 
 use super::theme::{LINE, Palette};
-use super::{
-    Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
-};
+use super::{Absent, Axis, Colour, Figure, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
 use crate::scheme::Kind;
 use crate::study::trade::{Number, PriceCurve, Prices};
 
@@ -25,9 +23,9 @@ fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         return Err(Absent::Nothing("no scheme was found to reach any target for this statistic"));
     }
     let palette = style.palette();
-    let seconds = Axis::log_around(range_of(points().map(|point| point[0])), Label::new("CPU time on one thread"), "s");
+    let seconds = Axis::log_around(range_of(points().map(|point| point[0])), "CPU time on one thread", "s");
     let error = format!("relative RMSE, {}", prices.statistic.words());
-    let errors = Axis::log_around(range_of(points().map(|point| point[1])), Label::new(&error), "");
+    let errors = Axis::log_around(range_of(points().map(|point| point[1])), error, "");
     let mut panel = Panel::new(seconds, errors, 150.0);
     let mut legend = Vec::new();
     decades(palette, &mut panel);
@@ -58,8 +56,8 @@ fn biases(prices: &Prices, style: &Style) -> Option<Panel> {
         return None;
     }
     let title = format!("relative bias, {}", prices.statistic.words());
-    let steps = Axis::log_around(range_of(all().map(|(step, _)| *step)), Label::new("time step *h*"), "");
-    let mut panel = Panel::new(steps, Axis::log_around(sizes, Label::new(&title), ""), 130.0);
+    let steps = Axis::log_around(range_of(all().map(|(step, _)| *step)), "time step *h*", "");
+    let mut panel = Panel::new(steps, Axis::log_around(sizes, title, ""), 130.0);
     decades(palette, &mut panel);
     let mut key = Vec::new();
     for curve in &prices.curves {

@@ -15,15 +15,15 @@ const GREEK: &str =
 pub fn letter(name: &str) -> Label {
     let mut greek = GREEK.split(' ').skip_while(|word| *word != name).skip(1);
     if let Some(letter) = greek.next().filter(|_| name.is_ascii()) {
-        return Label::new(&format!("*{letter}*"));
+        return format!("*{letter}*").into();
     }
     let mut letters = name.chars();
     let (first, rest) = (letters.next(), letters.as_str());
     let index = rest.strip_prefix('_').unwrap_or(rest);
     let is_short = index.len() <= 3 && index.chars().all(|c| c.is_ascii_alphanumeric());
     match first {
-        Some(first) if first.is_alphabetic() && index.is_empty() => Label::new(&format!("*{first}*")),
-        Some(first) if first.is_alphabetic() && is_short => Label::new(&format!("*{first}*_{{{index}}}")),
+        Some(first) if first.is_alphabetic() && index.is_empty() => format!("*{first}*").into(),
+        Some(first) if first.is_alphabetic() && is_short => format!("*{first}*_{{{index}}}").into(),
         _ => Label::verbatim(name),
     }
 }

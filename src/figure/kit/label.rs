@@ -30,12 +30,12 @@ const RAISE: f64 = 0.36;
 const TALL: f64 = 0.74;
 const DEEP: f64 = 0.16;
 
-impl Label {
-    /// A label from a text with marks: `*x*` is italic, `**A**` bold, `_{1}` an index, `^{2}` a
-    /// power. An index and a power that follow each other are placed one above the other.
-    pub fn new(marked: &str) -> Self {
+/// A label from a text with marks: `*x*` is italic, `**A**` bold, `_{1}` an index, `^{2}` a power. An
+/// index and a power that follow each other are placed one above the other.
+impl<T: AsRef<str>> From<T> for Label {
+    fn from(marked: T) -> Self {
         let mut label = Label::default();
-        let (mut face, mut rest) = (Face::Regular, marked);
+        let (mut face, mut rest) = (Face::Regular, marked.as_ref());
         // The position of an index or a power above or below which the next one may be placed.
         let mut stack: Option<f64> = None;
         while let Some(c) = rest.chars().next() {
@@ -66,7 +66,9 @@ impl Label {
         }
         label
     }
+}
 
+impl Label {
     /// A label from a text without marks, such as one that a user wrote.
     pub fn verbatim(text: &str) -> Self {
         let mut label = Label::default();
@@ -75,8 +77,8 @@ impl Label {
     }
 
     /// This label with another one behind it.
-    pub fn and(mut self, other: Label) -> Self {
-        let shift = self.width;
+    pub fn and(mut self, other: impl Into<Label>) -> Self {
+        let (shift, other) = (self.width, other.into());
         self.runs.extend(other.runs.into_iter().map(|run| Letters { at: [run.at[0] + shift, run.at[1]], ..run }));
         self.width += other.width;
         self
@@ -123,7 +125,7 @@ mod tests {
 
     #[test]
     fn marks_become_faces_and_shifts() {
-        let label = Label::new("mean *x*_{1+½}^{2} (m)");
+        let label = Label::from("mean *x*_{1+½}^{2} (m)");
         let parts: Vec<_> = label.runs.iter().map(|run| (run.face, run.text.as_str(), run.at[1])).collect();
         assert_eq!(
             parts,
@@ -144,6 +146,6 @@ mod tests {
     #[test]
     fn what_a_user_wrote_has_no_marks() {
         assert_eq!(Label::verbatim("a_{b} *c*").words(), "a_{b} *c*");
-        assert_eq!(Label::new("snake_case and 2 ^ 3").words(), "snake_case and 2 ^ 3");
+        assert_eq!(Label::from("snake_case and 2 ^ 3").words(), "snake_case and 2 ^ 3");
     }
 }
