@@ -2,13 +2,9 @@
 //! temperature. They are shown for the whole record and for two shorter stretches.
 
 use super::theme::THIN;
-use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of, sheet};
+use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, range_of, sheet};
 use crate::bearing::calibration::Calibration;
 use std::ops::Range;
-
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "calibration", shows: "measured and modelled displacement against time", draws: draw };
 
 pub(super) const DAY: f64 = 86_400.0;
 
@@ -19,7 +15,8 @@ const POINTS: usize = 8_000;
 /// days.
 const CLOSER: ([f64; 2], f64) = ([0.1, 0.6], 30.0);
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let days = calibration.record.times.last().copied().unwrap_or(0.0) / DAY;

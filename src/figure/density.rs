@@ -2,13 +2,9 @@
 //! logarithmic axis, that of x, and that of both as cells of a plane.
 
 use super::steps::{self, DensityBin};
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{DensityCurve, Dimension};
 use ndarray::Array2;
-
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "density", shows: "where in the phase plane the body spends its time", draws: draw };
 
 /// How much of the time in motion each area of the plane holds, where the density is highest.
 const HELD: [f64; 2] = [0.94, 0.5];
@@ -20,7 +16,8 @@ const SEEN: f64 = 0.99;
 /// interpolated.
 const FINER: usize = 4;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let Some(densities) = &summary.densities else {
         return Err(Absent::Nothing("the run has no densities: set record.density = true"));

@@ -3,14 +3,12 @@
 
 use super::axis::between;
 use super::theme::{DASHES, LINE};
-use super::{Absent, Axis, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::stats::{Dimension, Statistic, Summary};
 use crate::sums::Ends;
 
-/// The figure.
-pub const FIGURE: Figure = Figure { name: "drift", shows: "whether x wanders from period to period", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let periods = &summary.periods;
     if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {

@@ -1,15 +1,12 @@
 //! Quantile bands of x over time, and the probability of being static on the same axis of time.
 
 use super::theme::{DASHES, LINE, Palette};
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Bands, Dimension, QUANTILE_LEVELS};
 use crate::sums::Ends;
 
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "fan", shows: "quantiles of x, and the probability of being static", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let bands = &summary.bands;
     let (time, x) = (&bands.time, &bands.displacement);

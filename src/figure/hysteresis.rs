@@ -3,13 +3,10 @@
 
 use super::calibration::thinned;
 use super::theme::THIN;
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
 
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "loops", shows: "displacement against temperature, measured and modelled", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let record = &calibration.record;

@@ -2,12 +2,8 @@
 
 use super::sticks::survival;
 use super::words::grouped;
-use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
+use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, sheet, solid};
 use crate::stats::{Distribution, PhaseLaw, QUANTILE_LEVELS};
-
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "laws", shows: "how long slips last, how far they go, and how often they come", draws: draw };
 
 /// The laws that are drawn, with the titles of their axes.
 const DRAWN: [(PhaseLaw, &str); 3] = [
@@ -19,7 +15,8 @@ const DRAWN: [(PhaseLaw, &str); 3] = [
 /// The share of values that may lie below the axis.
 const NEXT_TO_NONE: f64 = 1e-3;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     if summary.laws.is_none() {
         return Err(Absent::Nothing("the run has no laws: set record.laws = true"));

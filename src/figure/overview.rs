@@ -2,14 +2,11 @@
 //! durations of sticks.
 
 use super::trace::PathTrace;
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, fan, sheet, solid, sticks};
 use crate::stats::Dimension;
 
-/// The figure. A page leaves it out, because it has the figures of these three panels.
-pub const FIGURE: Figure =
-    Figure { name: "overview", shows: "a path with its sticks, the quantiles of all, and the sticks", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let drawn = subject.path()?;
     let path = PathTrace::of(&drawn)?;

@@ -1,11 +1,11 @@
 //! All figures of a subject on one page, in two columns of the same height.
 
+use super::FIGURES;
 use super::kit::{Align, Drawing, Item, Label};
 use super::only::Only;
 use super::sheet::Sheet;
 use super::subject::{Absent, Figure, Subject};
 use super::theme::{LETTERS, SMALL, Style};
-use super::{FIGURES, overview, section};
 use crate::stats::Statistic;
 
 /// The space between figures.
@@ -19,7 +19,7 @@ const MOST_STRETCH: f64 = 2.0;
 
 /// The figures that no page has: the panels of an overview are in the other figures, and a section
 /// simulates every point of a sweep again.
-const APART: [&str; 2] = [overview::FIGURE.name, section::FIGURE.name];
+const APART: [&str; 2] = ["overview", "section"];
 
 /// Why there is no page.
 #[derive(Clone, Debug)]

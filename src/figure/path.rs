@@ -10,16 +10,11 @@ use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
 use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt};
 use super::words::grouped;
 use super::{
-    Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
-    solid,
+    Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
 };
 use crate::model::{Drive, Model, Sign};
 use crate::stats::Dimension;
 use std::ops::Range;
-
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "path", shows: "one path: x, velocity and forces, with its events", draws: draw };
 
 /// With more events than this, the phase plane shows the longest complete slip in full and the rest
 /// faintly.
@@ -40,7 +35,8 @@ const ALIKE: f64 = 8.0;
 /// A slip shorter than this share of the axis of time has a panel with a time of its own.
 const SHORT: f64 = 0.005;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let path @ DrawnPath { scenario, number, from } = subject.path()?;
     let trace = PathTrace::of(&path)?;
     let palette = style.palette();

@@ -3,14 +3,11 @@
 
 use super::calibration::{DAY, thinned};
 use super::theme::THIN;
-use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet};
+use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, calendar, sheet};
 use crate::bearing::calibration::Quantity;
 
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "residuals", shows: "what the calibrated model leaves, and the starts of its search", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (title, calibration) = subject.calibration()?;
     let palette = style.palette();
     let record = &calibration.record;

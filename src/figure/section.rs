@@ -2,15 +2,12 @@
 //! periods (the bifurcation diagram), and the amplitude.
 
 use super::sweep::horizontal;
-use super::{Absent, Axis, Figure, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, LimitCycle};
 use crate::study::sweep::Sweep;
 
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "section", shows: "x at phase zero, and the amplitude, of a sweep without noise", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, _) = subject.sweeps()?;
     let one = |(_, sweep): &(String, &Sweep)| sweep.question.design.axes().len() == 1;
     let [(_, sweep)] = sweeps else { return Err(Absent::Elsewhere("one sweep over one key (--vary)")) };

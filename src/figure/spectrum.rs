@@ -1,14 +1,11 @@
 //! The power spectrum of x' on logarithmic axes, and its autocovariance.
 
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid};
 use crate::stats::Dimension;
 use crate::sums::Ends;
 
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "spectrum", shows: "power spectrum and autocovariance of the velocity", draws: draw };
-
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let Some(spectrum) = &summary.spectrum else {
         return Err(Absent::Nothing("the run has no spectrum: set record.spectrum = true"));

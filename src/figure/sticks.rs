@@ -4,11 +4,8 @@
 use super::steps::{self, DensityBin};
 use super::theme::Palette;
 use super::words::grouped;
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, sheet, solid};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, sheet, solid};
 use crate::stats::{Dimension, Distribution};
-
-/// The figure.
-pub const FIGURE: Figure = Figure { name: "sticks", shows: "how long sticks last", draws: draw };
 
 /// The share of sticks that may be shorter than the shortest duration that is drawn.
 const NEXT_TO_NONE: f64 = 5e-3;
@@ -22,7 +19,8 @@ struct DrawnBin {
     density: f64,
 }
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let sticks = &summary.stick_durations;
     let all = bins(sticks);

@@ -1,15 +1,13 @@
 //! The number of sub-phases of a slip: the share of slips with each number, with its interval.
 
 use super::words::grouped;
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet};
-
-/// The figure.
-pub const FIGURE: Figure = Figure { name: "sub-phases", shows: "of how many sub-phases slips consist", draws: draw };
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet};
 
 /// Half the width of a bar.
 const HALF: f64 = 0.36;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let counts = &summary.sub_phases;
     let Some(last) = counts.counts.iter().rposition(|count| *count > 0) else {

@@ -176,8 +176,6 @@ pub enum Absent {
 pub struct Figure {
     /// Its name on the command line.
     pub name: &'static str,
-    /// What it shows, in one line.
-    pub shows: &'static str,
     /// The function that draws it.
     pub(super) draws: fn(&Subject, &Style) -> Result<Sheet, Absent>,
 }

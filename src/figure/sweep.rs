@@ -6,15 +6,9 @@ use super::subject::USUAL;
 use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
 use super::words::{letter, of_axis, of_statistic};
-use super::{
-    Absent, Axis, Colour, Figure, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet,
-};
+use super::{Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
 use crate::stats::{Estimate, Statistic};
 use crate::study::sweep::{self, Design, Sweep};
-
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "sweep", shows: "statistics as functions of a key of the scenario", draws: draw };
 
 /// The height of a panel, which the longest title determines.
 const HEIGHT: f64 = 118.0;
@@ -52,7 +46,8 @@ fn without_step(e: &Estimate) -> Option<f64> {
     e.corrected().filter(|_| e.bias.is_some_and(|bias| bias.weight() > 0.0)).map(|corrected| corrected.estimate)
 }
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, named) = subject.sweeps()?;
     let Some(first) = sweeps.first().map(|(_, sweep)| *sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
     else {

@@ -4,11 +4,8 @@
 use super::subject::USUAL;
 use super::theme::THIN;
 use super::words::{of_key, of_statistic};
-use super::{Absent, Axis, Figure, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
 use crate::study::sweep::Design;
-
-/// The figure.
-pub const FIGURE: Figure = Figure { name: "tornado", shows: "what each key does to a statistic", draws: draw };
 
 /// Half the height of a bar, as a share of the space for it.
 const HALF: f64 = 0.36;
@@ -16,7 +13,8 @@ const HALF: f64 = 0.36;
 /// The space for a bar, in points.
 const BAR: f64 = 15.0;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, named) = subject.sweeps()?;
     let Some((sweep, keys)) = sweeps.first().and_then(|(_, sweep)| match &sweep.question.design {
         Design::Star { keys, .. } => Some((sweep, keys)),

@@ -2,18 +2,15 @@
 //! against the step, for every scheme, on logarithmic axes.
 
 use super::theme::{LINE, Palette};
-use super::{Absent, Axis, Colour, Figure, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
+use super::{Absent, Axis, Colour, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet};
 use crate::scheme::Kind;
 use crate::study::trade::{Number, PriceCurve, Prices};
-
-/// The figure.
-pub const FIGURE: Figure =
-    Figure { name: "trade", shows: "the error that CPU time buys, scheme by scheme", draws: draw };
 
 /// CPU seconds of a year. Runs that take longer are not drawn.
 const YEAR: f64 = 3.2e7;
 
-fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let prices = subject.trade()?;
     let is_drawn = |point: &&[f64; 2]| point[0] > 0.0 && point[0] < YEAR;
     let curves: Vec<(&PriceCurve, Vec<[f64; 2]>)> =
