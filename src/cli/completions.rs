@@ -5,7 +5,7 @@ use clap::CommandFactory as _;
 
 /// Arguments of `mc completions`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Example:\n  mc completions bash > ~/.local/share/bash-completion/completions/mc")]
+#[command(after_help = include_str!("help/completions.txt"))]
 pub struct Arguments {
     /// The shell
     shell: clap_complete::Shell,

@@ -5,7 +5,7 @@ use clap::CommandFactory as _;
 
 /// Arguments of `mc man`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:\n  mc man run | man -l -\n  mc man > ~/.local/share/man/man1/mc.1")]
+#[command(after_help = include_str!("help/man.txt"))]
 pub struct Arguments {
     /// The command of which to print the page [default: mc itself]
     command: Option<String>,

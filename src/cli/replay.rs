@@ -11,17 +11,9 @@ use stick_slip::scenario::Scenario;
 use stick_slip::stats::Record;
 use stick_slip::store::{self, Writer};
 
-const EXAMPLE: &str = "\
-Example:
-  mc replay rho025.h5 --path 4711 -o path-4711.h5
-
-The trajectory holds every step of a time-stepping scheme, or every so many where there would be more than 10000 rows. \
-An event-driven or quasi-static trajectory is ten times finer than the run's output grid, and goes through what the run saw. \
-The events are always all there.";
-
 /// Arguments of `mc replay`.
 #[derive(Debug, clap::Args)]
-#[command(after_help = EXAMPLE)]
+#[command(after_help = include_str!("help/replay.txt"))]
 pub struct Arguments {
     /// A file that `mc run` wrote
     file: PathBuf,
