@@ -9,37 +9,26 @@ use std::io::{self, Write as _};
 use std::os::unix::fs::MetadataExt as _;
 use std::path::Path;
 use std::process::ExitCode;
-use stick_slip::config::ScenarioError;
+use stick_slip::config::{Fault, ScenarioError};
 use stick_slip::scheme::Misfit;
 use stick_slip::store::{lock_path, partial_path};
 
-/// Why a verb did not do what it was asked to do.
+/// Why a verb did not do what it was asked to do. A message contains the remedy.
 #[derive(Debug)]
 pub enum Failure {
-    /// The arguments are wrong; nothing was started.
-    Usage {
-        /// What is wrong.
-        problem: String,
-        /// What to write instead.
-        remedy: String,
-    },
-    /// The arguments contradict the file of results or the scenario that they refer to. The message
-    /// contains the remedy.
+    /// The arguments are wrong, or contradict the scenario or the file of results that they refer
+    /// to; nothing was started.
     Refused(String),
-    /// The scenario cannot be read or is not valid.
-    Scenario(ScenarioError),
     /// The work began and did not finish.
     Run(String),
     /// The user stopped it; what was finished is in the file.
     Interrupted,
-    /// Standard output cannot be written to.
-    Output(io::Error),
 }
 
 impl Failure {
     /// Wrong arguments, and what to write instead.
-    pub fn usage(problem: impl Into<String>, remedy: impl Into<String>) -> Self {
-        Failure::Usage { problem: problem.into(), remedy: remedy.into() }
+    pub fn usage(problem: impl Display, remedy: impl Display) -> Self {
+        Failure::Refused(with_remedy(problem, remedy))
     }
 
     /// Work that did not finish, and what to do about it.
@@ -52,21 +41,20 @@ impl Failure {
         Failure::run(format!("{}: {problem}", file.display()), remedy)
     }
 
+    /// Standard output cannot be written to.
+    pub fn unprinted(error: io::Error) -> Self {
+        Failure::Run(format!("cannot write to standard output: {error}"))
+    }
+
     /// Prints the failure on standard error and returns the exit code of the process.
     pub fn report(&self) -> ExitCode {
-        let (code, problems) = match self {
-            Failure::Usage { problem, remedy } => (2, vec![with_remedy(problem, remedy)]),
-            Failure::Refused(problem) => (2, vec![problem.clone()]),
-            Failure::Scenario(ScenarioError::Invalid(faults)) => (2, faults.iter().map(ToString::to_string).collect()),
-            Failure::Scenario(error) => (2, vec![error.to_string()]),
-            Failure::Run(problem) => (1, vec![problem.clone()]),
-            Failure::Interrupted => (exit_code(), Vec::new()),
-            Failure::Output(error) => (1, vec![format!("cannot write to standard output: {error}")]),
+        let (code, problem) = match self {
+            Failure::Refused(problem) => (2, problem),
+            Failure::Run(problem) => (1, problem),
+            Failure::Interrupted => return ExitCode::from(exit_code()),
         };
-        for problem in problems {
-            // If standard error is closed, no message can reach anybody.
-            note(&format!("error: {problem}"));
-        }
+        // If standard error is closed, no message can reach anybody.
+        note(&format!("error: {problem}"));
         ExitCode::from(code)
     }
 }
@@ -77,7 +65,10 @@ fn with_remedy(problem: impl Display, remedy: impl Display) -> String {
 
 impl From<ScenarioError> for Failure {
     fn from(error: ScenarioError) -> Self {
-        Failure::Scenario(error)
+        Failure::Refused(match error {
+            ScenarioError::Invalid(faults) => faults.iter().map(Fault::to_string).collect::<Vec<_>>().join("\nerror: "),
+            error => error.to_string(),
+        })
     }
 }
 
@@ -102,7 +93,7 @@ pub fn print_data(text: &str) -> Result<(), Failure> {
 fn print_as_it_is(text: &str) -> Result<(), Failure> {
     let mut out = io::stdout().lock();
     match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
-        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::Output(error)),
+        Err(error) if error.kind() != io::ErrorKind::BrokenPipe => Err(Failure::unprinted(error)),
         _ => Ok(()),
     }
 }

@@ -14,17 +14,13 @@ use std::sync::atomic::{AtomicBool, AtomicI32, Ordering};
 /// will soon be reached.
 const ENDING: [i32; 6] = [SIGINT, SIGTERM, SIGHUP, SIGXCPU, SIGUSR1, SIGUSR2];
 
-/// The last signal that was received; 0 for none.
-static CAME: AtomicI32 = AtomicI32::new(0);
+/// The last signal that was received; that of Ctrl-C if there was none.
+static CAME: AtomicI32 = AtomicI32::new(SIGINT);
 
 /// The exit code of a process that is ended by the signal that was received: 130 for Ctrl-C, 143
 /// for SIGTERM.
 pub fn exit_code() -> u8 {
-    let signal = match CAME.load(Ordering::Relaxed) {
-        0 => SIGINT,
-        signal => signal,
-    };
-    128 + u8::try_from(signal).unwrap_or(0)
+    128 + u8::try_from(CAME.load(Ordering::Relaxed)).unwrap_or(0)
 }
 
 /// Lets writing beyond the size limit of files be an error of the write, whose message says what to

@@ -24,7 +24,7 @@ impl Arguments {
             }
         };
         let mut text = Vec::new();
-        clap_mangen::Man::new(page).render(&mut text).map_err(Failure::Output)?;
+        clap_mangen::Man::new(page).render(&mut text).map_err(Failure::unprinted)?;
         print_data(&String::from_utf8_lossy(&text))
     }
 }

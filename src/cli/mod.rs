@@ -145,16 +145,12 @@ fn answered() -> ExitCode {
     match Arguments::try_parse() {
         Ok(arguments) => {
             let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));
-            say_what_stays();
+            // What could not be removed after the work.
+            store::take_remains().iter().for_each(|line| note(&format!("warning: {line}")));
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }
         Err(answer) => self::answer(&answer),
     }
-}
-
-/// Warns of what could not be removed after the work.
-fn say_what_stays() {
-    store::take_remains().iter().for_each(|line| note(&format!("warning: {line}")));
 }
 
 /// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
@@ -167,7 +163,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
     if !answer.use_stderr() {
         // Help and the version are what was asked for. A terminal gets them with colours.
         let printed = match io::stdout().is_terminal() {
-            true => answer.print().map_err(Failure::Output),
+            true => answer.print().map_err(Failure::unprinted),
             false => print(&plain),
         };
         return printed.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS);
