@@ -19,105 +19,99 @@ pub const CHOSEN: [&str; 5] = ["ensemble.antithetic", "ensemble.paths", "scheme.
 /// it.
 const NOTABLE: f64 = 20.0;
 
-/// The accuracy that is asked for, and whether only errors are printed.
-pub struct Chooser<'a> {
-    pub accuracy: Accuracy<'a>,
-    pub is_quiet: bool,
+/// Chooses how to run the scenario and prints the choice with its reasons, unless only errors are
+/// printed. Returns `Failure::Interrupted` when `stop` is raised meanwhile.
+pub fn choose(
+    accuracy: &Accuracy,
+    is_quiet: bool,
+    scenario: &Scenario,
+    stop: &AtomicBool,
+) -> Result<Decision, Failure> {
+    let say = |sentence: &str| {
+        if !is_quiet {
+            note(wrapped(sentence, "  ").trim_end());
+        }
+    };
+    say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
+    let chosen = measuring(PILOT, is_quiet, stop, |limits| accuracy.choose(scenario, limits));
+    if stop.load(Ordering::Relaxed) {
+        note("interrupted while choosing how to run it: nothing was run, nothing is written");
+        return Err(Failure::Interrupted);
+    }
+    let (decision, trade) = chosen.map_err(failure)?;
+    explanation(accuracy, scenario, &trade, &decision).iter().for_each(|sentence| say(sentence));
+    Ok(decision)
 }
 
-impl Chooser<'_> {
-    /// Chooses how to run the scenario and prints the choice with its reasons. Returns
-    /// `Failure::Interrupted` when `stop` is raised meanwhile.
-    pub fn choose(&self, scenario: &Scenario, stop: &AtomicBool) -> Result<Decision, Failure> {
-        self.say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
-        let chosen = measuring(PILOT, self.is_quiet, stop, |limits| self.accuracy.choose(scenario, limits));
-        if stop.load(Ordering::Relaxed) {
-            note("interrupted while choosing how to run it: nothing was run, nothing is written");
-            return Err(Failure::Interrupted);
-        }
-        let (decision, trade) = chosen.map_err(Self::failure)?;
-        self.explain(scenario, &trade, &decision);
-        Ok(decision)
+/// What was chosen and why, in sentences.
+fn explanation(accuracy: &Accuracy, scenario: &Scenario, trade: &Trade, decision: &Decision) -> Vec<String> {
+    let Accuracy { target, named, threads, .. } = *accuracy;
+    let (asked, choice) = (&decision.asked, &decision.choice);
+    let of = match named {
+        [] => format!("{} statistics", asked.len()),
+        named => named.iter().map(|statistic| statistic.name()).collect::<Vec<_>>().join(" and "),
+    };
+    let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
+    let paths = match choice.paths {
+        1 => "nothing is random, so one path is the ensemble".into(),
+        FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
+        _ => format!("{decisive} needs the most paths"),
+    };
+    let mut why =
+        format!("the cheapest that was found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}");
+    if !choice.is_measured {
+        why += ", extrapolated from coarser steps: this step itself was not measured";
     }
-
-    /// Prints what was chosen and why.
-    fn explain(&self, scenario: &Scenario, trade: &Trade, decision: &Decision) {
-        let Accuracy { target, named, .. } = self.accuracy;
-        let (asked, choice) = (&decision.asked, &decision.choice);
-        let of = match named {
-            [] => format!("{} statistics", asked.len()),
-            named => named.iter().map(|statistic| statistic.name()).collect::<Vec<_>>().join(" and "),
-        };
-        self.say(&format!("chosen for a relative error of {} of {of}:", percent(target)));
-        self.say(&format!("  {} --paths {}{}", choice.scheme, choice.paths, pairs(choice)));
-        let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
-        let paths = match choice.paths {
-            1 => "nothing is random, so one path is the ensemble".into(),
-            FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
-            _ => format!("{decisive} needs the most paths"),
-        };
-        let mut why = format!(
-            "the cheapest that was found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}"
-        );
-        if !choice.is_measured {
-            why += ", extrapolated from coarser steps: this step itself was not measured";
+    let mut said = vec![
+        format!("chosen for a relative error of {} of {of}:", percent(target)),
+        format!("  {} --paths {}{}", choice.scheme, choice.paths, pairs(choice)),
+        why,
+    ];
+    if choice.paths > 1 {
+        said.push("the error is a root mean square: a 95 % interval is about twice as wide to each side".into());
+    }
+    for &statistic in asked.iter() {
+        if let Standing::Deviation(deviation) = trade.standing(statistic) {
+            let unit = statistic.dimension().label(&scenario.units);
+            said.push(format!(
+                "{} is zero within its error in the pilot, so no error can be relative to it: {} is \
+                taken of its standard deviation per path, an error of {} {unit}",
+                statistic.name(),
+                percent(target),
+                significant(target * deviation, 2),
+            ));
         }
-        self.say(&why);
-        if choice.paths > 1 {
-            self.say("the error is a root mean square: a 95 % interval is about twice as wide to each side");
-        }
-        for &statistic in asked.iter() {
-            if let Standing::Deviation(deviation) = trade.standing(statistic) {
-                let unit = statistic.dimension().label(&scenario.units);
-                self.say(&format!(
-                    "{} is zero within its error in the pilot, so no error can be relative to it: {} is \
-                     taken of its standard deviation per path, an error of {} {unit}",
-                    statistic.name(),
-                    percent(target),
-                    significant(target * deviation, 2),
-                ));
-            }
-        }
-        let seconds = choice.seconds / self.accuracy.threads as f64;
-        if named.is_empty() && seconds > NOTABLE {
-            self.say(&format!(
+    }
+    if named.is_empty() {
+        let seconds = choice.seconds / threads as f64;
+        if seconds > NOTABLE {
+            said.push(format!(
                 "{decisive} alone decides, about {} here: name what matters with --statistic, and the run may be much \
-                 shorter; Ctrl-C saves it, and --max-time bounds it",
+                shorter; Ctrl-C saves it, and --max-time bounds it",
                 time(seconds)
             ));
         }
-        if named.is_empty() {
-            for (names, standing) in without_answer(trade) {
-                self.say(&format!("no accuracy is guaranteed for {names}: {standing}"));
-            }
-        }
+        let without = without_answer(trade).into_iter();
+        said.extend(without.map(|(names, standing)| format!("no accuracy is guaranteed for {names}: {standing}")));
     }
+    said
+}
 
-    fn say(&self, sentence: &str) {
-        if !self.is_quiet {
-            note(wrapped(sentence, "  ").trim_end());
+/// Says why nothing was chosen, and what to ask for instead.
+fn failure(error: AccuracyError) -> Failure {
+    let problem = format!("--accuracy: {error}");
+    let remedy = match error {
+        AccuracyError::Pilot(TradeError::BudgetTooSmall { .. }) => {
+            return Failure::run(problem, "choose --scheme and --paths yourself; mc trade --budget measures longer");
         }
-    }
-
-    /// Says why nothing was chosen, and what to ask for instead.
-    fn failure(error: AccuracyError) -> Failure {
-        let problem = format!("--accuracy: {error}");
-        let remedy = match error {
-            AccuracyError::Pilot(TradeError::BudgetTooSmall { .. }) => {
-                return Failure::run(
-                    problem,
-                    "choose --scheme and --paths yourself; mc trade --budget measures longer",
-                );
-            }
-            AccuracyError::Pilot(error) => return error.into(),
-            AccuracyError::Misfit(error) => return error.into(),
-            AccuracyError::NoAnswer { .. } => "name another one with --statistic, or make `time.end` later".into(),
-            AccuracyError::Unasked { .. } => "write the distances, `--set 'statistics.levels=[3.0]'`".into(),
-            AccuracyError::NothingToChoose => "leave out --accuracy; mc trade says more".into(),
-            AccuracyError::OutOfReach { instead, .. } | AccuracyError::TooLong { instead, .. } => alternative(instead),
-        };
-        Failure::usage(problem, remedy)
-    }
+        AccuracyError::Pilot(error) => return error.into(),
+        AccuracyError::Misfit(error) => return error.into(),
+        AccuracyError::NoAnswer { .. } => "name another one with --statistic, or make `time.end` later".into(),
+        AccuracyError::Unasked { .. } => "write the distances, `--set 'statistics.levels=[3.0]'`".into(),
+        AccuracyError::NothingToChoose => "leave out --accuracy; mc trade says more".into(),
+        AccuracyError::OutOfReach { instead, .. } | AccuracyError::TooLong { instead, .. } => alternative(instead),
+    };
+    Failure::usage(problem, remedy)
 }
 
 /// The part of a command line that asks for antithetic pairs; empty where the choice has none.

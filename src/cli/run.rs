@@ -1,6 +1,6 @@
 //! `mc run`: simulates an ensemble, writes its statistics and prints them.
 
-use super::accuracy::{self, Chooser};
+use super::accuracy;
 use super::overrides::Overrides;
 use super::promise::writable_hdf5;
 use super::sitting::{RunOptions, Sitting};
@@ -103,7 +103,7 @@ impl Arguments {
         }
         let (threads, max_time) = (self.options.threads(), self.max_time);
         let accuracy = Accuracy { target, named: &self.statistic, max_time, threads };
-        Chooser { accuracy, is_quiet: self.options.quiet }.choose(scenario, stop)
+        accuracy::choose(&accuracy, self.options.quiet, scenario, stop)
     }
 
     /// Refuses options that only a whole run can have, such as a goal, and more parts than there
