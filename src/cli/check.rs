@@ -30,15 +30,17 @@ impl Arguments {
         let mut scenario = self.overrides.scenario(&self.scenario)?;
         // The printed scenario must run from the working directory, so its data files are named from
         // there.
-        for (measured, folder) in scenario.measured.iter_mut().zip(std::iter::repeat(self.scenario.parent())) {
-            measured.file = folder.unwrap_or(Path::new("")).join(&measured.file).display().to_string();
+        let folder = self.scenario.parent().unwrap_or(Path::new(""));
+        for measured in &mut scenario.measured {
+            measured.file = folder.join(&measured.file).display().to_string();
         }
         if self.json {
             return print_data(&json(&self.scenario.display().to_string(), &scenario));
         }
         // The measurement takes a moment, so what is known without it is printed first.
         print_data(&report(&scenario))?;
-        let seconds = cost::measured_cpu_seconds(&scenario).map(|seconds| seconds / super::cores() as f64);
+        let seconds = cost::measured_cpu_seconds(&scenario, scenario.ensemble.paths)
+            .map(|seconds| seconds / super::cores() as f64);
         print_data(&(duration(seconds) + &warnings(&scenario) + &long(seconds)))
     }
 }
@@ -209,7 +211,7 @@ fn json(path: &str, scenario: &Scenario) -> String {
         "class": if scenario.model.force.is_some() { "general" } else { "linear" },
         // CPU seconds of the run on one thread of this machine; null where they could not be
         // estimated.
-        "cpu_seconds": cost::measured_cpu_seconds(scenario),
+        "cpu_seconds": cost::measured_cpu_seconds(scenario, scenario.ensemble.paths),
         "warnings": named(&results::named(&scenario.warnings())),
     });
     document("check", check)

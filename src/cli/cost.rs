@@ -20,15 +20,10 @@ const MANY: u64 = 100_000;
 /// Bytes that a calibration or a forecast needs; its record is read before.
 pub const STUDY_BYTES: f64 = 30e6;
 
-/// CPU seconds of all paths of a scenario on this machine, from the time that some of its paths
+/// CPU seconds of so many paths of a scenario on this machine, from the time that some of its paths
 /// take. Where they take too long to be timed, the seconds follow from the number of steps. None if
 /// that is not known either.
-pub fn measured_cpu_seconds(scenario: &Scenario) -> Option<f64> {
-    cpu_seconds_of(scenario, scenario.ensemble.paths)
-}
-
-/// The same of so many paths.
-pub fn cpu_seconds_of(scenario: &Scenario, paths: u64) -> Option<f64> {
+pub fn measured_cpu_seconds(scenario: &Scenario, paths: u64) -> Option<f64> {
     seconds_per_path(scenario, MEASURING_TIME).map(|each| each * paths as f64).or_else(|| cpu_seconds(scenario, paths))
 }
 
@@ -45,10 +40,9 @@ pub fn check_memory(scenario: &Scenario, paths: u64, threads: usize) -> Result<(
 
 /// Announces a run that takes long.
 pub fn announce(scenario: &Scenario, paths: u64, threads: usize) {
-    let seconds = match scenario.steps() {
-        Some(_) => cpu_seconds(scenario, paths),
-        None if paths < MANY => None,
-        None => seconds_per_path(scenario, MEASURING_TIME).map(|each| each * paths as f64),
+    let seconds = match cpu_seconds(scenario, paths) {
+        None if paths >= MANY => measured_cpu_seconds(scenario, paths),
+        known => known,
     };
     if let Some(seconds) = seconds.map(|seconds| seconds / threads as f64).filter(|seconds| *seconds > LONG) {
         note(&format!(

@@ -3,6 +3,7 @@
 use super::failure::{Failure, note, print_data, writable};
 use super::overrides::Overrides;
 use super::report::aligned;
+use clap::builder::{PossibleValuesParser, TypedValueParser as _};
 use std::path::{Path, PathBuf};
 use stick_slip::config::{Override, SHIPPED, Shipped, shipped};
 use stick_slip::store;
@@ -14,8 +15,9 @@ pub struct Arguments {
     /// The shipped scenario to start from
     #[arg(long, value_name = "NAME", default_value = "rho025",
           hide_possible_values = true,
-          value_parser = clap::builder::PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name)))]
-    from: String,
+          value_parser = PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name))
+            .try_map(|name| shipped(&name).ok_or("no shipped scenario")))]
+    from: &'static Shipped,
     /// What the scenario asks, in one line; sets the key `title`
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
@@ -44,10 +46,7 @@ fn help() -> String {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let start = shipped(&self.from).ok_or_else(|| {
-            let names = SHIPPED.map(|scenario| scenario.name).join(", ");
-            Failure::usage(format!("there is no shipped scenario `{}`", self.from), format!("choose one of {names}"))
-        })?;
+        let start = self.from;
         let title = self.title.iter().map(|title| Override::text("--title", "title", title));
         let changes: Vec<Override> = self.overrides.without_goals()?.into_iter().chain(title).collect();
         let title = retitled(start.name, &changes);

@@ -120,13 +120,13 @@ impl<'a> Sitting<'a> {
 
     /// Prints the results, and returns a failure if the run has not done what was asked.
     fn report(&self, outcome: &Outcome) -> Result<(), Failure> {
-        if self.is_unfinished(outcome) && outcome.summary.completed_paths == 0 {
-            note("interrupted before the first paths were done: nothing is written");
-            return Err(Failure::Interrupted);
-        }
         if outcome.summary.completed_paths == 0 {
+            if self.is_unfinished(outcome) {
+                note("interrupted before the first paths were done: nothing is written");
+                return Err(Failure::Interrupted);
+            }
             let first = BLOCK_SIZE.min(outcome.paths);
-            let takes = cost::cpu_seconds_of(self.scenario, first);
+            let takes = cost::measured_cpu_seconds(self.scenario, first);
             let takes =
                 takes.map_or_else(String::new, |seconds| format!(", which take about {} on a thread", time(seconds)));
             let problem = format!(
@@ -137,23 +137,19 @@ impl<'a> Sitting<'a> {
             return Err(Failure::run(problem, remedy));
         }
         let info = self.print(outcome)?;
-        let failure = match &outcome.ended_by {
-            Some(EndedBy::Hopeless(reason)) => Some(ending::hopeless(reason)),
-            _ if outcome.is_all_lost() => Some(self.all_lost(outcome)),
-            _ => None,
+        if outcome.status == Status::Interrupted && self.leaves != Leaves::File {
+            note(&match self.leaves {
+                Leaves::Run => format!("interrupted; continue it with: mc resume {}", self.output.display()),
+                _ => "interrupted: nothing is written; give the same command again".to_string(),
+            });
+            return Err(Failure::Interrupted);
+        }
+        let reason = match &outcome.ended_by {
+            Some(EndedBy::Hopeless(reason)) => ending::hopeless(reason),
+            _ if outcome.is_all_lost() => self.all_lost(outcome),
+            _ => return Ok(()),
         };
-        if outcome.status == Status::Interrupted && self.leaves == Leaves::Nothing {
-            note("interrupted: nothing is written; give the same command again");
-            return Err(Failure::Interrupted);
-        }
-        if self.is_unfinished(outcome) {
-            note(&format!("interrupted; continue it with: mc resume {}", self.output.display()));
-            return Err(Failure::Interrupted);
-        }
-        match failure {
-            Some(reason) => Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file))),
-            None => Ok(()),
-        }
+        Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file)))
     }
 
     /// Whether the run was interrupted and can be continued.
