@@ -17,11 +17,16 @@ pub fn named(warnings: &[(String, String)]) -> Value {
 /// null in it.
 pub fn document(kind: &str, body: Value) -> String {
     let program = json!({ "name": "mc", "version": PROGRAM_VERSION, "commit": commit() });
-    let mut document = json!({ "document": kind, "schema_version": SCHEMA_VERSION, "program": program });
-    if let (Some(document), Value::Object(body)) = (document.as_object_mut(), body) {
-        document.extend(body);
+    let begin = json!({ "document": kind, "schema_version": SCHEMA_VERSION, "program": program });
+    format!("{:#}\n", joined(begin, body))
+}
+
+/// The members of one object, followed by those of another.
+pub fn joined(mut object: Value, more: Value) -> Value {
+    if let (Value::Object(members), Value::Object(more)) = (&mut object, more) {
+        members.extend(more);
     }
-    format!("{document:#}\n")
+    object
 }
 
 /// The SHA-256 of a text in hexadecimal digits, as `sha256sum` prints it.

@@ -24,7 +24,7 @@ pub struct Arguments {
     /// The periods of the harmonics, e.g. 365.25d,1d; `none` for no harmonics [default: a year and
     /// a day, as far as the samples tell them]
     #[arg(long, value_name = "TIME,TIME", value_delimiter = ',', value_parser = period)]
-    periods: Vec<Period>,
+    periods: Vec<f64>,
     #[command(flatten)]
     flags: MeasuredFlags,
     /// Write the temperature section of a scenario to FILE
@@ -38,16 +38,12 @@ pub struct Arguments {
     json: bool,
 }
 
-/// The period of a harmonic in seconds; none if the word is `none`.
-#[derive(Clone, Copy, Debug)]
-struct Period(Option<f64>);
-
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         if let Some(output) = &self.output {
             writable(output, self.force, [self.data.as_path()])?;
         }
-        let periods: Vec<f64> = self.periods.iter().filter_map(|period| period.0).collect();
+        let periods: Vec<f64> = self.periods.iter().copied().filter(|period| period.is_finite()).collect();
         if (1..periods.len()).any(|i| periods[..i].contains(&periods[i])) {
             return Err(Failure::usage("--periods names one period twice", "name each period once, e.g. 365.25d,1d"));
         }
@@ -127,12 +123,13 @@ fn json(found: &WeatherFit) -> String {
     document("weather", fit)
 }
 
-fn period(text: &str) -> Result<Period, String> {
+/// The period of a harmonic in seconds; one without end if the word is `none`.
+fn period(text: &str) -> Result<f64, String> {
     if text == "none" {
-        return Ok(Period(None));
+        return Ok(f64::INFINITY);
     }
     let seconds = data::seconds(text).or_else(|| text.strip_suffix('d').and_then(days));
-    seconds.map(|seconds| Period(Some(seconds))).ok_or_else(|| "write times such as 365.25d, 1d or 12h, or none".into())
+    seconds.ok_or_else(|| "write times such as 365.25d, 1d or 12h, or none".into())
 }
 
 fn days(text: &str) -> Option<f64> {

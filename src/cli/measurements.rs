@@ -188,10 +188,8 @@ impl Source {
     pub fn scene(&self) -> Result<BridgeScene, ScenarioError> {
         let mut all = self.set.list()?;
         all.extend(self.flags.overrides(&["temperature", "displacement"]));
-        let of_sensor = [("displacement", &self.displacement), ("displacement-unit", &self.displacement_unit)];
-        for ((flag, value), key) in of_sensor.into_iter().zip(["value", "unit"]) {
-            all.extend(given("displacement", flag, key, value));
-        }
+        all.extend(given("displacement", "displacement", "value", &self.displacement));
+        all.extend(given("displacement", "displacement-unit", "unit", &self.displacement_unit));
         let mut scene = BridgeScene::read(&self.scenario, &all)?;
         all.extend(self.of_temperatures.overrides());
         scene.temperature_source = BridgeScene::read(&self.scenario, &all)?.temperature_source;

@@ -92,7 +92,7 @@ impl Arguments {
             return Err(Failure::usage(format!("{key}: a sweep keeps statistics, and no curves"), remedy));
         }
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
-        let point = |settings: &[Setting]| self.overrides.scenario_with(&self.scenario, &shown.overrides(settings));
+        let point = |settings: &[Setting]| self.overrides.scenario_with(&self.scenario, &overrides(settings, &shown));
         let seeds = if self.independent { Seeds::Independent } else { Seeds::Common };
         SweepQuestion::at_each(design, seeds, !self.no_bias, point)
     }
@@ -103,7 +103,7 @@ impl Arguments {
         let axes = self.vary.iter().map(|text| SweepAxis::parse(text, symbol).map_err(wrong));
         let axes = axes.collect::<Result<Vec<_>, _>>()?;
         let shown = axes.iter().zip(&self.vary).map(|(axis, text)| (axis.key.clone(), format!("--vary {text}, at")));
-        let shown = QuotedWords(shown.collect());
+        let shown = shown.collect();
         Ok((Design::of(axes, self.zip)?, shown))
     }
 
@@ -126,31 +126,27 @@ impl Arguments {
         })?;
         let keys = keys.iter().filter_map(|key| Some((key, scenario.number_at(key)?)));
         let shown = keys.map(|(key, value)| (key.clone(), format!("--elasticity {key}, {value} moved to")));
-        let shown = QuotedWords(shown.collect());
-        Ok((design, shown))
+        Ok((design, shown.collect()))
     }
 }
 
 /// A sweep read from a file, with the scenarios of its points made again.
 pub fn stored(path: &Path, stored: StoredSweep) -> Result<Sweep, Failure> {
     let (name, text, samples) = (path.display().to_string(), stored.scenario_text.clone(), stored.samples.clone());
-    let point = |settings: &[Setting]| {
-        Scenario::parse_stored(&name, &text, &QuotedWords(Vec::new()).overrides(settings), &samples)
-    };
+    let point = |settings: &[Setting]| Scenario::parse_stored(&name, &text, &overrides(settings, &[]), &samples);
     Ok(stored.whole(point)?)
 }
 
 /// For each key, the words of the command line that messages about its value quote.
-struct QuotedWords(Vec<(String, String)>);
+type QuotedWords = Vec<(String, String)>;
 
-impl QuotedWords {
-    fn overrides(&self, settings: &[Setting]) -> Vec<Override> {
-        let laid = |Setting { key, value }: &Setting| {
-            let typed = self.0.iter().find(|(of, _)| of == key).map_or(key.as_str(), |(_, typed)| typed);
-            Override::number(typed, key, *value)
-        };
-        settings.iter().map(laid).collect()
-    }
+/// These settings as changes of a scenario.
+fn overrides(settings: &[Setting], quoted: &[(String, String)]) -> Vec<Override> {
+    let laid = |Setting { key, value }: &Setting| {
+        let typed = quoted.iter().find(|(of, _)| of == key).map_or(key.as_str(), |(_, typed)| typed);
+        Override::number(typed, key, *value)
+    };
+    settings.iter().map(laid).collect()
 }
 
 impl From<DesignError> for Failure {

@@ -3,7 +3,7 @@
 mod run;
 mod study;
 
-use super::document::document;
+use super::document::{document, joined};
 use super::failure::{Failure, note, print, print_data};
 use super::files;
 use super::numbers::grouped;
@@ -111,7 +111,7 @@ impl Arguments {
             let Difference { variable, path, index, stored, computed } = difference;
             json!({ "variable": variable, "path": path, "index": index, "stored": stored, "computed": computed })
         });
-        let mut object = json!({
+        let object = json!({
             "file": self.file.display().to_string(),
             "matches": difference.is_none(),
             "bytes": sealed.bytes,
@@ -120,9 +120,6 @@ impl Arguments {
             "values_checked": checked.found.values,
             "difference": difference,
         });
-        if let (Value::Object(all), Value::Object(own)) = (&mut object, checked.fields.clone()) {
-            all.extend(own);
-        }
-        document("verification", object)
+        document("verification", joined(object, checked.fields.clone()))
     }
 }
