@@ -6,7 +6,7 @@ use super::report::{self, Chosen, html::Page};
 use super::{files, results, show, sweep};
 use std::path::PathBuf;
 use stick_slip::bearing::forecast::Foreseen;
-use stick_slip::figure::{Drawing, DrawnPath, FIGURES, Only, Style, Subject};
+use stick_slip::figure::{Drawing, DrawnPath, FIGURES, Style, Subject};
 use stick_slip::scenario::BridgeScene;
 use stick_slip::store::{self, Content, StoredCalibration};
 
@@ -59,7 +59,8 @@ impl Arguments {
                 let mut report = report::run(summary, &info, Chosen::All, true);
                 // The warnings say these.
                 report.remarks.retain(|(label, _)| !["drift", "few"].contains(label));
-                (report, results::warnings(summary, scenario.as_ref()), pictures, Vec::new())
+                let warnings = results::warnings(summary, scenario.as_ref()).into_iter().map(|(_, text)| text);
+                (report, warnings.collect(), pictures, Vec::new())
             }
             Content::Sweep(stored) => {
                 let by = program(stored.other_program.as_deref());
@@ -76,7 +77,6 @@ impl Arguments {
                 (report, Vec::new(), pictures, program(stored.other_program.as_deref()))
             }
         };
-        let warnings = warnings.into_iter().map(|(_, text)| text).collect();
         Ok(Page { report, warnings, words, pictures, scenario: &scenario, provenance }.html())
     }
 }
@@ -104,10 +104,6 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
     let years = foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
     let own = stored.warnings.iter().map(|(_, text)| text.clone());
-    let pictures = ["calibration", "loops"].into_iter().filter_map(|name| {
-        let subject = Subject::Calibration { title, calibration };
-        Only::named(name).ok()?.draw(&subject, &Style::default()).ok()
-    });
     let program = stored.other_program.clone().unwrap_or_else(super::version);
     let page = Page {
         report,
@@ -116,15 +112,16 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
             ("What the record shows", report::bearing::seen(calibration)),
             ("What is not in it", LEFT_OUT.into()),
         ],
-        pictures: pictures.collect(),
+        pictures: pictures(&Subject::Calibration { title, calibration }),
         scenario: scenario_text,
         provenance: vec![("program", format!("mc {program}"))],
     };
     page.html()
 }
 
-/// The figures of a subject, one after the other. The panels of an overview are in the others.
+/// The figures of a subject, one after the other. The panels of an overview are in the others, and
+/// readers who did not calibrate do not need the residuals.
 fn pictures(subject: &Subject) -> Vec<Drawing> {
-    let figures = FIGURES.iter().filter(|figure| figure.name != "overview");
+    let figures = FIGURES.iter().filter(|figure| !["overview", "residuals"].contains(&figure.name));
     figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).collect()
 }

@@ -124,7 +124,7 @@ impl Arguments {
             Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
             Content::Sweep(stored) => {
                 let sweep = sweep::stored(file, *stored)?;
-                report::warnings(&sweep).into_iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
+                report::warnings(&sweep).into_iter().filter(|_| is_text).for_each(warn);
                 report::sweep(&sweep, chosen, file)
             }
         })

@@ -75,7 +75,7 @@ impl SweepSitting<'_> {
         } else if !self.quiet {
             print(&report::text(&report::sweep(sweep, chosen, self.output)))?;
         }
-        report::warnings(sweep).into_iter().for_each(|(_, text)| warn(text));
+        report::warnings(sweep).into_iter().for_each(warn);
         let lost = sweep.points.iter().flatten().filter(|point| point.completed_paths == point.diverged_paths).count();
         if lost == sweep.points.len() {
             return Err(Failure::run("every path of every point diverged or was given up", "a smaller step"));

@@ -151,8 +151,8 @@ fn elasticities(sweep: &Sweep, keys: &[(String, f64)], statistic: Statistic) -> 
     Table { heading: statistic.name().into(), columns, rows, not_in: &[Format::Csv], ..Table::default() }
 }
 
-/// What a reader should know before relying on the numbers: a name and a sentence for each.
-pub fn warnings(sweep: &Sweep) -> Vec<(String, String)> {
+/// What a reader should know before relying on the numbers.
+pub fn warnings(sweep: &Sweep) -> Vec<String> {
     let diverged: u64 = sweep.points.iter().flatten().map(|point| point.diverged_paths).sum();
     let points = sweep.points.iter().flatten().filter(|point| point.diverged_paths > 0).count();
     let (lost, of) = (grouped(diverged), sweep.points.len());
@@ -171,6 +171,5 @@ pub fn warnings(sweep: &Sweep) -> Vec<(String, String)> {
             )
         })
     });
-    let all = (diverged > 0).then_some(lost).into_iter().chain(hardly);
-    all.map(|text| ("sweep".to_string(), text)).collect()
+    (diverged > 0).then_some(lost).into_iter().chain(hardly).collect()
 }
