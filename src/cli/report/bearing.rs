@@ -173,15 +173,16 @@ pub fn truth(values: &Values) -> Report {
 
 /// The report of a forecast.
 pub fn forecast(title: &str, found: &Forecast) -> Report {
-    let columns = vec![
-        Column::of("in_a_year", "in a year"),
-        Column::of("expected", "expected"),
-        Column::of("low", "from"),
-        Column::of("high", "to"),
-        Column::of("year_low", "year from"),
-        Column::of("year_high", "year to"),
-        Column::unit(""),
-    ];
+    let mut columns = super::columns([
+        ("in_a_year", "in a year"),
+        ("expected", "expected"),
+        ("low", "from"),
+        ("high", "to"),
+        ("year_low", "year from"),
+        ("year_high", "year to"),
+    ])
+    .to_vec();
+    columns.push(Column::unit(""));
     let row = |label: String, value: f64, ranges: [[f64; 2]; 2], unit: &str| {
         let ([[low, high], [least, most]], (factor, unit)) = (ranges, millimetres(unit));
         let numbers = [value, low, high, least, most].map(|number| factor * number);
@@ -248,8 +249,8 @@ pub fn weather(found: &WeatherFit) -> Report {
         0.0 => "none: adding it does not raise the likelihood".to_string(),
         white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
     };
-    let [name, estimate, error] = [("quantity", ""), ("estimate", "estimate"), ("standard_error", "standard error")]
-        .map(|(name, words)| Column::of(name, words));
+    let [name, estimate, error] =
+        super::columns([("quantity", ""), ("estimate", "estimate"), ("standard_error", "standard error")]);
     Report {
         tables: vec![Table { columns: vec![name, estimate, error, Column::unit("")], rows, ..Table::default() }],
         remarks: vec![

@@ -1,6 +1,7 @@
 //! Several files as one table: the statistics of each, and their differences from the first file.
 
-use super::{Cell, Chosen, Column, INTERVAL, Report, Row, RunInfo, Table};
+use super::run::FIRST;
+use super::{Cell, Chosen, Column, INTERVAL, Report, Row, RunInfo, Table, of_step};
 use crate::cli::numbers::counted;
 use stick_slip::engine::Provenance;
 use stick_slip::stats::{Statistic, Summary};
@@ -11,7 +12,7 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> 
     let letters: Vec<String> = (0..infos.len()).map(letter).collect();
     let about = letters.iter().zip(infos).map(|(letter, info)| {
         let Provenance { scheme, step, seed, paths, .. } = &info.provenance;
-        let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
+        let step = of_step(*step);
         format!("{letter:<3}{}: {scheme}{step}, seed {seed}, {}", info.file, counted(*paths, "path"))
     });
     let of = |name: String| {
@@ -25,7 +26,7 @@ pub fn comparison(summaries: &[&Summary], infos: &[RunInfo], chosen: Chosen) -> 
         columns.push(Column::of(format!("{letter} differs"), ""));
     }
     let mut asked: Vec<Statistic> = Vec::new();
-    for statistic in summaries.iter().flat_map(|summary| chosen.of(summary)) {
+    for statistic in summaries.iter().flat_map(|summary| chosen.of(&FIRST, &summary.asked)) {
         if !asked.contains(statistic) {
             asked.push(*statistic);
         }

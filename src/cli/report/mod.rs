@@ -126,10 +126,19 @@ impl Column {
     }
 }
 
+/// Columns of numbers, each with its name for programs and its heading for people.
+fn columns<const N: usize>(named: [(&str, &str); N]) -> [Column; N] {
+    named.map(|(name, words)| Column::of(name, words))
+}
+
 /// The columns of an estimate.
 fn of_estimate() -> [Column; 4] {
-    [("estimate", "estimate"), ("standard_error", "std. error"), ("low", "95 % from"), ("high", "to")]
-        .map(|(name, words)| Column::of(name, words))
+    columns([("estimate", "estimate"), ("standard_error", "std. error"), ("low", "95 % from"), ("high", "to")])
+}
+
+/// The step of a scheme that has one, behind the name of the scheme.
+fn of_step(step: Option<f64>) -> String {
+    step.map_or(String::new(), |h| format!(", step {h:?}"))
 }
 
 impl Row {

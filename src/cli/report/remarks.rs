@@ -69,24 +69,25 @@ fn long_slips(summary: &Summary) -> Option<String> {
     (share > SMALL_SHARE).then(|| "sub_phases_* and jump_* are of slips that ended; try a later `time.end`".into())
 }
 
+fn with_unit(number: String, dimension: Dimension, info: &RunInfo) -> String {
+    format!("{number} {}", dimension.label(&info.provenance.units)).trim_end().to_string()
+}
+
 /// Says what the path of a scene without noise does in the end.
 fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
-    let number = |x: f64| significant(x, 8);
-    let with_unit = |x: f64, dimension: Dimension| {
-        format!("{} {}", number(x), dimension.label(&info.provenance.units)).trim_end().to_string()
-    };
-    let amplitude = with_unit(cycle.amplitude, Dimension::LENGTH);
+    let number = |x: f64, dimension| with_unit(significant(x, 8), dimension, info);
+    let amplitude = number(cycle.amplitude, Dimension::LENGTH);
     let Some(repeats) = &cycle.repeats else {
         return format!("no state comes back within the counted time; x spans twice {amplitude}");
     };
-    let period = with_unit(repeats.period, Dimension::TIME);
+    let period = number(repeats.period, Dimension::TIME);
     let name = match repeats.forcing_periods {
         Some(n) => format!("period-{n}: the motion repeats itself after {period}, {}", counted(n as u64, "period P")),
         None => format!("the motion repeats itself after {period}, {}", counted(repeats.slips as u64, "slip")),
     };
     let advance = match repeats.advance {
         0.0 => String::new(),
-        advance => format!(", {} further", with_unit(advance, Dimension::LENGTH)),
+        advance => format!(", {} further", number(advance, Dimension::LENGTH)),
     };
     let symmetry = match (repeats.is_symmetric, repeats.advance == 0.0) {
         (true, _) => ", symmetric",
@@ -107,15 +108,12 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
 fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     let Transient { end, sticks, slips, displacement, .. } = summary.transient?;
     let digits = Digits::of(displacement.estimate, displacement.standard_error);
-    let unit = |dimension: Dimension| Some(dimension.label(&info.provenance.units)).filter(|unit| !unit.is_empty());
-    let with_unit =
-        |number: String, dimension| unit(dimension).map_or(number.clone(), |unit| format!("{number} {unit}"));
     Some(format!(
         "left out: what began before t = {}: {} sticks and {} slips; until then x moved by {} in the mean (std. error {})",
-        with_unit(format!("{end:?}"), Dimension::TIME),
+        with_unit(format!("{end:?}"), Dimension::TIME, info),
         grouped(sticks),
         grouped(slips),
-        with_unit(digits.show(displacement.estimate), Dimension::LENGTH),
+        with_unit(digits.show(displacement.estimate), Dimension::LENGTH, info),
         digits.show(displacement.standard_error),
     ))
 }
@@ -226,11 +224,10 @@ pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
     let n = summary.diverged.len();
     let numbers: Vec<String> = summary.diverged.iter().take(LISTED_PATHS).map(u64::to_string).collect();
     let more = if n > LISTED_PATHS { ", ..." } else { "" };
-    let paths = if n == 1 { "path" } else { "paths" };
     (n > 0).then(|| {
-        let loss = info.loss();
+        let (paths, loss) = (counted(n as u64, "path"), info.loss());
         let why = if info.provenance.step.is_some() { "" } else { "; mc replay says why" };
-        format!("{} {paths} {loss}, in no statistic: number {}{more}{why}", grouped(n as u64), numbers.join(", "))
+        format!("{paths} {loss}, in no statistic: number {}{more}{why}", numbers.join(", "))
     })
 }
 

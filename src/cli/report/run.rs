@@ -1,7 +1,7 @@
 //! The report of a run: a row for each statistic, with its interval, its bias and its unit.
 
 use super::remarks::remarks;
-use super::{Cell, Column, FOR_PEOPLE, Format, INTERVAL, Report, Row, RunInfo, TEXT, Table, of_estimate};
+use super::{Cell, Column, FOR_PEOPLE, Format, INTERVAL, Report, Row, RunInfo, TEXT, Table, of_estimate, of_step};
 use crate::cli::numbers::{Digits, counted, significant};
 use stick_slip::engine::{Provenance, Status};
 use stick_slip::scenario::{Period, PeriodSource};
@@ -21,7 +21,7 @@ pub enum Chosen<'a> {
 }
 
 /// What the paper asks.
-const FIRST: [Statistic; 9] = [
+pub(super) const FIRST: [Statistic; 9] = [
     Statistic::StickDurationMean,
     Statistic::SticksPerPath,
     Statistic::SlipsPerPath,
@@ -34,11 +34,11 @@ const FIRST: [Statistic; 9] = [
 ];
 
 impl<'a> Chosen<'a> {
-    /// The statistics, of those that the run has measured.
-    pub fn of(self, summary: &'a Summary) -> &'a [Statistic] {
+    /// The statistics, where these come first and these are all.
+    pub fn of(self, first: &'a [Statistic], all: &'a [Statistic]) -> &'a [Statistic] {
         match self {
-            Chosen::First => &FIRST,
-            Chosen::All => &summary.asked,
+            Chosen::First => first,
+            Chosen::All => all,
             Chosen::These(statistics) => statistics,
         }
     }
@@ -47,10 +47,10 @@ impl<'a> Chosen<'a> {
 /// The report of these statistics, with all remarks or with what nobody must miss.
 pub fn run(summary: &Summary, info: &RunInfo, chosen: Chosen, has_notes: bool) -> Report {
     let Provenance { title, scheme, step, seed, paths, antithetic, units, .. } = &info.provenance;
-    let step = step.map_or(String::new(), |h| format!(", step {h:?}"));
+    let step = of_step(*step);
     let paths = counted(if info.status == Status::Ended { summary.completed_paths } else { *paths }, "path");
     let pairs = if *antithetic { " in antithetic pairs" } else { "" };
-    let rows = chosen.of(summary).iter().map(|statistic| {
+    let rows = chosen.of(&FIRST, &summary.asked).iter().map(|statistic| {
         let e = summary.estimate(*statistic);
         let cells = cells(e, summary.has_bias()).into_iter().chain([statistic.dimension().label(units).into()]);
         let absence = summary.absence(e).map(String::from).or_else(|| of_period(summary, *statistic, info.period));
@@ -130,11 +130,10 @@ pub(super) fn corrected_cells(e: &Estimate) -> [Cell; 3] {
 fn of_period(summary: &Summary, statistic: Statistic, period: Option<Period>) -> Option<String> {
     let is_of_periods = matches!(statistic, Statistic::DriftVelocity | Statistic::DiffusionCoefficient);
     let Period { length, source } = period.filter(|_| is_of_periods)?;
-    let counted = summary.counted_periods();
-    if (1..Timeline::FEWEST_PERIODS).contains(&counted) {
-        let plural = if counted == 1 { "" } else { "s" };
-        let least = Timeline::FEWEST_PERIODS;
-        return Some(format!("of {counted} whole period{plural}; below {least} it may be a transient"));
+    let (periods, least) = (summary.counted_periods(), Timeline::FEWEST_PERIODS);
+    if (1..least).contains(&periods) {
+        let periods = counted(periods as u64, "whole period");
+        return Some(format!("of {periods}; below {least} it may be a transient"));
     }
     let is_preset = source == PeriodSource::Share;
     is_preset.then(|| format!("from the ends of periods P = {}, {}", significant(length, 4), source.words()))

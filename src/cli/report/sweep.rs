@@ -2,7 +2,7 @@
 //! sorted by size.
 
 use super::run::{bias_cells, estimate_cells};
-use super::{Cell, Chosen, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, Table, of_estimate};
+use super::{Cell, Chosen, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, Table, of_estimate, of_step};
 use crate::cli::numbers::{counted, duration, grouped, some_of};
 use std::path::Path;
 use stick_slip::stats::Statistic;
@@ -18,13 +18,9 @@ const USUAL: [Statistic; 3] =
 /// The report of these statistics of a sweep that is in this file.
 pub fn sweep(sweep: &Sweep, chosen: Chosen, file: &Path) -> Report {
     let asked = asked(sweep);
-    let shown = match chosen {
-        Chosen::First => &USUAL,
-        Chosen::All => &asked[..],
-        Chosen::These(named) => named,
-    };
+    let shown = chosen.of(&USUAL, &asked);
     let question = &sweep.question;
-    let step = question.scenario.scheme.step().map_or(String::new(), |h| format!(", step {h:?}"));
+    let step = of_step(question.scenario.scheme.step());
     let paths = paths_of_each(question).map_or_else(String::new, |each| format!(", {each}"));
     let tables = shown.iter().flat_map(|statistic| match &question.design {
         Design::Star { keys, .. } => {
@@ -67,7 +63,7 @@ fn points(sweep: &Sweep, statistic: Statistic) -> Table {
     columns.extend(of_estimate());
     let rest =
         [("bias", "bias"), ("bias_uncertainty", "+-"), ("to_next", "to the next"), ("to_next_error", "std. error")];
-    columns.extend(rest.map(|(name, words)| Column::of(name, words)));
+    columns.extend(super::columns(rest));
     columns.extend([Column::of("gain", "gain"), in_joined(Column::unit("unit"))]);
     let row = |(p, point): (usize, &Option<Point>)| {
         let settings = design.settings(p);

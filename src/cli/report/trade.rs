@@ -53,10 +53,7 @@ pub fn trade(title: &str, trade: &Trade, shown: Option<(&Path, Statistic)>) -> R
 /// The report of the cheapest run for each of these statistics, or of all, and each target.
 pub fn prices(title: &str, trade: &Trade, chosen: Chosen) -> Report {
     let answerable = trade.answerable();
-    let statistics = match chosen {
-        Chosen::These(statistics) => statistics,
-        Chosen::First | Chosen::All => &answerable,
-    };
+    let statistics = chosen.of(&answerable, &answerable);
     let row = |(statistic, target): (Statistic, f64)| {
         let cells = match trade.best(None, &[statistic], target) {
             Ok(Choice { scheme, paths, is_antithetic, seconds, .. }) => {
@@ -70,19 +67,19 @@ pub fn prices(title: &str, trade: &Trade, chosen: Chosen) -> Report {
         Row::of(statistic.name(), [Cell::number(target, percent(target))].into_iter().chain(cells))
     };
     let rows = statistics.iter().flat_map(|statistic| TARGETS.map(|target| row((*statistic, target)))).collect();
-    let columns = [
+    let columns = super::columns([
         ("statistic", "statistic"),
         ("error", "error"),
         ("scheme", "scheme"),
         ("parameter", "step or tolerance"),
         ("paths", "paths"),
         ("seconds", "CPU time"),
-    ];
+    ]);
     let below = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are \
                  antithetic pairs. `none`: no run that was measured or predicted reaches it.";
     let table = Table {
         heading: "Cheapest runs".into(),
-        columns: columns.map(|(name, words)| Column::of(name, words)).to_vec(),
+        columns: columns.to_vec(),
         rows,
         below: below.into(),
         ..Table::default()
