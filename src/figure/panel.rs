@@ -212,7 +212,7 @@ impl Panel {
         // and is smaller where it would reach the next panel.
         let size = LETTERS.min((frame.height + BELOW) / self.y.title().width());
         let at = [x, frame.y + frame.height.max(size * self.y.title().width()) / 2.0];
-        items.push(Item::words_upwards(self.y.title(), at, Align::Middle, size, palette.ink));
+        items.push(Item::words_upwards(self.y.title(), at, size, palette.ink));
     }
 
     /// Places the notes where they overlap nothing, and returns how many of them found no such
@@ -224,7 +224,6 @@ impl Panel {
         palette: &Palette,
         items: &mut Vec<Item>,
     ) -> usize {
-        let mut taken: Vec<Rect> = Vec::new();
         let mut marks: Vec<[f64; 2]> = Vec::new();
         let mut curves: Vec<[f64; 2]> = Vec::new();
         for layer in &self.layers {
@@ -239,7 +238,7 @@ impl Panel {
                 _ => {}
             }
         }
-        taken.extend(marks.iter().map(|mark| around(*mark, MARK + 0.4)));
+        let mut taken: Vec<Rect> = marks.iter().map(|mark| around(*mark, MARK + 0.4)).collect();
         let mut left_out = 0;
         for note in &self.notes {
             // A note at infinity is at the edge.

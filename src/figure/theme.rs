@@ -135,7 +135,7 @@ mod tests {
             let c = f64::from(channel) / 255.0;
             if c <= 0.04045 { c / 12.92 } else { ((c + 0.055) / 1.055).powf(2.4) }
         };
-        let [r, g, b] = colour.rgb.map(linear);
+        let [r, g, b] = colour.0.map(linear);
         0.2126 * r + 0.7152 * g + 0.0722 * b
     }
 

@@ -103,24 +103,21 @@ fn outline(path: &Outline) -> Option<krilla::geom::Path> {
 }
 
 fn filled(colour: Colour) -> Fill {
-    let (paint, opacity) = painted(colour);
-    Fill { paint: paint.into(), opacity, rule: FillRule::NonZero }
+    Fill { paint: painted(colour).into(), opacity: NormalizedF32::ONE, rule: FillRule::NonZero }
 }
 
 fn stroked(stroke: &Stroke) -> PdfStroke {
-    let (paint, opacity) = painted(stroke.colour);
     let dash = (!stroke.dash.is_empty())
         .then(|| StrokeDash { array: stroke.dash.iter().map(|length| *length as f32).collect(), offset: 0.0 });
     PdfStroke {
-        paint: paint.into(),
+        paint: painted(stroke.colour).into(),
         width: stroke.width as f32,
         line_join: LineJoin::Round,
-        opacity,
         dash,
         ..PdfStroke::default()
     }
 }
 
-fn painted(Colour { rgb: [r, g, b], opacity }: Colour) -> (rgb::Color, NormalizedF32) {
-    (rgb::Color::new(r, g, b), NormalizedF32::new(opacity as f32).unwrap_or(NormalizedF32::ONE))
+fn painted(Colour([r, g, b]): Colour) -> rgb::Color {
+    rgb::Color::new(r, g, b)
 }

@@ -2,30 +2,20 @@
 
 use super::Label;
 
-/// A colour and its opacity.
+/// A colour: red, green and blue.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Colour {
-    /// Red, green and blue.
-    pub rgb: [u8; 3],
-    /// The opacity, from 0 for invisible to 1 for opaque.
-    pub opacity: f64,
-}
+pub struct Colour(pub [u8; 3]);
 
 impl Colour {
-    /// An opaque colour from six hexadecimal digits.
+    /// A colour from six hexadecimal digits.
     pub const fn hex(rgb: u32) -> Self {
-        Colour { rgb: [(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8], opacity: 1.0 }
-    }
-
-    /// The same colour with this opacity.
-    pub const fn at(self, opacity: f64) -> Self {
-        Colour { opacity, ..self }
+        Colour([(rgb >> 16) as u8, (rgb >> 8) as u8, rgb as u8])
     }
 
     /// The colour mixed with a share of another one.
     pub fn mixed(self, other: Colour, share: f64) -> Self {
-        let mix = |i: usize| (f64::from(self.rgb[i]) * (1.0 - share) + f64::from(other.rgb[i]) * share).round() as u8;
-        Colour { rgb: [0, 1, 2].map(mix), ..self }
+        let mix = |i: usize| (f64::from(self.0[i]) * (1.0 - share) + f64::from(other.0[i]) * share).round() as u8;
+        Colour([0, 1, 2].map(mix))
     }
 }
 
@@ -227,21 +217,18 @@ impl Item {
     /// Text that runs to the right. `align` says which point of its base line is at the given
     /// position.
     pub fn words(label: Label, [x, y]: [f64; 2], align: Align, size: f64, colour: Colour) -> Self {
-        let x = x - size * label.width() * share(align);
+        let share = match align {
+            Align::Start => 0.0,
+            Align::Middle => 0.5,
+            Align::End => 1.0,
+        };
+        let x = x - size * label.width() * share;
         Item::Words { label, at: [x, y], size, colour, upwards: false }
     }
 
-    /// Text that runs upwards. `align` says which point of its base line is at the given position.
-    pub fn words_upwards(label: Label, [x, y]: [f64; 2], align: Align, size: f64, colour: Colour) -> Self {
-        let y = y + size * label.width() * share(align);
+    /// Text that runs upwards. The middle of its base line is at the given position.
+    pub fn words_upwards(label: Label, [x, y]: [f64; 2], size: f64, colour: Colour) -> Self {
+        let y = y + size * label.width() * 0.5;
         Item::Words { label, at: [x, y], size, colour, upwards: true }
-    }
-}
-
-fn share(align: Align) -> f64 {
-    match align {
-        Align::Start => 0.0,
-        Align::Middle => 0.5,
-        Align::End => 1.0,
     }
 }

@@ -103,7 +103,7 @@ impl SvgText {
 /// The attributes of an area.
 fn filled(fill: Option<Colour>) -> String {
     match fill {
-        Some(colour) => format!("fill=\"{}\"", hex(colour)) + &opacity("fill-opacity", colour),
+        Some(colour) => format!("fill=\"{}\"", hex(colour)),
         None => "fill=\"none\"".to_string(),
     }
 }
@@ -112,7 +112,6 @@ fn filled(fill: Option<Colour>) -> String {
 fn stroked(stroke: &Stroke) -> String {
     let (colour, width) = (hex(stroke.colour), number(stroke.width));
     let mut look = format!(" stroke=\"{colour}\" stroke-width=\"{width}\" stroke-linejoin=\"round\"");
-    look += &opacity("stroke-opacity", stroke.colour);
     if !stroke.dash.is_empty() {
         let dash: Vec<String> = stroke.dash.iter().map(|length| number(*length)).collect();
         let _ = write!(look, " stroke-dasharray=\"{}\"", dash.join(" "));
@@ -147,12 +146,8 @@ fn number(x: f64) -> String {
     if text == "-0" { "0".to_string() } else { text.to_string() }
 }
 
-fn hex(Colour { rgb: [r, g, b], .. }: Colour) -> String {
+fn hex(Colour([r, g, b]): Colour) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
-}
-
-fn opacity(attribute: &str, colour: Colour) -> String {
-    if colour.opacity < 1.0 { format!(" {attribute}=\"{}\"", number(colour.opacity)) } else { String::new() }
 }
 
 /// A text of one line, with the escapes of XML.
