@@ -30,15 +30,14 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     power.band(band(frequencies, &of.spectrum_ends, 1), palette.narrow);
     power.line(curve(&of.spectrum), solid(palette.first));
     let lags = &spectrum.lag;
-    let shown = lags.len();
-    let horizontal = Axis::linear([0.0, lags[shown - 1]], "lag *s*", &unit(1, 0));
-    let seen = of.autocovariance_ends.low[..shown].iter().chain(&of.autocovariance_ends.high[..shown]).copied();
+    let horizontal = Axis::linear([0.0, lags[lags.len() - 1]], "lag *s*", &unit(1, 0));
+    let seen =
+        of.autocovariance_ends.low[..lags.len()].iter().chain(&of.autocovariance_ends.high[..lags.len()]).copied();
     let title = "autocovariance *C*(*s*) of *x*\u{2032}";
     let mut covariance = Panel::new(horizontal, Axis::around(seen.chain([0.0]), title, &unit(-2, 2)), 72.0);
     covariance.level(0.0, Stroke::solid(palette.faint, 0.4));
-    covariance.band(band(&lags[..shown], &of.autocovariance_ends, 0), palette.narrow);
-    covariance
-        .line(lags.iter().zip(&of.autocovariance).take(shown).map(|(l, c)| [*l, *c]).collect(), solid(palette.first));
+    covariance.band(band(lags, &of.autocovariance_ends, 0), palette.narrow);
+    covariance.line(lags.iter().zip(&of.autocovariance).map(|(l, c)| [*l, *c]).collect(), solid(palette.first));
     let legend = [
         LegendEntry::line(solid(palette.first), "of deviations from the mean of the paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),

@@ -54,8 +54,10 @@ pub enum Subject<'a> {
     },
 }
 
-/// The statistics of a sweep that are drawn if none is named.
-pub const USUAL: [Statistic; 2] = [Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare];
+/// The statistics of a sweep that are drawn: those that are named or, if none is, two of them.
+fn named_or_usual(named: &[Statistic]) -> &[Statistic] {
+    if named.is_empty() { &[Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare] } else { named }
+}
 
 /// Sweeps with the names of their files, and the statistics to draw.
 type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
@@ -80,9 +82,8 @@ impl<'a> Subject<'a> {
             Subject::Sweep { sweeps, statistics } => {
                 let all: Vec<&Scenario> = sweeps.iter().map(|(_, sweep)| &sweep.question.scenario).collect();
                 let Some((_, first)) = sweeps.first() else { return Default::default() };
-                let drawn = if statistics.is_empty() { &USUAL } else { *statistics };
-                let drawn: Vec<String> =
-                    drawn.iter().map(|statistic| of_statistic(*statistic, style).words()).collect();
+                let drawn = named_or_usual(statistics).iter();
+                let drawn: Vec<String> = drawn.map(|statistic| of_statistic(*statistic, style).words()).collect();
                 let keys: Vec<String> =
                     first.question.design.axes().iter().map(|axis| of_axis(axis, style).words()).collect();
                 let over = if keys.is_empty() { "every key".to_string() } else { keys.join(" and ") };
@@ -110,7 +111,7 @@ impl<'a> Subject<'a> {
     /// The sweeps and the statistics to draw.
     pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
         let Subject::Sweep { sweeps, statistics } = self else { return Err(Absent::Elsewhere("a file of `mc sweep`")) };
-        Ok((sweeps, statistics))
+        Ok((sweeps, named_or_usual(statistics)))
     }
 
     /// The title and the result of a calibration.

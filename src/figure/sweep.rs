@@ -2,7 +2,6 @@
 //! sweep, or for each value of a second key.
 
 use super::axis::minus;
-use super::subject::USUAL;
 use super::theme::{DASHES, DOTS, LINE, Palette};
 use super::trade::{MARKS, look};
 use super::words::{letter, of_axis, of_statistic};
@@ -48,7 +47,7 @@ fn without_step(e: &Estimate) -> Option<f64> {
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let (sweeps, named) = subject.sweeps()?;
+    let (sweeps, statistics) = subject.sweeps()?;
     let Some(first) = sweeps.first().map(|(_, sweep)| *sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
     else {
         return Err(Absent::Elsewhere("a sweep over axes (--vary)"));
@@ -61,7 +60,6 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     }
     let palette = style.palette();
     let curves = curves(sweeps, palette);
-    let statistics = if named.is_empty() { &USUAL[..] } else { named };
     let (mut panels, mut has_corrected) = (Vec::new(), false);
     for (n, &statistic) in statistics.iter().enumerate() {
         let drawn: Vec<Vec<(f64, Estimate)>> = curves.iter().map(|curve| curve.estimates(statistic)).collect();

@@ -1,7 +1,6 @@
 //! The effect of each key on a statistic: elasticities as bars with their intervals, the largest at
 //! the top.
 
-use super::subject::USUAL;
 use super::theme::THIN;
 use super::words::{of_key, of_statistic};
 use super::{Absent, Axis, LegendEntry, Panel, Sheet, Stroke, Style, Subject, sheet};
@@ -15,7 +14,7 @@ const BAR: f64 = 15.0;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
-    let (sweeps, named) = subject.sweeps()?;
+    let (sweeps, statistics) = subject.sweeps()?;
     let Some((sweep, keys)) = sweeps.first().and_then(|(_, sweep)| match &sweep.question.design {
         Design::Star { keys, .. } => Some((sweep, keys)),
         Design::Grid(_) | Design::Zip(_) => None,
@@ -23,7 +22,6 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         return Err(Absent::Elsewhere("a sweep with --elasticity"));
     };
     let palette = style.palette();
-    let statistics = if named.is_empty() { &USUAL[..] } else { named };
     let mut panels = Vec::new();
     for &statistic in statistics {
         let elasticity = |key: usize| sweep.elasticity(key, statistic).map(|paired| paired.measurement);
