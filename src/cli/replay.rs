@@ -37,8 +37,8 @@ impl Arguments {
             note(&format!("warning: {} was {other}", self.file.display()));
         }
         self.check_path(&scenario)?;
-        let stem = self.file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
-        let output = self.output.clone().unwrap_or_else(|| format!("{stem}-path-{}.h5", self.path).into());
+        let default = || results::default_output(&self.file, &format!("-path-{}.h5", self.path));
+        let output = self.output.clone().unwrap_or_else(default);
         writable_hdf5(&output, self.force, [self.file.as_path()])?;
         replay(&scenario, self.path, &output, self.force)
     }

@@ -5,7 +5,7 @@ use crate::cli::failure::Failure;
 use crate::cli::numbers::grouped;
 use crate::cli::sweep;
 use serde_json::json;
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashSet};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stick_slip::bearing::calibration::calibrate_again;
@@ -25,7 +25,8 @@ impl Arguments {
             BlocksAgain::Within(limit) => (all, Some(limit)),
         };
         let (start, mut done) = (Instant::now(), BTreeSet::new());
-        for point in shuffled(drawn(&(0..all), wanted)) {
+        // A set with hashes has a random order.
+        for point in drawn(&(0..all), wanted).into_iter().collect::<HashSet<_>>() {
             if limit.is_some_and(|limit| !done.is_empty() && start.elapsed() > limit) {
                 break;
             }
@@ -85,13 +86,4 @@ impl Arguments {
             other_program: stored.other_program.clone(),
         })
     }
-}
-
-/// The numbers in a random order.
-fn shuffled(numbers: BTreeSet<u64>) -> Vec<u64> {
-    use std::hash::{BuildHasher as _, RandomState};
-    let random = RandomState::new();
-    let mut numbers: Vec<u64> = numbers.into_iter().collect();
-    numbers.sort_by_key(|number| random.hash_one(number));
-    numbers
 }
