@@ -210,7 +210,7 @@ pub(super) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) ->
             .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
             .map(|reason| reason.to_string()),
         period: scenario.and_then(Scenario::period),
-        steps_per_path: scenario.and_then(Scenario::steps),
+        steps_per_path: None,
         file: file.display().to_string(),
         status: *status,
         ended_by: ended_by.clone(),

@@ -22,7 +22,7 @@ pub struct RunInfo {
     pub no_bias: Option<String>,
     /// The period at whose ends x is compared, if the scenario is known.
     pub period: Option<Period>,
-    /// The number of steps of one path, for time-stepping schemes.
+    /// The number of steps of one path, if this process simulated the run with a time-stepping scheme.
     pub steps_per_path: Option<u64>,
     /// The file that holds the results.
     pub file: String,

@@ -4,9 +4,9 @@
 use super::{Cell, Column, Format, Report, Row, Table};
 
 /// The tables as one, whose columns are those of all of them by name.
-fn joined(tables: impl Iterator<Item = Table>, format: Format) -> Vec<Vec<Cell>> {
+fn joined(tables: Vec<Table>, format: Format) -> Vec<Vec<Cell>> {
     let mut all = Table::default();
-    for table in tables.filter(|table| !table.not_in.contains(&format)) {
+    for table in tables.into_iter().filter(|table| !table.not_in.contains(&format)) {
         for column in &table.columns {
             if all.columns.iter().all(|known| known.name != column.name) {
                 all.columns.push(column.clone());
@@ -16,7 +16,7 @@ fn joined(tables: impl Iterator<Item = Table>, format: Format) -> Vec<Vec<Cell>>
         let places: Vec<Option<usize>> = all.columns.iter().map(place).collect();
         let taken = |row: &Row, at: &Option<usize>| at.and_then(|at| row.cells.get(at)).cloned().unwrap_or_default();
         let row = |row: Row| Row { cells: places.iter().map(|at| taken(&row, at)).collect(), ..row };
-        all.rows.extend(table.rows.clone().into_iter().map(row));
+        all.rows.extend(table.rows.into_iter().map(row));
     }
     all.shown(format).0
 }
@@ -29,18 +29,14 @@ fn written(rows: &[Vec<Cell>], cell: impl Fn(&Cell) -> String, [first, between, 
 /// The tables of these files. A missing number is an empty cell, and the end of an interval without
 /// a bound is `inf`.
 pub fn comma_separated(reports: Vec<(String, Report)>) -> String {
-    let named = |file: String, table: Table| Table {
-        columns: [vec![Column::of("file", "")], table.columns].concat(),
-        rows: table
-            .rows
-            .into_iter()
-            .map(|row| Row { cells: [vec![file.as_str().into()], row.cells].concat(), ..row })
-            .collect(),
-        ..table
-    };
-    let tables = reports.into_iter().flat_map(|(file, report)| {
-        report.tables.into_iter().map(move |table| named(file.clone(), table)).collect::<Vec<_>>()
-    });
+    let mut tables = Vec::new();
+    for (file, report) in reports {
+        for mut table in report.tables {
+            table.columns.insert(0, Column::of("file", ""));
+            table.rows.iter_mut().for_each(|row| row.cells.insert(0, file.as_str().into()));
+            tables.push(table);
+        }
+    }
     let cell = |cell: &Cell| match cell.number {
         Some(number) if number.is_nan() => String::new(),
         Some(number) => format!("{number:?}"),
@@ -60,7 +56,7 @@ fn quoted(text: &str) -> String {
 
 /// The tables as one of Markdown.
 pub fn markdown(report: Report) -> String {
-    let rows = joined(report.tables.into_iter(), Format::Paper);
+    let rows = joined(report.tables, Format::Paper);
     let mut lines = written(&rows, |cell| cell.text.replace('|', "\\|"), ["| ", " | ", " |"]);
     lines.insert(1, format!("|---|{}\n", "---:|".repeat(rows[0].len().saturating_sub(1))));
     lines.concat()
@@ -68,7 +64,7 @@ pub fn markdown(report: Report) -> String {
 
 /// The tables as one `tabular` of LaTeX, which needs no package.
 pub fn latex(report: Report) -> String {
-    let rows = joined(report.tables.into_iter(), Format::Paper);
+    let rows = joined(report.tables, Format::Paper);
     let lines = written(&rows, |cell| latex_cell(&cell.text), ["", " & ", " \\\\"]);
     let columns = "r".repeat(rows[0].len().saturating_sub(1));
     let body = lines[1..].concat();
