@@ -4,7 +4,7 @@ use super::cost::STUDY_BYTES;
 use super::measurements::Source;
 use super::numbers::parse_share_in;
 use super::report::{bearing, text};
-use super::{Failure, dataset, note, page, print, warn, writable};
+use super::{Failure, dataset, note, page, print, print_data, warn, writable};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -78,10 +78,10 @@ impl Arguments {
         let files: Vec<(&Path, String)> =
             self.output.iter().map(|output| (output.as_path(), content(output))).collect();
         store::write_together(&files, self.force)?;
-        print(&match self.json {
-            true => dataset::json(&Dataset::of_forecast(&scene.title, &scene.text, found), None),
-            false => text(&bearing::forecast(&scene.title, found)),
-        })?;
+        match self.json {
+            true => print_data(&dataset::json(&Dataset::of_forecast(&scene.title, &scene.text, found), None))?,
+            false => print(&text(&bearing::forecast(&scene.title, found)))?,
+        }
         for output in &self.output {
             let has = if is_page(output) { "is the page" } else { "has all years" };
             note(&format!("{} {has}", output.display()));
