@@ -5,7 +5,6 @@ use super::numbers::{bytes, counted, grouped, significant, time, wrapped};
 use super::overrides::Overrides;
 use super::{Failure, cost, print_data, results};
 use serde_json::{Map, Value, json};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::advice::DerivedQuantity;
 use stick_slip::data::input_unit;
@@ -53,7 +52,7 @@ pub fn report(scenario: &Scenario) -> String {
     let inputs = inputs.map(|(name, measured)| (format!("input {name}"), taken(measured)));
     let derived = derived(scenario).into_iter().map(|(meaning, value)| (meaning.to_string(), value));
     for (meaning, value) in inputs.chain(derived) {
-        let _ = writeln!(text, "# {meaning:<46}{value}");
+        text += &format!("# {meaning:<46}{value}\n");
     }
     text
 }
@@ -97,14 +96,8 @@ fn long(seconds: Option<f64>) -> String {
 
 fn warnings(scenario: &Scenario) -> String {
     let warnings = scenario.warnings();
-    let mut text = String::from("\n");
-    for warning in &warnings {
-        text.push_str(&wrapped(&format!("# warning: {warning}"), "#   "));
-    }
-    if warnings.is_empty() {
-        text.push_str("# no warnings\n");
-    }
-    text
+    let lines: String = warnings.iter().map(|warning| wrapped(&format!("# warning: {warning}"), "#   ")).collect();
+    format!("\n{}", if lines.is_empty() { "# no warnings\n" } else { &lines })
 }
 
 /// Significant digits of a derived quantity.

@@ -5,7 +5,6 @@ use super::measurements::Source;
 use super::numbers::parse_share_in;
 use super::report::{bearing, text};
 use super::{Failure, dataset, note, page, print, print_data, warn, writable};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use stick_slip::bearing::forecast::{Forecast, ForecastQuestion, Foreseen};
@@ -96,21 +95,15 @@ fn is_page(output: &Path) -> bool {
 
 /// All simulated years as CSV, one row for each.
 fn csv(found: &Forecast) -> String {
-    let mut text = String::from("draw,year");
-    for level in &found.levels {
-        let _ = write!(text, ",{}", level.quantity.name());
-        if level.quantity.unit() != "1" {
-            let _ = write!(text, "_{}", level.quantity.unit());
-        }
-    }
-    text.push('\n');
+    let headings = found.levels.iter().map(|level| match (level.quantity.name(), level.quantity.unit()) {
+        (name, "1") => format!(",{name}"),
+        (name, unit) => format!(",{name}_{unit}"),
+    });
+    let mut text = format!("draw,year{}\n", headings.collect::<String>());
     for (draw, years) in found.years.iter().enumerate() {
         for (number, year) in years.iter().enumerate() {
-            let _ = write!(text, "{draw},{number}");
-            for level in &found.levels {
-                let _ = write!(text, ",{}", year[level.quantity as usize]);
-            }
-            text.push('\n');
+            let cells = found.levels.iter().map(|level| format!(",{}", year[level.quantity as usize]));
+            text += &format!("{draw},{number}{}\n", cells.collect::<String>());
         }
     }
     text

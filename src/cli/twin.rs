@@ -4,7 +4,6 @@ use super::numbers::{grouped, parse_duration, parse_number_in, parse_share_in};
 use super::overrides::Settings;
 use super::report::{bearing, text};
 use super::{Failure, measurements, note, print, writable};
-use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Twin, twin, values};
 use stick_slip::config::{Override, input_files, shipped_at};
@@ -150,7 +149,7 @@ fn csv(made: &Twin, start: Option<Start>, scene: &BridgeScene) -> Result<String,
         let stamp = start.after(made.times[i]).ok_or_else(out_of_calendar)?;
         let shown = made.temperatures[i];
         let shown = if shown.is_nan() { String::new() } else { format!("{shown:.3}") };
-        let _ = writeln!(text, "{stamp},{shown},{:.5}", 1e3 * made.readings[i]);
+        text += &format!("{stamp},{shown},{:.5}\n", 1e3 * made.readings[i]);
     }
     Ok(text)
 }

@@ -2,7 +2,6 @@
 
 use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant, some_of};
-use std::fmt::Write as _;
 use stick_slip::engine::{Provenance, Status};
 use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient};
 
@@ -199,20 +198,15 @@ fn paths(summary: &Summary, info: &RunInfo) -> String {
 
 /// How long the run took, if that is known.
 fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
-    let mut line = duration(info.seconds?);
-    if let Some(threads) = info.threads {
-        let _ = write!(line, " on {}", counted(threads as u64, "thread"));
-    }
-    if let Some(us) = info.us_per_path(summary.completed_paths) {
-        let _ = write!(line, ", {} us a path", significant(us, 3));
-    }
-    if let Some(ns) = info.ns_per_path_step(summary.completed_paths) {
-        let _ = write!(line, ", {} ns a path-step", significant(ns, 3));
-    }
-    if let Some(seconds) = info.bias_seconds.filter(|_| summary.has_bias()) {
-        let _ = write!(line, ", of which bias {} s", significant(seconds, 2));
-    }
-    Some(line)
+    let parts = [
+        info.threads.map(|threads| format!(" on {}", counted(threads as u64, "thread"))),
+        info.us_per_path(summary.completed_paths).map(|us| format!(", {} us a path", significant(us, 3))),
+        info.ns_per_path_step(summary.completed_paths).map(|ns| format!(", {} ns a path-step", significant(ns, 3))),
+        info.bias_seconds
+            .filter(|_| summary.has_bias())
+            .map(|seconds| format!(", of which bias {} s", significant(seconds, 2))),
+    ];
+    Some(duration(info.seconds?) + &parts.into_iter().flatten().collect::<String>())
 }
 
 /// The most numbers of lost paths that are listed in a table. The file holds all of them.
