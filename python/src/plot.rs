@@ -9,7 +9,6 @@ use stick_slip::config::Override;
 use stick_slip::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
 use stick_slip::figure::{self, Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
 use stick_slip::scenario::Scenario as Checked;
-use stick_slip::stats::Statistic;
 use stick_slip::study::sweep::{Setting, Sweep};
 
 /// A picture, which can be written as SVG, PNG or PDF.
@@ -78,9 +77,7 @@ pub fn plot(
             let read =
                 |(name, sweep): &(String, Dataset)| Ok((name.clone(), whole(py, sweep.sweep().map_err(wrong)?)?));
             let sweeps = sweeps.iter().map(read).collect::<PyResult<Vec<(String, Sweep)>>>()?;
-            let named: Vec<(String, &Sweep)> = sweeps.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
-            let statistics: Vec<Statistic> = of.into_iter().collect();
-            draw(py, &Subject::Sweep { sweeps: &named, statistics: &statistics }, drawn)
+            draw(py, &Subject::Sweep { sweeps: &sweeps, statistics: of.as_slice() }, drawn)
         }
     }
 }

@@ -64,11 +64,10 @@ impl Arguments {
             }
             Content::Sweep(stored) => {
                 let by = program(stored.other_program.as_deref());
-                let sweep = sweep::stored(&self.file, *stored)?;
-                let sweeps = [(String::new(), &sweep)];
+                let sweeps = [(String::new(), sweep::stored(&self.file, *stored)?)];
+                let [(_, sweep)] = &sweeps;
                 let pictures = pictures(&Subject::Sweep { sweeps: &sweeps, statistics: &[] });
-                let report = report::sweep(&sweep, Chosen::First, &self.file);
-                (report, report::warnings(&sweep), pictures, by)
+                (report::sweep(sweep, Chosen::First, &self.file), report::warnings(sweep), pictures, by)
             }
             Content::Trade(stored) => {
                 let prices = stored.prices(None);

@@ -135,10 +135,8 @@ impl Arguments {
             let name = file.file_stem().unwrap_or_default().to_string_lossy().into_owned();
             Ok((name, sweep::stored(file, files::read(file, store::read_sweep)?)?))
         };
-        let files = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
-        let sweeps: Vec<(String, &Sweep)> = files.iter().map(|(name, sweep)| (name.clone(), sweep)).collect();
-        let statistics: Vec<Statistic> = self.statistic.into_iter().collect();
-        self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: &statistics })
+        let sweeps = std::iter::once(&self.subject).chain(&self.beside).map(read).collect::<Result<Vec<_>, _>>()?;
+        self.draw(&Subject::Sweep { sweeps: &sweeps, statistics: self.statistic.as_slice() })
     }
 
     fn scene_of_run(&self, stored: &Stored) -> Result<Drawing, Failure> {
@@ -189,8 +187,8 @@ impl Arguments {
 
     fn draw(&self, subject: &Subject) -> Result<Drawing, Failure> {
         self.check_only()?;
-        let Arguments { theme, width, log, title, label, .. } = self;
-        let style = Style { theme: *theme, width: *width, log: *log, title: title.as_deref(), labels: label };
+        let Arguments { theme, width, log, .. } = *self;
+        let style = Style { theme, width, log, title: self.title.as_deref(), labels: &self.label };
         figure::draw(self.only, subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
             NoPage::Empty => Failure::Run("there is nothing to draw: every path was lost".to_string()),

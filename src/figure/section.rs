@@ -4,14 +4,12 @@
 use super::sweep::horizontal;
 use super::{Absent, Axis, LegendEntry, Mark, Panel, Sheet, Style, Subject, range_of, sheet, solid};
 use crate::stats::{Dimension, LimitCycle};
-use crate::study::sweep::Sweep;
 
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, _) = subject.sweeps()?;
-    let one = |(_, sweep): &(String, &Sweep)| sweep.question.design.axes().len() == 1;
     let [(_, sweep)] = sweeps else { return Err(Absent::Elsewhere("one sweep over one key (--vary)")) };
-    if !sweeps.iter().all(one) {
+    if sweep.question.design.axes().len() != 1 {
         return Err(Absent::Elsewhere("a sweep over one key (--vary)"));
     }
     let axis = &sweep.question.design.axes()[0];

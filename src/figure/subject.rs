@@ -41,7 +41,7 @@ pub enum Subject<'a> {
     /// Sweeps: statistics as functions of keys.
     Sweep {
         /// Sweeps over the same key, each with the name of its file.
-        sweeps: &'a [(String, &'a Sweep)],
+        sweeps: &'a [(String, Sweep)],
         /// The statistics to draw. If the list is empty, a default selection is drawn.
         statistics: &'a [Statistic],
     },
@@ -60,7 +60,7 @@ fn named_or_usual(named: &[Statistic]) -> &[Statistic] {
 }
 
 /// Sweeps with the names of their files, and the statistics to draw.
-type Sweeps<'a> = (&'a [(String, &'a Sweep)], &'a [Statistic]);
+type Sweeps<'a> = (&'a [(String, Sweep)], &'a [Statistic]);
 
 impl<'a> Subject<'a> {
     /// A heading, and a line that says what the numbers come from.

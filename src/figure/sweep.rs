@@ -48,13 +48,13 @@ fn without_step(e: &Estimate) -> Option<f64> {
 /// Draws the figure.
 pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (sweeps, statistics) = subject.sweeps()?;
-    let Some(first) = sweeps.first().map(|(_, sweep)| *sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
+    let Some(first) = sweeps.first().map(|(_, sweep)| sweep).filter(|sweep| !sweep.question.design.axes().is_empty())
     else {
         return Err(Absent::Elsewhere("a sweep over axes (--vary)"));
     };
     let axis = &first.question.design.axes()[0];
     let has_same_axis =
-        |(_, other): &(String, &Sweep)| other.question.design.axes().first().is_some_and(|other| other.key == axis.key);
+        |(_, other): &(String, Sweep)| other.question.design.axes().first().is_some_and(|other| other.key == axis.key);
     if !sweeps.iter().all(has_same_axis) {
         return Err(Absent::Nothing("the sweeps do not vary the same key first"));
     }
@@ -128,7 +128,7 @@ pub(super) fn horizontal(axis: &sweep::SweepAxis, style: &Style) -> Axis {
     }
 }
 
-fn curves<'a>(sweeps: &'a [(String, &'a Sweep)], palette: &Palette) -> Vec<Curve<'a>> {
+fn curves<'a>(sweeps: &'a [(String, Sweep)], palette: &Palette) -> Vec<Curve<'a>> {
     let own = |i: usize| -> (Stroke, Mark) {
         let colours: [Colour; 4] = [palette.first, palette.second, palette.third, palette.fourth];
         let dashes: [&[f64]; 3] = [&[], &DASHES, &DOTS];
