@@ -167,11 +167,11 @@ impl<'a> Sitting<'a> {
         }
         // The table has these lines as remarks.
         let found = report::found(summary).into_iter().map(|(_, text)| text);
-        let remarks: Vec<String> = report::lost(summary, &info).into_iter().chain(found).collect();
+        let remarks = report::lost(summary, &info).into_iter().chain(found).filter(|_| json || quiet);
         let missed = outcome.missed.iter().map(|missed| ending::missed(missed, missed.paths_needed()));
         let broken =
             self.accuracy_goal.and_then(|accuracy_goal| accuracy::missed(&accuracy_goal, summary.completed_paths));
-        for line in remarks.into_iter().filter(|_| json || quiet).chain(missed).chain(broken) {
+        for line in remarks.chain(missed).chain(broken) {
             note(&format!("warning: {line}"));
         }
         Ok(info)

@@ -212,10 +212,9 @@ impl PathTrace {
         self.pieces.iter().flat_map(|piece| &piece.samples)
     }
 
-    /// Which sub-phases occur in the slips of the path: the first, the second, later ones.
-    pub fn occurring(&self) -> [bool; 3] {
-        let largest = self.pieces.iter().filter_map(|piece| piece.slip).map(|(k, _)| k).max().unwrap_or(0);
-        [largest >= 1, largest >= 2, largest >= 3]
+    /// The most sub-phases of a slip; zero if there is no slip.
+    pub fn most_sub_phases(&self) -> usize {
+        self.pieces.iter().filter_map(|piece| piece.slip).map(|(k, _)| k).max().unwrap_or(0)
     }
 
     /// The longest complete slip, with the sticks before and after it.
