@@ -135,13 +135,9 @@ pub fn writable<P: AsRef<Path>>(path: &Path, force: bool, inputs: impl IntoItera
     }
     let taken = [path.to_owned(), partial_path(path), lock_path(path)];
     for input in inputs {
-        match taken.iter().find(|name| is_same(name, input.as_ref())) {
-            Some(name) if name == path => return refuse(format!("{shown} is what the results are made from")),
-            Some(name) => {
-                let name = name.display();
-                return refuse(format!("{name}, which mc needs to make {shown}, is what the results are made from"));
-            }
-            None => {}
+        if let Some(name) = taken.iter().find(|name| is_same(name, input.as_ref())) {
+            let need = if name == path { String::new() } else { format!(", which mc needs to make {shown},") };
+            return refuse(format!("{}{need} is what the results are made from", name.display()));
         }
     }
     if path.is_dir() {

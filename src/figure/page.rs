@@ -119,19 +119,18 @@ struct FigureColumn {
 fn columns(sheets: Vec<Sheet>, style: &Style) -> Vec<FigureColumn> {
     let height = |sheet: &Sheet| sheet.draw(style, Some(0), 1.0).height + GAP;
     let heights: Vec<f64> = sheets.iter().map(height).collect();
-    let is_second = |choice: u32, number: usize| choice >> number & 1 == 1;
     // The bits of a choice say which figures the second column has; the first figure is never among
     // them.
-    let longest = |choice: &u32| {
-        let of = |second: bool| (0..heights.len()).filter(move |n| is_second(*choice, *n) == second);
-        let sum = |second: bool| of(second).map(|number| heights[number]).sum::<f64>();
-        sum(false).max(sum(true))
+    let longest = |choice: &usize| {
+        let mut sums = [0.0; 2];
+        heights.iter().enumerate().for_each(|(number, height)| sums[choice >> number & 1] += height);
+        f64::max(sums[0], sums[1])
     };
-    let choices = (0..1u32 << sheets.len()).filter(|choice| choice & 1 == 0);
+    let choices = (0..1 << sheets.len()).step_by(2);
     let best = choices.min_by(|one, other| longest(one).total_cmp(&longest(other))).unwrap_or(0);
     let mut columns = [FigureColumn::default(), FigureColumn::default()];
     for (number, (sheet, height)) in sheets.into_iter().zip(&heights).enumerate() {
-        let column = &mut columns[usize::from(is_second(best, number))];
+        let column = &mut columns[best >> number & 1];
         column.height += height;
         column.frames += sheet.frames();
         column.sheets.push(sheet);
