@@ -143,6 +143,8 @@ const OF_EXTREMES: CatalogueRow =
     CatalogueRow { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Levels), ..OF_PATHS };
 /// A number of durations of slips, sizes of jumps or times from slip to slip, on request.
 const OF_LAWS: CatalogueRow = CatalogueRow { range: Range::NOT_NEGATIVE, asked_by: Some(Extra::Laws), ..OF_SLIPS };
+/// How much those of slips differ.
+const OF_SLIP_SPREADS: CatalogueRow = CatalogueRow { needs: &[Need::Slip, Need::TwoSlips], ..OF_LAWS };
 const OF_SLIP_DURATIONS: CatalogueRow = CatalogueRow { dimension: Dimension::TIME, ..OF_LAWS };
 const OF_RECURRENCE: CatalogueRow =
     CatalogueRow { dimension: Dimension::TIME, over: Over::Recurrences, needs: &[Need::Recurrence], ..OF_LAWS };
@@ -304,8 +306,8 @@ catalogue! {
         "slip_duration_mean", "mean slip duration", "mean duration of the completed dynamic phases"),
     /// Standard deviation of these durations.
     SlipDurationSd: CatalogueRow {
-        needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_SLIP_DURATIONS.called(
+        dimension: Dimension::TIME,
+        ..OF_SLIP_SPREADS.called(
             "slip_duration_sd", "sd of slip durations",
             "standard deviation of the durations of the completed dynamic phases")
     },
@@ -319,23 +321,16 @@ catalogue! {
     /// Coefficient of variation of these durations.
     SlipDurationCv: CatalogueRow {
         dimension: Dimension::ONE,
-        needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_SLIP_DURATIONS.called(
+        ..OF_SLIP_SPREADS.called(
             "slip_duration_cv", "variation of slip durations",
             "coefficient of variation of the durations of the completed dynamic phases")
     },
     /// Standard deviation of the jump x_{j+1} - x_j over completed dynamic phases.
-    JumpSd: CatalogueRow {
-        needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_LAWS.called(
-            "jump_sd", "sd of jumps", "standard deviation of the jump of the displacement in a dynamic phase")
-    },
+    JumpSd: OF_SLIP_SPREADS.called(
+        "jump_sd", "sd of jumps", "standard deviation of the jump of the displacement in a dynamic phase"),
     /// Standard deviation of its size |x_{j+1} - x_j|.
-    JumpAbsSd: CatalogueRow {
-        needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_LAWS.called(
-            "jump_abs_sd", "sd of sizes of jumps", "standard deviation of the size of the jump in a dynamic phase")
-    },
+    JumpAbsSd: OF_SLIP_SPREADS.called(
+        "jump_abs_sd", "sd of sizes of jumps", "standard deviation of the size of the jump in a dynamic phase"),
     /// Median of its size.
     JumpAbsMedian: CatalogueRow {
         median_of: Some(PhaseLaw::Jump),
@@ -345,8 +340,7 @@ catalogue! {
     /// Coefficient of variation of its size.
     JumpAbsCv: CatalogueRow {
         dimension: Dimension::ONE,
-        needs: &[Need::Slip, Need::TwoSlips],
-        ..OF_LAWS.called(
+        ..OF_SLIP_SPREADS.called(
             "jump_abs_cv", "variation of sizes of jumps",
             "coefficient of variation of the size of the jump in a dynamic phase")
     },
