@@ -2,7 +2,7 @@
 
 use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
-use crate::scheme::{Glide, Instant, Observer, Simulate as _, Snapshot};
+use crate::scheme::{Glide, Observer, Simulate as _};
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
 use crate::sums::Unit;
 
@@ -32,8 +32,6 @@ impl Observer for CycleWatch {
     fn glide(&mut self, _: usize, glide: &Glide) {
         self.glides.push(*glide);
     }
-
-    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
 }
 
 impl LimitCycle {

@@ -25,9 +25,7 @@ use crate::stats::{Estimate, Statistic};
 pub trait Progress: Send {
     /// `done` paths are done. `expected` is the number of paths that the run will need in all, as
     /// far as it can be estimated now.
-    fn paths(&mut self, done: u64, expected: u64) {
-        let _ = (done, expected);
-    }
+    fn paths(&mut self, _done: u64, _expected: u64) {}
 
     /// The statistic that is to be reported now, if any. This is asked after each block, and an
     /// estimate takes as long as a few paths, so an implementation that shows it twice a second
@@ -37,9 +35,7 @@ pub trait Progress: Send {
     }
 
     /// The present estimate of that statistic.
-    fn estimate(&mut self, estimate: &Estimate) {
-        let _ = estimate;
-    }
+    fn estimate(&mut self, _estimate: &Estimate) {}
 
     /// The paths are done, and the bias of the step is being estimated.
     fn estimating_bias(&mut self) {}

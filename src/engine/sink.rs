@@ -36,25 +36,24 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// ```
 pub trait Sink: Send {
     /// A run of this scenario begins or is continued.
-    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
-        let _ = (scenario, asked);
+    fn begin(&mut self, _scenario: &Scenario, _asked: &Asked) -> Result<(), SinkError> {
         Ok(())
     }
 
     /// The next block is finished.
-    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError>;
+    fn block(&mut self, _block: &BlockResult) -> Result<(), SinkError> {
+        Ok(())
+    }
 
     /// All blocks that the sink has received are summed up. This is called after each block, and
     /// once more when the paths are done. A sink that saves the run should do so only from time to
     /// time.
-    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
-        let _ = moment;
+    fn save(&mut self, _moment: &Moment<'_>) -> Result<(), SinkError> {
         Ok(())
     }
 
     /// The run is over, with this outcome.
-    fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        let _ = outcome;
+    fn finish(&mut self, _outcome: &Outcome) -> Result<(), SinkError> {
         Ok(())
     }
 }

@@ -22,7 +22,7 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::{Event, Model};
 use crate::noise;
-use crate::scheme::{Glide, Instant, Observer, Simulate as _, Simulation, Snapshot, Timeline, Unresolved};
+use crate::scheme::{Glide, Observer, Simulate as _, Simulation, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
@@ -72,10 +72,6 @@ pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
 struct PathMotion(Vec<Glide>);
 
 impl Observer for PathMotion {
-    fn event(&mut self, _: usize, _: Event) {}
-
-    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
-
     fn follows(&self) -> bool {
         true
     }
@@ -104,8 +100,6 @@ impl Observer for SeenLast {
     fn event(&mut self, _: usize, event: Event) {
         self.0 = [event.time, event.displacement];
     }
-
-    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
 
     fn follows(&self) -> bool {
         true

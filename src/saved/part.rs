@@ -2,7 +2,7 @@
 
 use super::rows::Position;
 use super::state::{RunQuestion, to_bytes};
-use crate::engine::{Asked, Moment, Outcome, Sink, SinkError};
+use crate::engine::{Asked, Moment, Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::stats::{BlockResult, Record};
 use std::time::Duration;
@@ -44,10 +44,6 @@ impl Sink for PartRecorder {
             // The time that was spent is left out, so that equal parts are equal.
             self.state = Some(to_bytes(question, &moment.state(), Duration::ZERO, self.rows));
         }
-        Ok(())
-    }
-
-    fn finish(&mut self, _: &Outcome) -> Result<(), SinkError> {
         Ok(())
     }
 }

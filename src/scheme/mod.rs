@@ -45,12 +45,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 
 /// Receives the events and states of the simulated paths. `lane` is the position of a path in the
-/// list of paths that are simulated.
+/// list of paths that are simulated. What an observer does not implement, it ignores.
 ///
 /// ```
 /// # use stick_slip_kernel as stick_slip;
 /// use stick_slip::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
-/// use stick_slip::scheme::{EventDriven, Instant, Observer, Scheme, Simulate as _, Snapshot, Timeline};
+/// use stick_slip::scheme::{EventDriven, Observer, Scheme, Simulate as _, Timeline};
 ///
 /// /// When each path first slips.
 /// struct FirstSlip(Vec<Option<f64>>);
@@ -59,7 +59,6 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 ///     fn event(&mut self, lane: usize, event: Event) {
 ///         if let EventKind::SlipStarted(_) = event.kind { self.0[lane].get_or_insert(event.time); }
 ///     }
-///     fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
 /// }
 ///
 /// let harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency: 0.25, phase: 0.0 }];
@@ -79,11 +78,11 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 /// ```
 pub trait Observer {
     /// An event of one path; the events of a path arrive in time order.
-    fn event(&mut self, lane: usize, event: Event);
+    fn event(&mut self, _lane: usize, _event: Event) {}
 
     /// The state of every path at an instant. Instants arrive in time order, after all events that
     /// happened until then.
-    fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>);
+    fn snapshot(&mut self, _instant: Instant, _snapshot: Snapshot<'_>) {}
 
     /// Whether the motion between the events is wanted: a scheme then tells the [`Glide`]s of every
     /// path. It asks once, before the paths begin.
@@ -103,11 +102,7 @@ pub trait Observer {
 }
 
 /// An observer that ignores everything.
-impl Observer for () {
-    fn event(&mut self, _: usize, _: Event) {}
-
-    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
-}
+impl Observer for () {}
 
 /// Two observers of the same paths.
 impl<A: Observer, B: Observer> Observer for (A, B) {
@@ -139,10 +134,6 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
 
 /// An observer that ignores everything, and stops the simulation when the flag is set.
 impl Observer for &AtomicBool {
-    fn event(&mut self, _: usize, _: Event) {}
-
-    fn snapshot(&mut self, _: Instant, _: Snapshot<'_>) {}
-
     #[inline]
     fn is_stopped(&self) -> bool {
         self.load(Ordering::Relaxed)

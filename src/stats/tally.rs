@@ -89,14 +89,10 @@ pub trait Tally<const N: usize>: Sync {
     fn start(&self, draws: AddressedDraws) -> Self::Path;
 
     /// Takes an event of the path. Events arrive in time order. By default nothing is done.
-    fn event(&self, path: &mut Self::Path, event: &Event) {
-        let _ = (path, event);
-    }
+    fn event(&self, _path: &mut Self::Path, _event: &Event) {}
 
     /// Takes the state of the path at a row of the output grid. By default nothing is done.
-    fn row(&self, path: &mut Self::Path, state: PathState) {
-        let _ = (path, state);
-    }
+    fn row(&self, _path: &mut Self::Path, _state: PathState) {}
 
     /// The numbers of a path that has reached t_end. It is not called for a path that diverged.
     fn end(&self, path: Self::Path, state: PathState) -> [f64; N];

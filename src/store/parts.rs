@@ -9,7 +9,6 @@ use crate::dataset::{Source as _, header, layout, read_variable};
 use crate::engine::{Asked, Outcome, Sink, SinkError, Status};
 use crate::saved::{Parts, PartsError, RunQuestion, State, each_block, of_bytes};
 use crate::scenario::Scenario;
-use crate::stats::BlockResult;
 use std::path::{Path, PathBuf};
 
 /// Why the files of parts cannot be joined.
@@ -87,10 +86,6 @@ impl Sink for PartsSink<'_> {
     }
 
     /// No block is simulated, so there is nothing to write here.
-    fn block(&mut self, _: &BlockResult) -> Result<(), SinkError> {
-        Ok(())
-    }
-
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
         let Some(workshop) = self.workshop.take() else { return Ok(()) };
         if outcome.status == Status::Interrupted {

@@ -2,7 +2,6 @@
 
 use super::clock::thread_seconds;
 use crate::ensemble::{BLOCK_SIZE, drawn};
-use crate::model::Event;
 use crate::scenario::Scenario;
 use crate::scheme::{Instant, Observer, Simulate as _, Snapshot};
 use crate::stats::BlockObserver;
@@ -25,8 +24,6 @@ impl TimeLimit {
 }
 
 impl Observer for TimeLimit {
-    fn event(&mut self, _: usize, _: Event) {}
-
     fn snapshot(&mut self, _: Instant, snapshot: Snapshot<'_>) {
         self.reached = snapshot.time;
     }
