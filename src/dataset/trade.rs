@@ -3,7 +3,7 @@
 
 use super::header::{Format, walk_origin};
 use super::layout::{Unit, Variable, table, variable};
-use super::summary::{estimate_of, write_statistics};
+use super::summary::write_statistics;
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_variable, series, texts};
 use crate::engine::Provenance;
@@ -94,22 +94,20 @@ fn measured(walk: &mut Walk, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]) -> W
     rungs.clear();
     for (i, name) in names.iter().enumerate() {
         let kind = Kind::from_name(name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
-        let at = |values: &[f64], statistic: Statistic| values[i * ALL + statistic.index()];
-        let estimate = |statistic| {
-            let (mut numbers, known) = ([f64::NAN; 7], [&estimates, &errors].map(|values| at(values, statistic)));
-            numbers[..2].copy_from_slice(&known);
-            estimate_of(statistic, numbers)
+        let numbers = |values: &[f64], errors: &[f64]| -> Vec<Number> {
+            let of_rung = i * ALL..(i + 1) * ALL;
+            let pairs = values[of_rung.clone()].iter().zip(&errors[of_rung]);
+            pairs.map(|(&value, &error)| Number { value, error }).collect()
         };
-        let change = |statistic| Number { value: at(&changes, statistic), error: at(&change_errors, statistic) };
-        let changes = Statistic::ALL.map(change);
+        let changes = numbers(&changes, &change_errors);
         let is_measured = changes.iter().any(|change| !change.value.is_nan());
         rungs.push(Rung {
             scheme: kind.with(if kind.has_step() { steps[i] } else { tolerances[i] }),
             paths: paths[i],
             diverged: diverged[i].min(paths[i]),
             cost: Cost { first: first[i], each: each[i] },
-            estimates: Statistic::ALL.map(estimate),
-            changes: if is_measured { changes.to_vec() } else { Vec::new() },
+            estimates: numbers(&estimates, &errors),
+            changes: if is_measured { changes } else { Vec::new() },
         });
     }
     Ok(())

@@ -9,7 +9,7 @@ use std::time::Duration;
 use stick_slip::model::{InitialNoise, Model, Noise};
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
-use stick_slip::stats::{Estimate, Statistic};
+use stick_slip::stats::Statistic;
 use stick_slip::study::trade::{
     Choice, Cost, Effort, Ladder, Limits, Number, Pairing, Refusal, Rung, Standing, Trade, measure,
 };
@@ -167,20 +167,10 @@ fn a_measurement_is_reproducible() {
 /// reference of cost 1 s.
 fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     const PATHS: u64 = 1 << 54; // so many that errors vanish
-    let estimate = |value: f64| {
-        let standard_error = (v / PATHS as f64).sqrt();
-        Statistic::ALL.map(|statistic| Estimate {
-            statistic,
-            estimate: value,
-            standard_error,
-            low: value,
-            high: value,
-            bias: None,
-        })
-    };
+    let estimates = |value: f64| vec![Number { value, error: (v / PATHS as f64).sqrt() }; Statistic::ALL.len()];
     let rung = |scheme: Scheme, seconds, value: f64, changes| {
         let cost = Cost { first: 0.0, each: seconds };
-        Rung { scheme, paths: PATHS, diverged: 0, cost, estimates: estimate(value), changes }
+        Rung { scheme, paths: PATHS, diverged: 0, cost, estimates: estimates(value), changes }
     };
     let bias = |h: f64| c * h.powf(p);
     let steps: Vec<f64> = (0..9).map(|k| 0.1 * 0.5f64.powi(k)).collect();

@@ -214,7 +214,9 @@ fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<Run
 fn rung(scheme: Scheme, totals: &Totals) -> Rung {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
-    Rung { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates: summary.estimates, changes: Vec::new() }
+    let number = |e: &Estimate| Number { value: e.estimate, error: e.standard_error };
+    let estimates = summary.estimates.iter().map(number).collect();
+    Rung { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates, changes: Vec::new() }
 }
 
 /// Measure the rungs of all schemes with a step; the list is empty if they are cut short too early.
@@ -284,10 +286,10 @@ fn in_groups(plans: &[(Scheme, Plan)], empty: &Totals, of_group: u64, end: Measu
 
 /// The differences of two rungs on one realisation of the noise. Their standard errors follow from
 /// leaving out each group on both rungs.
-fn changes(here: &[Estimate], finer: &[Estimate], coarse: &[GroupValues], fine: &[GroupValues]) -> Vec<Number> {
+fn changes(here: &[Number], finer: &[Number], coarse: &[GroupValues], fine: &[GroupValues]) -> Vec<Number> {
     let change = |i: usize| {
         let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();
-        Number { value: here[i].estimate - finer[i].estimate, error: jackknife::standard_error(&without) }
+        Number { value: here[i].value - finer[i].value, error: jackknife::standard_error(&without) }
     };
     (0..here.len()).map(change).collect()
 }

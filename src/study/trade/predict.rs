@@ -263,7 +263,6 @@ mod tests {
     use super::super::{Cost, Standing};
     use super::*;
     use crate::scheme::{DiscreteVi, EventDriven};
-    use crate::stats::Estimate;
 
     /// The change from h to h/2 is C (sqrt(h) - sqrt(h/2)). The changes at h/r, h/2r, h/4r, ... are
     /// added one by one, up to the 200th.
@@ -284,22 +283,12 @@ mod tests {
     /// target. At half the finest step the rest is 0.01 sqrt(1/4)/(1 - sqrt(1/2)).
     #[test]
     fn without_a_law_the_changes_and_their_tail_bound_the_bias() {
-        let estimate = |standard_error: f64| {
-            Statistic::ALL.map(|statistic| Estimate {
-                statistic,
-                estimate: 1.0,
-                standard_error,
-                low: 1.0,
-                high: 1.0,
-                bias: None,
-            })
-        };
         let rung = |scheme: Scheme, seconds, error: f64, change: Option<f64>| Rung {
             scheme,
             paths: 100,
             diverged: 0,
             cost: Cost { first: 0.0, each: seconds },
-            estimates: estimate(error),
+            estimates: vec![Number { value: 1.0, error }; Statistic::ALL.len()],
             changes: change.map_or(Vec::new(), |value| vec![Number { value, error: 0.0 }; Statistic::ALL.len()]),
         };
         let rungs = vec![

@@ -2,7 +2,7 @@
 
 use super::Number;
 use crate::scheme::Scheme;
-use crate::stats::{Estimate, Statistic};
+use crate::stats::Statistic;
 
 /// Number of groups of paths. Each is left out in turn to find the error of a change (the
 /// jackknife).
@@ -40,7 +40,7 @@ pub struct Rung {
     /// The cost of its paths.
     pub cost: Cost,
     /// One for each of `Statistic::ALL`, in that order.
-    pub estimates: [Estimate; Statistic::ALL.len()],
+    pub estimates: Vec<Number>,
     /// S(h) - S(h/2) on one realisation of the noise, for each of `Statistic::ALL`; empty if there
     /// is no finer step to compare with.
     pub changes: Vec<Number>,
@@ -49,8 +49,7 @@ pub struct Rung {
 impl Rung {
     /// A statistic with its standard error.
     pub fn estimate(&self, statistic: Statistic) -> Number {
-        let Estimate { estimate, standard_error, .. } = self.estimates[statistic.index()];
-        Number { value: estimate, error: standard_error }
+        self.estimates[statistic.index()]
     }
 
     /// The variance of a statistic per path. The variance of a run of N paths is this divided by N.
@@ -73,14 +72,7 @@ mod tests {
     /// deviation of a path is then 0.5 sqrt(40), not 0.5 sqrt(100).
     #[test]
     fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
-        let estimates = Statistic::ALL.map(|statistic| Estimate {
-            statistic,
-            estimate: 3.0,
-            standard_error: 0.5,
-            low: 2.0,
-            high: 4.0,
-            bias: None,
-        });
+        let estimates = vec![Number { value: 3.0, error: 0.5 }; Statistic::ALL.len()];
         let scheme = DiscreteVi { step: 0.1 }.into();
         let rung = Rung { scheme, paths: 100, diverged: 60, cost: Cost::UNKNOWN, estimates, changes: Vec::new() };
         assert_eq!(rung.variance(Statistic::SticksPerPath), 10.0);
