@@ -81,7 +81,7 @@ impl CascadeSums {
     /// The sums over the paths of a block.
     pub fn of(paths: &[PathFold], unit: Unit) -> Self {
         let of_paths = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
-        let column = |of: fn(&PathFold) -> f64| unit.means(&of_paths(of)).into_owned();
+        let column = |of: fn(&PathFold) -> f64| unit.column(paths, of);
         let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
         let [first_sticks, first_durations] =
             [column(|p| f64::from(u8::from(p.first_duration.is_some()))), column(|p| p.first_duration.unwrap_or(0.0))];

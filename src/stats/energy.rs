@@ -27,8 +27,7 @@ sums_of_fields!(EnergySums { temperature, own_force, damping, change, residual, 
 impl EnergySums {
     /// The sums over the paths of a block.
     pub fn of(paths: &[MotionFold], unit: Unit) -> Self {
-        let column = |of: fn(&Works) -> f64| paths.iter().map(|path| of(&path.works)).collect::<Vec<f64>>();
-        let moments = |of: fn(&Works) -> f64| Moments::of(&unit.means(&column(of)));
+        let moments = |of: fn(&Works) -> f64| Moments::of(&unit.column(paths, |path| of(&path.works)));
         let residuals: Vec<f64> = paths.iter().map(MotionFold::residual).collect();
         EnergySums {
             temperature: moments(|works| works.temperature),

@@ -54,16 +54,11 @@ impl Groups {
     /// it at all.
     pub fn without(&self, run: &Totals) -> Vec<GroupValues> {
         let Totals { timeline, counts, .. } = run;
-        let some = &self.0[..GROUPS.min(counts.units() as usize)];
+        let some = &self.0[..GROUPS.min(counts.units as usize)];
         let empty = PhaseSums::empty(timeline, &counts.record);
-        let value = |sums: &PhaseSums, statistic| sums.measured(statistic, timeline, counts).estimate();
         // The median is taken from the run, because computing it for every group would take long.
-        let of = |sums: &PhaseSums| {
-            Statistic::ALL.map(|statistic| match statistic.row().median_of {
-                Some(_) => f64::NAN,
-                None => value(sums, statistic),
-            })
-        };
+        let is_no_median = |statistic: Statistic| statistic.row().median_of.is_none();
+        let of = |sums: &PhaseSums| sums.values(timeline, counts, is_no_median);
         let (_, mut without) = leaving_one_out(&empty, some, of);
         let medians = Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, statistic.row().median_of?)));
         for (statistic, law) in medians {

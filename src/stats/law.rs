@@ -130,9 +130,7 @@ const SUM: usize = 1;
 impl LawSums {
     /// The sums over the paths of a block, of each of which `of` gives the values.
     pub fn of<P>(paths: &[P], of: impl Fn(&P) -> Folded, unit: Unit) -> Self {
-        let column = |of_one: &dyn Fn(Folded) -> f64| {
-            unit.means(&paths.iter().map(|path| of_one(of(path))).collect::<Vec<f64>>()).into_owned()
-        };
+        let column = |of_one: &dyn Fn(Folded) -> f64| unit.column(paths, |path| of_one(of(path)));
         let numbers = column(&|folded| folded.count.into());
         let sums = column(&|folded| folded.sum);
         let units = JointMoments::of([&numbers, &sums, &column(&|folded| folded.squares)]);

@@ -150,9 +150,7 @@ impl PeriodDisplacementsFold {
             return self.empty;
         }
         let (all, pairs) = (self.empty.displacements as f64, self.empty.displacements as f64 - 1.0);
-        let column = |of: &dyn Fn(&PathDisplacements) -> f64| {
-            unit.means(&self.paths.iter().map(of).collect::<Vec<f64>>()).into_owned()
-        };
+        let column = |of: &dyn Fn(&PathDisplacements) -> f64| unit.column(&self.paths, of);
         let of_pairs = |sum: f64| if pairs > 0.0 { sum / pairs } else { 0.0 };
         let paths = JointMoments::of([
             &column(&|path| path.sum / all),

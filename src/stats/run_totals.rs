@@ -133,7 +133,7 @@ impl<X: Merge + Clone> RunTotals<X> {
     /// The totals of all paths that have been added.
     pub fn totals(&self) -> Totals {
         let sums = self.tree.total(|(sums, _)| sums).unwrap_or_else(|| self.empty.0.clone());
-        Totals::of(self.timeline, sums, self.counts.clone())
+        Totals { timeline: self.timeline, sums, counts: self.counts.clone() }
     }
 
     /// The user's own sums over all paths that have been added.

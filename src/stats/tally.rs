@@ -123,8 +123,7 @@ impl<const N: usize> Default for PathMeans<N> {
 impl<const N: usize> PathMeans<N> {
     /// The means of the numbers of consecutive paths, without diverged ones.
     pub fn of(paths: &[[f64; N]], unit: Unit) -> Self {
-        let column = |i: usize| unit.means(&paths.iter().map(|numbers| numbers[i]).collect::<Vec<f64>>()).into_owned();
-        let columns: [Vec<f64>; N] = std::array::from_fn(column);
+        let columns: [Vec<f64>; N] = std::array::from_fn(|i| unit.column(paths, |numbers| numbers[i]));
         let count = |is: &dyn Fn(&[f64; N]) -> bool| paths.iter().filter(|numbers| is(numbers)).count() as u64;
         PathMeans {
             moments: JointMoments::of(columns.each_ref().map(Vec::as_slice)),

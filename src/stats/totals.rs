@@ -70,7 +70,7 @@ pub struct Counts {
     /// Number of paths folded, without the diverged ones.
     paths: u64,
     /// Number of independent units: that of the paths, or half of it for pairs.
-    units: u64,
+    pub(super) units: u64,
     diverged: Diverged,
     /// By the number of the law: that of sticks, and the others if they are asked for.
     pub(super) laws: Vec<LawCounts>,
@@ -186,11 +186,6 @@ impl Counts {
         (!self.certain.everything).then_some(units)
     }
 
-    /// Number of independent units folded, without the diverged paths.
-    pub(super) fn units(&self) -> u64 {
-        self.units
-    }
-
     fn sample(&self) -> Sample {
         Sample { paths: self.paths, units: self.units, is_random: !self.certain.everything }
     }
@@ -208,11 +203,6 @@ impl Totals {
             sums: Sums::empty(model, timeline, record),
             counts: Counts::empty(model, timeline, record),
         }
-    }
-
-    /// The totals from their two parts.
-    pub(super) fn of(timeline: Timeline, sums: Sums, counts: Counts) -> Self {
-        Totals { timeline, sums, counts }
     }
 
     /// Set row `row` of the output grid from all paths of the block.
@@ -297,9 +287,7 @@ impl Totals {
     /// The values of the wanted statistics, in the order of `Statistic::ALL`, without errors and
     /// intervals; NaN in the place of the others.
     pub fn values(&self, is_wanted: impl Fn(Statistic) -> bool) -> [f64; Statistic::ALL.len()] {
-        let measured = |statistic| self.sums.phases.measured(statistic, &self.timeline, &self.counts);
-        let value = |statistic| if is_wanted(statistic) { measured(statistic).estimate() } else { f64::NAN };
-        Statistic::ALL.map(value)
+        self.sums.phases.values(&self.timeline, &self.counts, is_wanted)
     }
 }
 
@@ -341,6 +329,17 @@ impl PhaseSums {
         ];
         let always: [&dyn Measure; 2] = [cascade, periods];
         always.into_iter().chain(asked.into_iter().flatten())
+    }
+
+    /// The values of the statistics that are wanted, without errors and intervals; NaN for others.
+    pub(super) fn values(
+        &self,
+        timeline: &Timeline,
+        counts: &Counts,
+        is_wanted: impl Fn(Statistic) -> bool,
+    ) -> [f64; Statistic::ALL.len()] {
+        let value = |statistic| self.measured(statistic, timeline, counts).estimate();
+        Statistic::ALL.map(|statistic| if is_wanted(statistic) { value(statistic) } else { f64::NAN })
     }
 
     /// A statistic of the run that has these sums.

@@ -44,6 +44,11 @@ impl Unit {
         }
     }
 
+    /// One number for each unit: the mean of a number of its paths.
+    pub fn column<T>(self, paths: &[T], of: impl Fn(&T) -> f64) -> Vec<f64> {
+        self.means(&paths.iter().map(of).collect::<Vec<f64>>()).into_owned()
+    }
+
     /// Number of units in which at least one path satisfies `is`.
     pub fn count<T>(self, paths: &[T], is: impl Fn(&T) -> bool) -> u64 {
         match self {
