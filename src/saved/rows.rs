@@ -62,8 +62,7 @@ fn write_table<T: Columns>(table: Option<&T>, out: &mut Vec<u8>) {
 }
 
 fn read_table<T: Columns>(from: &mut Reader<'_>) -> Result<Option<T>, Damaged> {
-    let mut is_there = 0_u64;
-    is_there.read(from)?;
+    let is_there: u64 = from.value()?;
     let column =
         |_: &_, kind: ElementType| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
     if is_there == 0 { Ok(None) } else { T::read::<String>(column).map(Some).map_err(|_| Damaged) }

@@ -176,8 +176,7 @@ pub(crate) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, SavedError> {
     if from.take(MAGIC.len()).ok() != Some(MAGIC) || u32::from_le_bytes(*sum) != checksum(0, body) {
         return Err(damaged());
     }
-    let mut version = 0_u64;
-    version.read(&mut from).map_err(|_| damaged())?;
+    let version: u64 = from.value().map_err(|_| damaged())?;
     if version > VERSION {
         return Err(SavedError::Newer { path: path.to_owned() });
     }
@@ -201,24 +200,23 @@ impl From<Damaged> for ParseError {
 
 fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
-    let program = Program { version, git_hash, generator, block_size: count(from)? };
-    let mine = Program::mine();
+    let program = Program { version, git_hash, generator, block_size: from.value()? };
     if format != VERSION {
         return Err(ParseError::OtherProgram(Box::new([program, mine])));
     }
     let text = read_text(from)?;
     let samples = (0..from.length()?).map(|_| read_series(from)).collect::<Result<Vec<_>, _>>()?;
     let scenario = Scenario::parse_stored("state", &text, &[], &samples).map_err(|_| Damaged)?;
-    let paths = count(from)?;
-    let (number, of) = (count(from)?, count(from)?);
+    let paths = from.value()?;
+    let [number, of]: [u64; 2] = from.value()?;
     let part = if of == 0 { None } else { Some(Part::new(number, of).ok_or(Damaged)?) };
     let goals = (0..from.length()?).map(|_| goal(from)).collect::<Result<_, _>>()?;
-    let max_time = Some(Duration::from_nanos(count(from)?)).filter(|time| !time.is_zero());
-    let with_bias = count(from)? == 1;
+    let max_time = Some(Duration::from_nanos(from.value()?)).filter(|time| !time.is_zero());
+    let with_bias = from.value::<u64>()? == 1;
     let asked = Asked { paths, part, goals, max_time, with_bias };
     let note = read_text(from)?;
-    let spent = Duration::from_nanos(count(from)?);
-    let rows = Position { length: count(from)?, checksum: count(from)?.try_into().map_err(|_| Damaged)? };
+    let spent = Duration::from_nanos(from.value()?);
+    let rows = Position { length: from.value()?, checksum: from.value::<u64>()?.try_into().map_err(|_| Damaged)? };
     let length = from.length()?;
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline(), &scenario.record);
     // If the sums cannot be read and the state names another program, that difference is reported
@@ -245,16 +243,10 @@ fn write_series(NamedSeries { name, series }: &NamedSeries, out: &mut Vec<u8>) {
 
 fn read_series(from: &mut Reader<'_>) -> Result<NamedSeries, Damaged> {
     let (name, samples) = (read_text(from)?, from.length()?);
-    let mut numbers = || (0..samples).map(|_| real(from)).collect::<Result<Vec<f64>, Damaged>>();
+    let mut numbers = || (0..samples).map(|_| from.value()).collect::<Result<Vec<f64>, Damaged>>();
     let (times, values) = (numbers()?, numbers()?);
     let series = Series::new(times, values).map_err(|_| Damaged)?.into();
     Ok(NamedSeries { name, series })
-}
-
-fn real(from: &mut Reader<'_>) -> Result<f64, Damaged> {
-    let mut number = 0.0;
-    number.read(from)?;
-    Ok(number)
 }
 
 /// Whether these sums are of the first blocks that were asked for.
@@ -266,15 +258,9 @@ fn is_of(totals: &RunTotals, asked: &Asked) -> bool {
     }
 }
 
-fn count(from: &mut Reader<'_>) -> Result<u64, Damaged> {
-    let mut count = 0;
-    count.read(from).map(|()| count)
-}
-
 fn goal(from: &mut Reader<'_>) -> Result<Goal, Damaged> {
     let statistic = Statistic::from_name(&read_text(from)?).ok_or(Damaged)?;
-    let (kind, mut bound) = (count(from)?, 0.0);
-    bound.read(from)?;
+    let (kind, bound): (u64, f64) = (from.value()?, from.value()?);
     let bound = if kind == 0 { Bound::Relative(bound) } else { Bound::Absolute(bound) };
     Ok(Goal { statistic, bound })
 }

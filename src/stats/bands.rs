@@ -100,9 +100,7 @@ impl Codec for BandSums {
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
         self.rows.read(from)?;
-        let mut has_pairs = 0;
-        has_pairs.read(from)?;
-        self.within = match has_pairs {
+        self.within = match from.value::<u64>()? {
             0 => None,
             1 => Some(no_squares(self.rows[0].len())),
             _ => return Err(Damaged),

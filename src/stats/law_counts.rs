@@ -237,8 +237,7 @@ impl Codec for LawCounts {
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        let mut step = 0.0_f64;
-        step.read(from)?;
+        let step: f64 = from.value()?;
         if !(step >= 0.0 && step.is_finite()) {
             return Err(Damaged);
         }

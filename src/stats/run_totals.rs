@@ -158,12 +158,7 @@ impl RunTotals {
     /// additional bytes are [`Damaged`].
     pub fn read(self, bytes: &[u8]) -> Result<Self, Damaged> {
         let mut from = Reader::new(bytes);
-        let mut version = 0_u64;
-        if from.take(MAGIC.len())? != MAGIC {
-            return Err(Damaged);
-        }
-        version.read(&mut from)?;
-        if version != VERSION {
+        if from.take(MAGIC.len())? != MAGIC || from.value::<u64>()? != VERSION {
             return Err(Damaged);
         }
         let RunTotals { timeline, empty, mut counts, .. } = self;

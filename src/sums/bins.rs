@@ -343,10 +343,8 @@ impl Bins {
     }
 
     pub fn read(from: &mut Reader<'_>, shape: &Shape) -> Result<Self, Damaged> {
-        let (mut level, mut ends) = (0_u64, [0.0_f64; 2]);
-        level.read(from)?;
-        ends.read(from)?;
-        let level = i32::try_from(unsigned(level)).map_err(|_| Damaged)?;
+        let level = i32::try_from(unsigned(from.value()?)).map_err(|_| Damaged)?;
+        let ends: [f64; 2] = from.value()?;
         let is_valid = |value: f64| match shape.scale {
             Some(_) => (0.0..=OCTAVES as f64).contains(&value),
             None => (value - shape.centre).is_finite(),
@@ -363,10 +361,9 @@ impl Bins {
         let mut list = List::with_capacity(number);
         let mut index = 0_i64;
         for _ in 0..number {
-            let mut bin = [0_u64; 2];
-            bin.read(from)?;
-            index = index.wrapping_add(unsigned(bin[0]));
-            list.push((index, bin[1]));
+            let [step, count] = from.value()?;
+            index = index.wrapping_add(unsigned(step));
+            list.push((index, count));
         }
         let ruler = Ruler::new(shape.centre, level);
         let ends = ends.map(|value| Some(ruler.index(value) as i64));

@@ -28,6 +28,12 @@ impl<'a> Reader<'a> {
         Ok(taken)
     }
 
+    /// The next value, of a type that fixes how many numbers it holds.
+    pub fn value<T: Codec + Default>(&mut self) -> Result<T, Damaged> {
+        let mut value = T::default();
+        value.read(self).map(|()| value)
+    }
+
     /// Number of bytes that are left.
     pub fn left(&self) -> usize {
         self.0.len()
@@ -36,9 +42,7 @@ impl<'a> Reader<'a> {
     /// The next count as the length of a list, or [`Damaged`] if it exceeds the number of remaining
     /// bytes, which no list can.
     pub fn length(&mut self) -> Result<usize, Damaged> {
-        let mut length = 0_u64;
-        length.read(self)?;
-        usize::try_from(length).ok().filter(|length| *length <= self.left()).ok_or(Damaged)
+        usize::try_from(self.value::<u64>()?).ok().filter(|length| *length <= self.left()).ok_or(Damaged)
     }
 }
 

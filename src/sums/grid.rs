@@ -190,9 +190,7 @@ impl Codec for GridAxis {
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        let mut numbers = [0_u64; 3];
-        numbers.read(from)?;
-        let [level, first, cells] = numbers;
+        let [level, first, cells] = from.value::<[u64; 3]>()?;
         let (level, first) = (level.cast_signed(), first.cast_signed());
         let is_sound = (i64::from(LOWEST)..=1024).contains(&level) && first.unsigned_abs() <= 1 << (INDEX_BITS + 2);
         if !is_sound || cells > 1 << 16 {

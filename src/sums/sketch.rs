@@ -195,12 +195,10 @@ impl Codec for Sketch {
     }
 
     fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        let mut is_binned = 0_u64;
-        is_binned.read(from)?;
         *self = Sketch::empty(self.shape);
-        match is_binned {
+        match from.value::<u64>()? {
             0 => {
-                self.at_centre.read(from)?;
+                self.at_centre = from.value()?;
                 let length = from.clone().length()?;
                 if length > self.shape.values {
                     return Err(Damaged);

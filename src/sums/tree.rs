@@ -153,9 +153,8 @@ impl<S: Merge + Codec> Tree<S> {
         let mut tree = Tree::default();
         let count = from.length()?;
         for _ in 0..count {
-            let (mut level, mut first, mut sums) = (0_u64, 0_u64, empty.clone());
-            level.read(from)?;
-            first.read(from)?;
+            let [level, first]: [u64; 2] = from.value()?;
+            let mut sums = empty.clone();
             sums.read(from)?;
             let level = u32::try_from(level).ok().filter(|level| *level < u64::BITS - 1).ok_or(Damaged)?;
             if first % size(level) != 0 || first > u64::MAX / 2 {
