@@ -5,7 +5,7 @@ use super::promise::writable_hdf5;
 use super::{Failure, files, note, print, results};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use stick_slip::engine::{self, ReplayRows, Status, other_program};
+use stick_slip::engine::{self, ReplayRows, Status};
 use stick_slip::ensemble::Plan;
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::Record;
@@ -33,7 +33,7 @@ impl Arguments {
         let stored = files::read(&self.file, store::read)?;
         results::check_path(&stored, self.path)?;
         let scenario = results::scenario(&self.file.display().to_string(), &stored, &[])?;
-        if let Some(other) = other_program(&stored.header.program_version, &stored.header.git_hash) {
+        if let Some(other) = stored.header.program.other() {
             note(&format!("warning: {} was {other}", self.file.display()));
         }
         self.check_path(&scenario)?;

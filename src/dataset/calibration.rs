@@ -10,7 +10,7 @@ use crate::bearing::calibration::{
     SearchStart, SeenSlip, Values, response_of,
 };
 use crate::data::Start;
-use crate::engine::{PROGRAM_VERSION, commit};
+use crate::engine::Program;
 use crate::stats::Units;
 
 /// Name and version of the format.
@@ -89,7 +89,7 @@ fn walk(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
 fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     let StoredCalibration { title, scenario_text, calibration, warnings, .. } = stored;
     let Calibration { question, lag, .. } = calibration;
-    walk_origin(walk, CALIBRATION_FORMAT, title, [&mut PROGRAM_VERSION.into(), &mut commit().into()])?;
+    walk_origin(walk, CALIBRATION_FORMAT, title, &mut Program::mine())?;
     walk.attribute("scenario", scenario_text)?;
     let mut method = question.method.name().to_owned();
     let mut choice = if question.lag == Lag::Auto { "auto" } else { "given" }.to_owned();

@@ -2,7 +2,7 @@
 
 use super::layout::Described;
 use super::{Column, Element, ElementType};
-use crate::engine::other_program;
+use crate::engine::Program;
 use crate::stats::Units;
 use crate::stats::column::values_of;
 use std::ops::Range;
@@ -150,7 +150,7 @@ pub(crate) fn read_attribute<T: AttributeValue>(from: &dyn Source, name: &str) -
 pub(crate) fn read_other_program(from: &dyn Source) -> Result<Option<String>, String> {
     let [version, hash]: [Result<String, _>; 2] =
         ["program_version", "git_hash"].map(|name| read_attribute(from, name));
-    Ok(other_program(&version?, &hash?))
+    Ok(Program { version: version?, git_hash: hash?, ..Program::default() }.other())
 }
 
 /// Read a variable. A variable that is left out because one of its dimensions has no length gives

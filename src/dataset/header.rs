@@ -3,7 +3,7 @@
 
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, read_attribute};
-use crate::engine::{NoPart, PROGRAM_VERSION, Part, Provenance, Status, commit};
+use crate::engine::{NoPart, Part, Program, Provenance, Status};
 use crate::model::{NamedSeries, PAPER};
 use crate::stats::Units;
 
@@ -38,7 +38,7 @@ pub(super) fn walk_origin(
     walk: &mut Walk,
     (name, (major, minor)): Format,
     title: &mut String,
-    [version, hash]: [&mut String; 2],
+    Program { version, git_hash, .. }: &mut Program,
 ) -> Walked {
     walk.derived_attribute("Conventions", CONVENTIONS);
     walk.attribute("title", title)?;
@@ -52,13 +52,7 @@ pub(super) fn walk_origin(
 
 /// Write what a data set is, and that this program made it.
 pub(super) fn write_origin(to: &mut Dataset, format: Format, title: &str) {
-    let done = walk_origin(
-        &mut Walk::Writing(to),
-        format,
-        &mut title.into(),
-        [&mut PROGRAM_VERSION.into(), &mut commit().into()],
-    );
-    debug_assert_eq!(done, Ok(()));
+    to.write_by(|to| walk_origin(to, format, &mut title.into(), &mut Program::mine()));
 }
 
 fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
@@ -69,12 +63,9 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
         step,
         resolution,
         seed,
-        generator,
         paths,
         antithetic,
-        block_size,
-        program_version,
-        git_hash,
+        program,
         units: Units { time, length, force, temperature },
         // Coordinates and variables, and what only a scenario knows.
         time: _,
@@ -82,15 +73,15 @@ fn walk(walk: &mut Walk, header: &mut Provenance) -> Walked {
         series_start: _,
         bearing: _,
     } = header;
-    walk_origin(walk, FORMAT, title, [program_version, git_hash])?;
+    walk_origin(walk, FORMAT, title, program)?;
     walk.attribute("scheme", scheme)?;
     walk.attribute("step", step)?;
     walk.attribute("resolution", resolution)?;
     walk.attribute("seed", seed)?;
-    walk.attribute("generator", generator)?;
+    walk.attribute("generator", &mut program.generator)?;
     walk.attribute("paths", paths)?;
     walk.attribute("antithetic", antithetic)?;
-    walk.attribute("block_size", block_size)?;
+    walk.attribute("block_size", &mut program.block_size)?;
     walk.derived_attribute("status", Status::Running.name());
     walk.derived_attribute("completed_paths", 0);
     for (name, label) in

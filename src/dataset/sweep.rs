@@ -8,7 +8,7 @@ use super::summary::{CORRECTED, PER_STATISTIC, corrected_of, estimate_of, number
 use super::sweep_layout as own;
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, columns_of, counted, read_variable, series, texts};
-use crate::engine::{Provenance, Status, other_program};
+use crate::engine::{Program, Provenance, Status};
 use crate::model::NamedSeries;
 use crate::scenario::Scenario;
 use crate::stats::{GROUPS, GroupValues, LimitCycle, Statistic};
@@ -25,7 +25,7 @@ pub struct StoredSweep {
     /// The measured temperature of the scenario, if there is one.
     pub samples: Vec<NamedSeries>,
     /// Version, commit, generator and block size of the program that wrote the sweep, in one line.
-    pub program: String,
+    pub program: Program,
     /// The program that wrote the sweep, if it was another one.
     pub other_program: Option<String>,
     /// The design, which determines the points.
@@ -47,12 +47,6 @@ impl StoredSweep {
         let question = SweepQuestion::at_each(self.design, self.seeds, self.with_bias, scenario_at)?;
         Ok(Sweep { question, points: self.points })
     }
-}
-
-/// Everything about a program that decides its numbers, in one line. Points of programs that differ
-/// in it must not be in one sweep.
-pub(crate) fn program(version: &str, hash: &str, generator: &str, block_size: u64) -> String {
-    format!("mc {version} ({hash}), {generator}, blocks of {block_size}")
 }
 
 impl Dataset {
@@ -105,14 +99,13 @@ struct About {
 const ESTIMATED: &str = "estimated";
 
 fn attributes(walk: &mut Walk, header: &mut Provenance, about: &mut About) -> Walked {
-    let program = [&mut header.program_version, &mut header.git_hash];
-    walk_origin(walk, SWEEP_FORMAT, &mut header.title, program)?;
+    walk_origin(walk, SWEEP_FORMAT, &mut header.title, &mut header.program)?;
     walk.derived_attribute("scheme", header.scheme.as_str());
     walk.derived_attribute("seed", header.seed);
     walk.attribute("seeds", &mut about.seeds)?;
-    walk.attribute("generator", &mut header.generator)?;
+    walk.attribute("generator", &mut header.program.generator)?;
     walk.derived_attribute("paths", header.paths);
-    walk.attribute("block_size", &mut header.block_size)?;
+    walk.attribute("block_size", &mut header.program.block_size)?;
     walk.attribute("status", &mut about.status)?;
     walk.derived_attribute("points", about.points[0] as u64);
     walk.derived_attribute("completed_points", about.points[1] as u64);
@@ -306,12 +299,12 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredSweep, String> {
     let seeds = [Seeds::Common, Seeds::Independent].into_iter().find(|seeds| seeds.name() == about.seeds);
     let design = read_design(from, &about)?;
     points(&mut Walk::Reading(from), &design, &[], &mut results)?;
-    let Provenance { scenario_text, program_version, git_hash, generator, block_size, .. } = header;
+    let Provenance { scenario_text, program, .. } = header;
     Ok(StoredSweep {
         scenario_text,
         samples: series::read(from)?,
-        program: program(&program_version, &git_hash, &generator, block_size),
-        other_program: other_program(&program_version, &git_hash),
+        other_program: program.other(),
+        program,
         with_bias: about.bias == ESTIMATED,
         seeds: seeds.ok_or_else(|| format!("unknown seeds \"{}\"", about.seeds))?,
         status: Status::from_name(&about.status).ok_or_else(|| format!("unknown status \"{}\"", about.status))?,

@@ -48,10 +48,9 @@ impl Dataset {
 }
 
 fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) -> Walked {
-    let program = [&mut header.program_version, &mut header.git_hash];
-    walk_origin(walk, TRADE_FORMAT, &mut header.title, program)?;
+    walk_origin(walk, TRADE_FORMAT, &mut header.title, &mut header.program)?;
     walk.derived_attribute("seed", header.seed);
-    walk.derived_attribute("generator", header.generator.as_str());
+    walk.derived_attribute("generator", header.program.generator.as_str());
     walk.attribute("reference", reference)?;
     walk.attribute("scenario", &mut header.scenario_text)
 }

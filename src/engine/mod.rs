@@ -34,7 +34,7 @@ pub use ending::{EndedBy, Hopeless, MOST_PATHS, MissedGoal};
 pub use error::RunError;
 pub use outcome::{BiasReport, Outcome, Status};
 pub use progress::Progress;
-pub use provenance::{PROGRAM_VERSION, Provenance, built_from, commit, other_program};
+pub use provenance::{PROGRAM_VERSION, Program, Provenance, built_from, commit};
 pub use replay::{Replay, ReplayRows};
 pub use run::{Run, SoFar};
 pub use sink::{Memory, Moment, Sink, SinkError};

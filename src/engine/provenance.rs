@@ -6,6 +6,7 @@ use crate::model::NamedSeries;
 use crate::noise::GENERATOR;
 use crate::scenario::{Scenario, SensorBearing, TEMPERATURE_SERIES};
 use crate::stats::Units;
+use std::fmt;
 use std::sync::OnceLock;
 
 /// Version of the program.
@@ -28,11 +29,44 @@ pub fn commit() -> &'static str {
     COMMIT.get().unwrap_or(&"unknown")
 }
 
-/// Says which program has written a file, and that its numbers may therefore differ. None if it was
-/// this program.
-pub fn other_program(version: &str, git_hash: &str) -> Option<String> {
-    let is_own = version == PROGRAM_VERSION && git_hash == commit();
-    (!is_own).then(|| format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({})", commit()))
+/// The program that made numbers, as far as it decides their bits.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Program {
+    /// Version of the program.
+    pub version: String,
+    /// Commit that the program was built from.
+    pub git_hash: String,
+    /// Name of the random number generator and of the normal sampler.
+    pub generator: String,
+    /// Number of paths in a block.
+    pub block_size: u64,
+}
+
+impl Program {
+    /// This program.
+    pub fn mine() -> Self {
+        Program {
+            version: PROGRAM_VERSION.to_string(),
+            git_hash: commit().to_string(),
+            generator: GENERATOR.to_string(),
+            block_size: BLOCK_SIZE,
+        }
+    }
+
+    /// Says which program has written a file, and that its numbers may therefore differ. None if it
+    /// was this program.
+    pub fn other(&self) -> Option<String> {
+        let (Program { version, git_hash, .. }, commit) = (self, commit());
+        let is_own = version == PROGRAM_VERSION && git_hash == commit;
+        (!is_own).then(|| format!("written by mc {version} ({git_hash}); this is mc {PROGRAM_VERSION} ({commit})"))
+    }
+}
+
+impl fmt::Display for Program {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Program { version, git_hash, generator, block_size } = self;
+        write!(f, "mc {version} ({git_hash}), {generator}, blocks of {block_size}")
+    }
 }
 
 /// Everything that is needed to repeat a run, and to know which program made it.
@@ -50,19 +84,13 @@ pub struct Provenance {
     pub resolution: Option<f64>,
     /// Seed of the ensemble.
     pub seed: u64,
-    /// Name of the random number generator and of the normal sampler.
-    pub generator: String,
     /// Number of paths that were asked for.
     pub paths: u64,
     /// Whether the paths are antithetic pairs: paths 2k and 2k + 1 see the same noise with opposite
     /// signs.
     pub antithetic: bool,
-    /// Number of paths in a block.
-    pub block_size: u64,
-    /// Version of the program.
-    pub program_version: String,
-    /// Commit that the program was built from.
-    pub git_hash: String,
+    /// The program that made the run.
+    pub program: Program,
     /// Labels of the units; empty where the scenario is dimensionless.
     pub units: Units,
     /// Times of the output grid.
@@ -86,12 +114,9 @@ impl Provenance {
             step: scenario.scheme.step(),
             resolution: scenario.resolution().map(|resolution| resolution.shortest_slip),
             seed: scenario.ensemble.seed,
-            generator: GENERATOR.to_string(),
             paths: scenario.ensemble.paths,
             antithetic: scenario.ensemble.antithetic,
-            block_size: BLOCK_SIZE,
-            program_version: PROGRAM_VERSION.to_string(),
-            git_hash: commit().to_string(),
+            program: Program::mine(),
             units: scenario.units.clone(),
             time: scenario.timeline().output_times(),
             samples: scenario.samples(),

@@ -7,10 +7,9 @@
 use super::SavedError;
 use super::checksum::checksum;
 use super::rows::Position;
-use crate::engine::{Asked, PROGRAM_VERSION, Part, Provenance, SoFar, commit};
-use crate::ensemble::{BLOCK_SIZE, Plan};
+use crate::engine::{Asked, Part, Program, Provenance, SoFar};
+use crate::ensemble::Plan;
 use crate::model::{NamedSeries, Series};
-use crate::noise::GENERATOR;
 use crate::scenario::Scenario;
 use crate::stats::{Bound, Goal, RunTotals, Statistic};
 use crate::sums::{Codec, Damaged, Reader};
@@ -61,34 +60,6 @@ impl RunQuestion {
     }
 }
 
-/// The version of the program that began a run.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub(crate) struct Program {
-    version: String,
-    git_hash: String,
-    generator: String,
-    block_size: u64,
-}
-
-impl Program {
-    /// This program.
-    fn mine() -> Self {
-        Program {
-            version: PROGRAM_VERSION.to_string(),
-            git_hash: commit().to_string(),
-            generator: GENERATOR.to_string(),
-            block_size: BLOCK_SIZE,
-        }
-    }
-}
-
-impl std::fmt::Display for Program {
-    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        let Program { version, git_hash, generator, block_size } = self;
-        write!(f, "mc {version} ({git_hash}), {generator}, blocks of {block_size}")
-    }
-}
-
 /// A state that was read back.
 #[derive(Clone, Debug)]
 pub(crate) struct State {
@@ -111,20 +82,19 @@ impl State {
 
     /// The provenance of its numbers, with the program that began the run.
     pub fn header(&self) -> Provenance {
-        let Program { version, git_hash, generator, block_size } = self.program.clone();
         let header = self.question.asked.provenance(&self.question.scenario);
-        Provenance { program_version: version, git_hash, generator, block_size, ..header }
+        Provenance { program: self.program.clone(), ..header }
     }
 
     /// An error if another program began the run, because it need not produce the same bits.
     pub fn check_program(&self, path: &Path) -> Result<(), SavedError> {
-        let mine = Program::mine();
-        if self.program == mine { Ok(()) } else { Err(other_program(path, &self.program, &mine)) }
+        if self.program == Program::mine() { Ok(()) } else { Err(other_program(path, &self.program)) }
     }
 }
 
-fn other_program(path: &Path, theirs: &Program, mine: &Program) -> SavedError {
-    SavedError::OtherProgram { path: path.to_owned(), theirs: theirs.to_string(), mine: mine.to_string() }
+fn other_program(path: &Path, program: &Program) -> SavedError {
+    let [theirs, mine] = [program, &Program::mine()].map(Program::to_string);
+    SavedError::OtherProgram { path: path.to_owned(), theirs, mine }
 }
 
 /// The state of a run as bytes. `totals` are the bytes of its sums.
@@ -182,14 +152,14 @@ pub(crate) fn of_bytes(bytes: &[u8], path: &Path) -> Result<State, SavedError> {
     }
     parse(version, &mut from).map_err(|unread| match unread {
         ParseError::Damaged => damaged(),
-        ParseError::OtherProgram(programs) => other_program(path, &programs[0], &programs[1]),
+        ParseError::OtherProgram(program) => other_program(path, &program),
     })
 }
 
 /// Why bytes with a correct checksum are not a state that can be used.
 enum ParseError {
     Damaged,
-    OtherProgram(Box<[Program; 2]>),
+    OtherProgram(Box<Program>),
 }
 
 impl From<Damaged> for ParseError {
@@ -202,7 +172,7 @@ fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     let (version, git_hash, generator) = (read_text(from)?, read_text(from)?, read_text(from)?);
     let program = Program { version, git_hash, generator, block_size: from.value()? };
     if format != VERSION {
-        return Err(ParseError::OtherProgram(Box::new([program, mine])));
+        return Err(ParseError::OtherProgram(program.into()));
     }
     let text = read_text(from)?;
     let samples = (0..from.length()?).map(|_| read_series(from)).collect::<Result<Vec<_>, _>>()?;
@@ -221,9 +191,9 @@ fn parse(format: u64, from: &mut Reader<'_>) -> Result<State, ParseError> {
     let empty = RunTotals::empty(&scenario.model, &scenario.timeline(), &scenario.record);
     // If the sums cannot be read and the state names another program, that difference is reported
     // instead of damage.
-    let totals = empty.read(from.take(length)?).map_err(|_| match program == mine {
+    let totals = empty.read(from.take(length)?).map_err(|_| match program == Program::mine() {
         true => ParseError::Damaged,
-        false => ParseError::OtherProgram(Box::new([program.clone(), mine])),
+        false => ParseError::OtherProgram(program.clone().into()),
     })?;
     let is_sound = from.left() == 0 && is_of(&totals, &asked);
     let question = RunQuestion { scenario, asked, note };

@@ -17,7 +17,7 @@ use super::naming::{give_name, parent};
 use super::own::{self, identity};
 use super::reader::check_file;
 use super::{check_space, partial_path, read_sweep, remains, workshop};
-use crate::dataset::sweep::{name, program};
+use crate::dataset::sweep::name;
 use crate::dataset::{Dataset, StoredSweep};
 use crate::engine::Provenance;
 use crate::stats::{GROUPS, Statistic};
@@ -158,7 +158,6 @@ fn same_question(path: &Path, question: &SweepQuestion) -> Result<Vec<Option<Poi
 /// none.
 fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> {
     let header = Provenance::of(&question.scenario);
-    let mine = program(&header.program_version, &header.git_hash, &header.generator, header.block_size);
     let parts = |design: &Design| -> Vec<String> {
         let axes = design.axes().iter();
         let mut parts: Vec<String> =
@@ -176,7 +175,7 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
         (parts(&stored.design), parts(&question.design)),
         (vec![format!("{} seeds", stored.seeds.name())], vec![format!("{} seeds", question.seeds.name())]),
         (vec![bias(stored.with_bias).to_string()], vec![bias(question.with_bias).to_string()]),
-        (vec![stored.program.clone()], vec![mine]),
+        (vec![stored.program.to_string()], vec![header.program.to_string()]),
     ];
     compared.iter().find_map(|(theirs, mine)| {
         let most = theirs.len().max(mine.len());

@@ -99,16 +99,16 @@ fn each_variable_and_attribute_has_the_values_that_its_name_says() {
         ("title", &header.title),
         ("scenario", &header.scenario_text),
         ("scheme", &header.scheme),
-        ("generator", &header.generator),
-        ("program_version", &header.program_version),
-        ("git_hash", &header.git_hash),
+        ("generator", &header.program.generator),
+        ("program_version", &header.program.version),
+        ("git_hash", &header.program.git_hash),
     ] {
         assert_eq!(text(name), *value, "{name}");
     }
     let count = |name: &str| file.attr(name).unwrap().read_scalar::<u64>().unwrap();
     assert_eq!(
         ["seed", "paths", "block_size", "antithetic"].map(count),
-        [header.seed, header.paths, header.block_size, 1]
+        [header.seed, header.paths, header.program.block_size, 1]
     );
     let real = |name: &str| file.attr(name).unwrap().read_scalar::<f64>().unwrap();
     assert_eq!(["step", "resolution"].map(real).map(Some), [header.step, header.resolution]);

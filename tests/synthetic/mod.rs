@@ -4,8 +4,7 @@
 
 use ndarray::Array2;
 use std::path::Path;
-use stick_slip::dataset::Rows;
-use stick_slip::engine::{Provenance, Status};
+use stick_slip::engine::{Program, Provenance, Status};
 use stick_slip::stats::{
     Band, Bands, Bias, Distribution, Estimate, EventColumns, FirstSticks, Histogram, PathColumns, PeriodMoments,
     QUANTILE_LEVELS, Record, Statistic, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
@@ -34,12 +33,14 @@ pub fn header(paths: u64) -> Provenance {
         // The seed is above 2^63, so that reading it as a signed or a floating-point number would
         // fail the test.
         seed: 0xFEDC_BA98_7654_3211,
-        generator: "PCG64DXSM, ziggurat".to_owned(),
         paths,
         antithetic: true,
-        block_size: 256,
-        program_version: "0.1.0".to_owned(),
-        git_hash: "0123456789abcdef".to_owned(),
+        program: Program {
+            version: "0.1.0".to_owned(),
+            git_hash: "0123456789abcdef".to_owned(),
+            generator: "PCG64DXSM, ziggurat".to_owned(),
+            block_size: 256,
+        },
         units: Units { time: "s".into(), length: "m".into(), force: "N".into(), temperature: "K".into() },
         time: (0..61).map(f64::from).collect(),
         samples: Vec::new(),

@@ -23,8 +23,8 @@ pub fn citation(stored: &Stored) -> [String; 2] {
     };
     let program = format!(
         "stick-slip (mc) {} ({}), scenario \"{}\" (SHA-256 {}), scheme {}{step}, seed {}, {paths}.",
-        header.program_version,
-        header.git_hash,
+        header.program.version,
+        header.program.git_hash,
         header.title,
         &sha256(&header.scenario_text)[..DIGITS],
         header.scheme,

@@ -2,7 +2,7 @@
 
 use super::RunInfo;
 use crate::cli::numbers::{Digits, counted, duration, grouped, significant, some_of};
-use stick_slip::engine::{Provenance, Status};
+use stick_slip::engine::{Program, Provenance, Status};
 use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient};
 
 /// What stands below the table, as labels and lines: everything, or what nobody must miss and where
@@ -10,7 +10,7 @@ use stick_slip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCoun
 pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static str, String)> {
     let rest = |line: Option<String>| line.filter(|_| all);
     let file = if all { info.file.clone() } else { format!("{0}; for more, `mc show {0} --all --notes`", info.file) };
-    let Provenance { program_version, git_hash, generator, seed, block_size, .. } = &info.provenance;
+    let Provenance { program: Program { version, git_hash, generator, block_size }, seed, .. } = &info.provenance;
     let lines = [
         ("sticks", rest(Some(sticks(summary)))),
         ("", rest(multiples(summary))),
@@ -25,7 +25,7 @@ pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static st
         (info.loss(), lost(summary, info)),
         ("time", rest(time(summary, info))),
         ("file", Some(file)),
-        ("program", rest(Some(format!("mc {program_version} ({git_hash})")))),
+        ("program", rest(Some(format!("mc {version} ({git_hash})")))),
         ("noise", rest(Some(format!("{generator}, seed {seed}")))),
         ("blocks", rest(Some(format!("of {block_size} paths")))),
     ];

@@ -7,7 +7,6 @@ use crate::cli::results;
 use serde_json::json;
 use std::collections::BTreeSet;
 use std::ops::Range;
-use stick_slip::engine::other_program;
 use stick_slip::saved::Again;
 use stick_slip::stats::Record;
 use stick_slip::store::{self, Stored, Verified};
@@ -62,7 +61,7 @@ fn checked(again: Again, stored: &Stored, record: &Record) -> Checked {
             "statistics_checked": has_statistics,
         }),
         found: Verified { values, difference },
-        other_program: other_program(&stored.header.program_version, &stored.header.git_hash),
+        other_program: stored.header.program.other(),
     }
 }
 
