@@ -6,6 +6,7 @@
 //! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
 //! this length is cut off.
 
+use super::reader::not_opened;
 use super::{StoreError, own};
 use crate::dataset::Rows;
 use crate::saved::{OwnedRows, Position, SavedError, checksum, read_rows};
@@ -79,10 +80,9 @@ struct LogReading<'a> {
 
 impl<'a> LogReading<'a> {
     fn open(path: &'a Path, end: Position) -> Result<Self, StoreError> {
-        let failed = |source| StoreError::NotOpened { path: path.to_owned(), source };
-        let file = own::open(path, File::options().read(true)).map_err(failed)?;
+        let file = own::open(path, File::options().read(true)).map_err(not_opened(path))?;
         // The claimed length is compared with that of the file before any memory is allocated.
-        if file.metadata().map_err(failed)?.len() < end.length {
+        if file.metadata().map_err(not_opened(path))?.len() < end.length {
             return Err(SavedError::Damaged { path: path.to_owned() }.into());
         }
         let file = BufReader::with_capacity(BUFFER, file);
@@ -117,7 +117,7 @@ impl<'a> LogReading<'a> {
     fn exactly(&mut self, bytes: &mut [u8]) -> Result<(), StoreError> {
         self.file.read_exact(bytes).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => self.damaged(),
-            _ => StoreError::NotOpened { path: self.path.to_owned(), source },
+            _ => not_opened(self.path)(source),
         })
     }
 

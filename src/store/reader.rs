@@ -54,7 +54,7 @@ pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
 /// files than these the seal is found but the checksum is not computed.
 pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> {
     let sealed = seal::is_right(path, largest);
-    match sealed.map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })? {
+    match sealed.map_err(not_opened(path))? {
         Some(false) => Err(damaged(path)("its checksum is not that of its bytes".to_string())),
         sealed => Ok(sealed.is_some()),
     }
@@ -62,13 +62,12 @@ pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> 
 
 /// Check that a file begins as HDF5 files do.
 pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
-    let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
     // Opening a pipe would wait for its other end.
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file() && !there.is_dir()) {
         return Err(StoreError::NotHdf5 { path: path.to_owned() });
     }
-    let mut file = std::fs::File::open(path).map_err(not_opened)?;
-    match superblock(&mut file).map_err(not_opened)? {
+    let mut file = std::fs::File::open(path).map_err(not_opened(path))?;
+    match superblock(&mut file).map_err(not_opened(path))? {
         Some(_) => Ok(()),
         None => Err(StoreError::NotHdf5 { path: path.to_owned() }),
     }
@@ -78,13 +77,7 @@ pub(super) fn check_is_hdf5(path: &Path) -> Result<(), StoreError> {
 /// program has changed has none. A file that is not an HDF5 file is an error.
 pub fn is_sealed(path: &Path) -> Result<bool, StoreError> {
     check_is_hdf5(path)?;
-    seal::is_there(path).map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })
-}
-
-/// Read something from a file of which `read` fails only if the file is damaged.
-pub(super) fn read_from<T>(path: &Path, read: impl FnOnce(&File) -> Result<T, String>) -> Result<T, StoreError> {
-    check_file(path)?;
-    read(&open(path)?).map_err(damaged(path))
+    seal::is_there(path).map_err(not_opened(path))
 }
 
 /// Read a file of the kind and the format of this name and version.
@@ -107,6 +100,11 @@ pub(super) fn read_kind<T>(
     read(&file).map_err(damaged(path))
 }
 
+/// The error of a file that the system does not open or read.
+pub(super) fn not_opened(path: &Path) -> impl Fn(io::Error) -> StoreError + Copy {
+    move |source| StoreError::NotOpened { path: path.to_owned(), source }
+}
+
 /// The error of a file that could not be read.
 pub(super) fn damaged(path: &Path) -> impl Fn(String) -> StoreError + Copy {
     move |cause| StoreError::Damaged { path: path.to_owned(), cause }
@@ -115,7 +113,7 @@ pub(super) fn damaged(path: &Path) -> impl Fn(String) -> StoreError + Copy {
 pub(super) fn open(path: &Path) -> Result<File, StoreError> {
     File::open(path).map_err(|error| match system_error(&error) {
         Some(system) if system.kind() == io::ErrorKind::WouldBlock => StoreError::InUse { path: path.to_owned() },
-        Some(system) => StoreError::NotOpened { path: path.to_owned(), source: system },
+        Some(system) => not_opened(path)(system),
         None => damaged(path)(cause(&error)),
     })
 }

@@ -1,7 +1,8 @@
 //! Reading the row of a single path back from a file.
 
 use super::StoreError;
-use super::reader::read_from;
+use super::reader::read_kind;
+use crate::dataset::header::FORMAT;
 use crate::dataset::{Column, ElementType, Source as _, layout};
 use crate::stats::PathColumns;
 use crate::stats::column::Columns as _;
@@ -10,7 +11,7 @@ use std::path::Path;
 /// The scalars of one path from the file of a run; `None` if the file does not record paths, or not
 /// this one.
 pub fn read_path(path: &Path, number: u64) -> std::result::Result<Option<PathColumns>, StoreError> {
-    read_from(path, |file| {
+    read_kind(path, FORMAT, |file| {
         if !file.has(PathColumns::VARIABLES[0].0.name) {
             return Ok(None);
         }

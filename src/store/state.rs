@@ -1,5 +1,6 @@
 //! The file with the saved state of a run.
 
+use super::reader::not_opened;
 use super::{StoreError, own};
 use crate::saved::{MAGIC, State, of_bytes};
 use std::fs::File;
@@ -19,14 +20,13 @@ pub(super) fn has_mark(path: &Path) -> bool {
 
 /// Read the state of a run from a file.
 pub(super) fn read(path: &Path) -> Result<State, StoreError> {
-    let not_opened = |source| StoreError::NotOpened { path: path.to_owned(), source };
-    let mut file = own::open(path, File::options().read(true)).map_err(not_opened)?;
+    let mut file = own::open(path, File::options().read(true)).map_err(not_opened(path))?;
     let mut bytes = Vec::new();
-    if file.metadata().map_err(not_opened)?.len() <= LARGEST {
-        file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(not_opened)?;
+    if file.metadata().map_err(not_opened(path))?.len() <= LARGEST {
+        file.by_ref().take(MAGIC.len() as u64).read_to_end(&mut bytes).map_err(not_opened(path))?;
         // A file with other first bytes is no state, so the rest of it is not read.
         if bytes == MAGIC {
-            file.take(LARGEST).read_to_end(&mut bytes).map_err(not_opened)?;
+            file.take(LARGEST).read_to_end(&mut bytes).map_err(not_opened(path))?;
         }
     }
     Ok(of_bytes(&bytes, path)?)

@@ -47,10 +47,8 @@ impl OpenFile {
     /// the new values.
     pub fn write(&mut self, dataset: dataset::Dataset) -> Result<()> {
         for (name, value) in dataset.attributes {
-            match self.written.dataset.attribute(&name).is_some() {
-                true => replace_attribute(&self.file, &name, &value)?,
-                false => new_attribute(&self.file, &name, &value)?,
-            }
+            let is_there = self.written.dataset.attribute(&name).is_some();
+            write_attribute(&self.file, &name, &value, is_there)?;
             self.written.dataset.set_attribute(&name, value);
         }
         for entry in dataset.entries.into_iter().filter(|entry| RowAxis::of(entry).is_none()) {
@@ -133,14 +131,14 @@ impl OpenFile {
         };
         let made = shaped(builder).create(entry.name.as_str())?;
         for (name, value) in &entry.attributes {
-            new_attribute(&made, name, value)?;
+            write_attribute(&made, name, value, false)?;
         }
         if is_coordinate {
             make_scale(&made, &entry.name)?;
             return Ok(made);
         }
         if let ColumnView::F64(_) = entry.column.values() {
-            write_scalar(&made, "_FillValue", &f64::NAN)?;
+            write_scalar(&made, "_FillValue", &f64::NAN, false)?;
         }
         for (index, axis) in entry.axes.iter().enumerate() {
             attach_scale(&made, index, &self.coordinate(axis)?)?;
@@ -198,21 +196,14 @@ impl Source for File {
     }
 
     fn attribute(&self, variable: Option<&str>, name: &str) -> Read<Option<Attribute>> {
-        said(match variable {
-            None => read_attribute(self, name),
-            Some(variable) => self.dataset(variable).and_then(|dataset| read_attribute(&dataset, name)),
-        })
+        of_location(self, variable, |location| read_attribute(location, name))
     }
 
     fn attributes(&self, variable: Option<&str>) -> Read<Vec<(String, Attribute)>> {
-        let of = |location: &Location| {
+        of_location(self, variable, |location| {
             let own = location.attr_names()?.into_iter().filter(|name| !OF_LIBRARY.contains(&name.as_str()));
             own.filter_map(|name| Some(read_attribute(location, &name).transpose()?.map(|value| (name, value))))
                 .collect()
-        };
-        said(match variable {
-            None => of(self),
-            Some(variable) => self.dataset(variable).and_then(|dataset| of(&dataset)),
         })
     }
 
@@ -228,29 +219,26 @@ fn said<T>(read: Result<T>) -> Read<T> {
     read.map_err(|error| cause(&error))
 }
 
-/// Write a new attribute.
-fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T) -> Result<()> {
-    location.new_attr::<T>().create(name)?.write_scalar(value)
+/// What is read of the file, or of a variable of it.
+fn of_location<T>(file: &File, variable: Option<&str>, read: impl FnOnce(&Location) -> Result<T>) -> Read<T> {
+    said(match variable {
+        None => read(file),
+        Some(variable) => file.dataset(variable).and_then(|dataset| read(&dataset)),
+    })
 }
 
-/// Write a new attribute.
-fn new_attribute(location: &Location, name: &str, value: &Attribute) -> Result<()> {
+/// Write a new attribute, or another value to one that exists.
+fn write_scalar<T: H5Type>(location: &Location, name: &str, value: &T, is_there: bool) -> Result<()> {
+    let attribute = if is_there { location.attr(name)? } else { location.new_attr::<T>().create(name)? };
+    attribute.write_scalar(value)
+}
+
+fn write_attribute(location: &Location, name: &str, value: &Attribute, is_there: bool) -> Result<()> {
     match value {
-        Attribute::Text(value) => write_scalar(location, name, &text(value)?),
-        Attribute::Real(value) => write_scalar(location, name, value),
-        Attribute::Count(value) => write_scalar(location, name, value),
+        Attribute::Text(value) => write_scalar(location, name, &text(value)?, is_there),
+        Attribute::Real(value) => write_scalar(location, name, value, is_there),
+        Attribute::Count(value) => write_scalar(location, name, value, is_there),
         Attribute::Flags(values) => location.new_attr_builder().with_data(values).create(name).map(drop),
-    }
-}
-
-/// Write another value to an attribute that exists.
-fn replace_attribute(location: &Location, name: &str, value: &Attribute) -> Result<()> {
-    let attribute = location.attr(name)?;
-    match value {
-        Attribute::Text(value) => attribute.write_scalar(&text(value)?),
-        Attribute::Real(value) => attribute.write_scalar(value),
-        Attribute::Count(value) => attribute.write_scalar(value),
-        Attribute::Flags(values) => attribute.write_raw(values),
     }
 }
 

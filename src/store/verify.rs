@@ -9,7 +9,7 @@
 //! ```
 
 use super::StoreError;
-use super::reader::{check_file, check_seal, damaged, open};
+use super::reader::{check_file, check_seal, damaged, not_opened, open};
 use crate::dataset::{Dataset, StoredRun};
 use crate::saved::{Again, Against, BlocksAgain, Difference, again};
 use crate::scenario::Scenario;
@@ -59,6 +59,6 @@ pub struct Sealed {
 pub fn check_bytes(path: &Path) -> Result<Sealed, StoreError> {
     check_file(path)?;
     let has_checksum = check_seal(path, u64::MAX)?;
-    let there = std::fs::metadata(path).map_err(|source| StoreError::NotOpened { path: path.to_owned(), source })?;
+    let there = std::fs::metadata(path).map_err(not_opened(path))?;
     Ok(Sealed { bytes: there.len(), has_checksum })
 }
