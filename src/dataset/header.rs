@@ -22,8 +22,7 @@ pub(crate) const CONVENTIONS: &str = "CF-1.11";
 
 /// Write every attribute of a run that has just started.
 pub(super) fn write(to: &mut Dataset, header: &Provenance) {
-    let done = walk(&mut Walk::Writing(to), &mut header.clone());
-    debug_assert_eq!(done, Ok(()));
+    to.write_by(|to| walk(to, &mut header.clone()));
 }
 
 /// The attributes of a run, given its output grid and what was measured.
@@ -47,7 +46,7 @@ pub(super) fn walk_origin(
     walk.derived_attribute("references", PAPER);
     walk.derived_attribute("source", format!("stick-slip {version}"));
     walk.attribute("program_version", version)?;
-    walk.attribute("git_hash", hash)
+    walk.attribute("git_hash", git_hash)
 }
 
 /// Write what a data set is, and that this program made it.

@@ -50,6 +50,21 @@ macro_rules! measured {
     };
 }
 
+/// The upper edges of bins, which are the coordinate of their dimension, and the lower ones.
+macro_rules! bins {
+    ($name:literal, $unit:expr, $of:literal) => {
+        [
+            variable($name, &[$name], $unit, concat!("upper edge of the bin of the ", $of)),
+            variable(
+                concat!($name, "_lower"),
+                &[$name],
+                $unit,
+                concat!("lower edge of the bin of the ", $of, ", itself inside the bin"),
+            ),
+        ]
+    };
+}
+
 const SPECTRUM_OF_LENGTH: Unit = Unit::Of(Dimension { length: 2, time: 1, ..Dimension::ONE });
 const SPECTRUM_OF_VELOCITY: Unit = Unit::Of(Dimension { length: 2, time: -1, ..Dimension::ONE });
 
@@ -95,21 +110,6 @@ table! {
     INPUT_TIME = variable("input_time", &["input_sample"], Unit::TIME, "time of a sample");
     INPUT_VALUE = variable("input_value", &["input_sample"], Unit::None, "measured value, in the unit of its input");
 
-    VELOCITY_BIN = variable("velocity_bin", &["velocity_bin"], Unit::VELOCITY, "upper edge of the bin of the velocity");
-    VELOCITY_BIN_LOWER = variable("velocity_bin_lower", &["velocity_bin"], Unit::VELOCITY,
-        "lower edge of the bin of the velocity, itself inside the bin");
-    DISPLACEMENT_BIN = variable("displacement_bin", &["displacement_bin"], Unit::LENGTH,
-        "upper edge of the bin of the displacement");
-    DISPLACEMENT_BIN_LOWER = variable("displacement_bin_lower", &["displacement_bin"], Unit::LENGTH,
-        "lower edge of the bin of the displacement, itself inside the bin");
-    JOINT_DISPLACEMENT_BIN = variable("joint_displacement_bin", &["joint_displacement_bin"], Unit::LENGTH,
-        "upper edge of the bin of the displacement in the joint density");
-    JOINT_DISPLACEMENT_BIN_LOWER = variable("joint_displacement_bin_lower", &["joint_displacement_bin"], Unit::LENGTH,
-        "lower edge of the bin of the displacement in the joint density, itself inside the bin");
-    JOINT_VELOCITY_BIN = variable("joint_velocity_bin", &["joint_velocity_bin"], Unit::VELOCITY,
-        "upper edge of the bin of the velocity in the joint density");
-    JOINT_VELOCITY_BIN_LOWER = variable("joint_velocity_bin_lower", &["joint_velocity_bin"], Unit::VELOCITY,
-        "lower edge of the bin of the velocity in the joint density, itself inside the bin");
     JOINT_DENSITY = variable("joint_density", &["joint_displacement_bin", "joint_velocity_bin"],
         Unit::Of(Dimension { time: 1, length: -2, ..Dimension::ONE }),
         "density of displacement and velocity in motion over the counted time");
@@ -185,6 +185,15 @@ table! {
 }
 
 table! {
+    ALL_BINS: [Variable; 2];
+    VELOCITY_BIN = bins!("velocity_bin", Unit::VELOCITY, "velocity");
+    DISPLACEMENT_BIN = bins!("displacement_bin", Unit::LENGTH, "displacement");
+    JOINT_DISPLACEMENT_BIN =
+        bins!("joint_displacement_bin", Unit::LENGTH, "displacement in the joint density");
+    JOINT_VELOCITY_BIN = bins!("joint_velocity_bin", Unit::VELOCITY, "velocity in the joint density");
+}
+
+table! {
     ALL_MEASURED: WithInterval;
 
     STATIC_PROBABILITY = measured!("static_probability", ["time"], Unit::ONE,
@@ -257,7 +266,8 @@ mod tests {
         let measured = ALL_MEASURED.iter().chain([DISPLACEMENT, VELOCITY, TEMPERATURE].as_flattened());
         let kept = [PathColumns::VARIABLES, EventColumns::VARIABLES, TrajectoryRows::VARIABLES].concat();
         let measured = measured.flat_map(|of| [of.value, of.interval]);
-        ALL.iter().copied().chain(measured).chain(kept.into_iter().map(|(of, _)| of)).collect()
+        let bins = ALL_BINS.as_flattened();
+        ALL.iter().chain(bins).copied().chain(measured).chain(kept.into_iter().map(|(of, _)| of)).collect()
     }
 
     #[test]

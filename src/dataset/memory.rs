@@ -1,7 +1,7 @@
 //! A data set in memory.
 
 use super::layout::Described;
-use super::{Attribute, Column, ColumnView, ElementType, Source, attributes_of};
+use super::{Attribute, Column, ColumnView, Element, ElementType, Source, attributes_of};
 use crate::stats::{Dimension, Units};
 use ndarray::ArrayViewD;
 use std::ops::Range;
@@ -49,10 +49,9 @@ impl Dataset {
     }
 
     /// Write a variable. A variable without values is left out, and so is its dimension.
-    pub(crate) fn write<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) {
-        let values = values.into();
-        if values.len() > 0 {
-            self.begin(variable, values);
+    pub(crate) fn write<T: Element>(&mut self, variable: &Described, values: &[T]) {
+        if !values.is_empty() {
+            self.begin(variable, T::values(values));
         }
     }
 
@@ -110,10 +109,8 @@ impl Dataset {
     /// Write a variable, which may have no values yet.
     pub(super) fn begin(&mut self, variable: &Described, values: ColumnView) {
         let attributes = attributes_of(variable, &self.units);
-        let mut column = values.empty_column();
-        column.extend(values);
         let axes = variable.axes.iter().map(|axis| axis.to_string()).collect();
-        self.entries.push(Entry { name: variable.name.into(), axes, attributes, column });
+        self.entries.push(Entry { name: variable.name.into(), axes, attributes, column: values.to_column() });
     }
 }
 

@@ -80,7 +80,7 @@ impl Dataset {
         let Rows { first_path, paths, path_columns, events, trajectories } = *rows;
         let mut dataset = Dataset::new(units);
         if path_columns.is_some() || events.is_some() {
-            dataset.begin(&layout::PATH, (&(first_path..).take(paths as usize).collect::<Vec<u64>>()).into());
+            dataset.begin(&layout::PATH, u64::values(&(*first_path..).take(*paths as usize).collect::<Vec<_>>()));
         }
         let columns = path_columns.iter().flat_map(|columns| columns.columns());
         let columns = columns.chain(events.iter().flat_map(|columns| columns.columns()));
@@ -90,7 +90,7 @@ impl Dataset {
         if let (Some(bearing), Some(trajectories)) = (bearing, trajectories) {
             let places = trajectories.displacement.iter().zip(&trajectories.friction);
             let shown: Vec<f64> = places.map(|(&x, &friction)| bearing.displacement(x, friction)).collect();
-            dataset.begin(&layout::TRAJECTORY_BEARING, (&shown).into());
+            dataset.begin(&layout::TRAJECTORY_BEARING, f64::values(&shown));
         }
         dataset
     }
@@ -110,7 +110,11 @@ impl Dataset {
     pub fn append_rows(&mut self, part: &Dataset) -> Result<(), String> {
         for entry in self.entries.iter_mut().filter(|entry| RowAxis::of(entry).is_some()) {
             let more = part.entry(&entry.name).ok_or_else(|| format!("{} is missing", entry.name))?;
-            entry.column.append(&more.column).map_err(|()| format!("{} has another type", entry.name))?;
+            let more = more.column.values();
+            if more.kind() != entry.column.values().kind() {
+                return Err(format!("{} has another type", entry.name));
+            }
+            entry.column.extend(more);
         }
         Ok(())
     }

@@ -30,8 +30,7 @@ pub(crate) fn write_statistics(to: &mut Dataset, statistics: &[Statistic]) {
 pub(crate) fn write(to: &mut Dataset, summary: &Summary) {
     let asked: Vec<Statistic> = summary.reported().map(|e| e.statistic).collect();
     write_statistics(to, &asked);
-    let done = walk(&mut Walk::Writing(to), &mut summary.clone(), &texts(asked.into_iter().map(Statistic::name)));
-    debug_assert_eq!(done, Ok(()));
+    to.write_by(|to| walk(to, &mut summary.clone(), &texts(asked.into_iter().map(Statistic::name))));
 }
 
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
@@ -287,7 +286,7 @@ fn walk_first_sticks(walk: &mut Walk, sticks: &mut FirstSticks) -> Walked {
 }
 
 /// The edges of bins: the upper and the lower one of each.
-fn walk_edges(walk: &mut Walk, [upper, lower]: [&layout::Variable; 2], edges: &mut Vec<f64>) -> Walked {
+fn walk_edges(walk: &mut Walk, [upper, lower]: &[layout::Variable; 2], edges: &mut Vec<f64>) -> Walked {
     let mut below = edges.get(..edges.len().saturating_sub(1)).unwrap_or_default().to_vec();
     let mut above = edges.get(1..).unwrap_or_default().to_vec();
     walk.variable(upper, &mut above)?;
@@ -299,13 +298,13 @@ fn walk_edges(walk: &mut Walk, [upper, lower]: [&layout::Variable; 2], edges: &m
 fn walk_densities(walk: &mut Walk, densities: &mut Densities) -> Walked {
     let Densities { displacement, velocity, joint_edges, joint, at_rest, at_rest_ends } = densities;
     walk.number(&layout::REST_SHARE, at_rest, at_rest_ends)?;
-    walk_edges(walk, [&layout::DISPLACEMENT_BIN, &layout::DISPLACEMENT_BIN_LOWER], &mut displacement.edges)?;
+    walk_edges(walk, &layout::DISPLACEMENT_BIN, &mut displacement.edges)?;
     walk.curve(&layout::DISPLACEMENT_DENSITY, &mut displacement.density, &mut displacement.ends)?;
-    walk_edges(walk, [&layout::VELOCITY_BIN, &layout::VELOCITY_BIN_LOWER], &mut velocity.edges)?;
+    walk_edges(walk, &layout::VELOCITY_BIN, &mut velocity.edges)?;
     walk.curve(&layout::VELOCITY_DENSITY, &mut velocity.density, &mut velocity.ends)?;
     let [rows, columns] = joint_edges;
-    walk_edges(walk, [&layout::JOINT_DISPLACEMENT_BIN, &layout::JOINT_DISPLACEMENT_BIN_LOWER], rows)?;
-    walk_edges(walk, [&layout::JOINT_VELOCITY_BIN, &layout::JOINT_VELOCITY_BIN_LOWER], columns)?;
+    walk_edges(walk, &layout::JOINT_DISPLACEMENT_BIN, rows)?;
+    walk_edges(walk, &layout::JOINT_VELOCITY_BIN, columns)?;
     let shape = (rows.len().saturating_sub(1), columns.len().saturating_sub(1));
     let mut values = joint.iter().copied().collect();
     walk.variable(&layout::JOINT_DENSITY, &mut values)?;

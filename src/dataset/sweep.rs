@@ -70,8 +70,7 @@ impl Dataset {
         series::write(&mut dataset, &header);
         coordinates(&mut dataset, design);
         let seeds: Vec<u64> = sweep.question.points.iter().map(|scenario| scenario.ensemble.seed).collect();
-        let done = points(&mut Walk::Writing(&mut dataset), design, &seeds, &mut sweep.points.clone());
-        debug_assert_eq!(done, Ok(()));
+        dataset.write_by(|to| points(to, design, &seeds, &mut sweep.points.clone()));
         comparisons(&mut dataset, sweep);
         dataset
     }
@@ -127,10 +126,7 @@ pub(crate) fn name(design: &Design) -> &'static str {
 
 /// The names of the dimensions of a design.
 fn shape(design: &Design) -> Vec<&str> {
-    match design {
-        Design::Grid(axes) => axes.iter().map(|axis| axis.name.as_str()).collect(),
-        Design::Zip(_) | Design::Star { .. } => vec!["point"],
-    }
+    if let Design::Star { .. } = design { vec!["point"] } else { design.along() }
 }
 
 fn coordinates(to: &mut Dataset, design: &Design) {

@@ -34,8 +34,7 @@ impl Dataset {
             })
         };
         let derived = columns_of(trade.rungs.iter().flat_map(of_rung));
-        let done = measured(&mut Walk::Writing(&mut dataset), &mut trade.rungs.clone(), derived);
-        debug_assert_eq!(done, Ok(()));
+        dataset.write_by(|to| measured(to, &mut trade.rungs.clone(), derived));
         orders(&mut dataset, trade);
         predicted(&mut dataset, trade);
         dataset

@@ -3,7 +3,7 @@
 
 use super::form::AttributeValue;
 use super::layout::{Described, WithInterval};
-use super::{Attribute, ColumnView, Dataset, Element, Source, read_attribute, read_or_empty, read_variable};
+use super::{Attribute, Dataset, Element, Source, read_attribute, read_or_empty, read_variable};
 use crate::stats::{Dimension, Units};
 use crate::sums::Ends;
 
@@ -61,7 +61,7 @@ impl Walk<'_> {
     }
 
     /// A variable that is not read back.
-    pub fn derived<'a>(&mut self, variable: &Described, values: impl Into<ColumnView<'a>>) {
+    pub fn derived<T: Element>(&mut self, variable: &Described, values: &[T]) {
         if let Walk::Writing(to) = self {
             to.write(variable, values);
         }
@@ -112,8 +112,13 @@ impl Dataset {
     /// A data set with everything that a walk goes over.
     pub(super) fn written(units: &Units, walk: impl FnOnce(&mut Walk) -> Walked) -> Self {
         let mut dataset = Dataset::new(units);
-        let done = walk(&mut Walk::Writing(&mut dataset));
-        debug_assert_eq!(done, Ok(()));
+        dataset.write_by(walk);
         dataset
+    }
+
+    /// Add what a walk writes; writing does not fail.
+    pub(super) fn write_by(&mut self, walk: impl FnOnce(&mut Walk) -> Walked) {
+        let done = walk(&mut Walk::Writing(self));
+        debug_assert_eq!(done, Ok(()));
     }
 }

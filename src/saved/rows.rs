@@ -65,7 +65,7 @@ fn read_table<T: Columns>(from: &mut Reader<'_>) -> Result<Option<T>, Damaged> {
     let is_there: u64 = from.value()?;
     let column =
         |_: &_, kind: ElementType| from.length().and_then(|length| kind.read(length, from)).map_err(|e| e.to_string());
-    if is_there == 0 { Ok(None) } else { T::read::<String>(column).map(Some).map_err(|_| Damaged) }
+    if is_there == 0 { Ok(None) } else { T::read(column).map(Some).map_err(|_| Damaged) }
 }
 
 /// Append rows to `out`.

@@ -17,16 +17,18 @@ pub(crate) enum Unit {
     Seconds,
 }
 
-impl Unit {
-    pub(crate) const ONE: Unit = Unit::Of(Dimension::ONE);
-    pub(crate) const TIME: Unit = Unit::Of(Dimension::TIME);
-    pub(crate) const LENGTH: Unit = Unit::Of(Dimension::LENGTH);
-    pub(crate) const FORCE: Unit = Unit::Of(Dimension::FORCE);
-    pub(crate) const TEMPERATURE: Unit = Unit::Of(Dimension::TEMPERATURE);
-    pub(crate) const VELOCITY: Unit = Unit::Of(Dimension::VELOCITY);
-    pub(crate) const AREA: Unit = Unit::Of(Dimension::AREA);
-    pub(crate) const WORK: Unit = Unit::Of(Dimension::WORK);
+/// Products of units by the names of their dimensions.
+macro_rules! units {
+    ($($dimension:ident)*) => {
+        impl Unit {
+            $(pub(crate) const $dimension: Unit = Unit::Of(Dimension::$dimension);)*
+        }
+    };
+}
 
+units! { ONE TIME LENGTH FORCE TEMPERATURE VELOCITY AREA WORK }
+
+impl Unit {
     /// The `units` attribute, if there is one.
     pub(crate) fn label(self, units: &Units) -> Option<String> {
         match self {
@@ -143,10 +145,10 @@ macro_rules! kinds {
                 }
             }
 
-            /// A column of this type without values.
-            pub(crate) fn empty_column(&self) -> Column {
+            /// A column with these values.
+            pub(crate) fn to_column(self) -> Column {
                 match self {
-                    $(ColumnView::$kind(_) => Column::$kind(Vec::new()),)*
+                    $(ColumnView::$kind(values) => Column::$kind(values.to_vec()),)*
                 }
             }
         }
@@ -171,15 +173,6 @@ macro_rules! kinds {
                 match self {
                     $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
                 }
-            }
-
-            /// Add the values of another column. Fails if that column has another type.
-            pub(crate) fn append(&mut self, other: &Column) -> Result<(), ()> {
-                match (self, other) {
-                    $((Column::$kind(column), Column::$kind(values)) => column.extend_from_slice(values),)*
-                    _ => return Err(()),
-                }
-                Ok(())
             }
 
             /// Add values of the type of this column.
@@ -237,24 +230,6 @@ impl Column {
     }
 }
 
-impl<'a, T: Element> From<&'a [T]> for ColumnView<'a> {
-    fn from(values: &'a [T]) -> Self {
-        T::values(values)
-    }
-}
-
-impl<'a, T: Element> From<&'a Vec<T>> for ColumnView<'a> {
-    fn from(values: &'a Vec<T>) -> Self {
-        T::values(values)
-    }
-}
-
-impl<'a, T: Element, const N: usize> From<&'a [T; N]> for ColumnView<'a> {
-    fn from(values: &'a [T; N]) -> Self {
-        T::values(values)
-    }
-}
-
 impl ColumnView<'_> {
     /// Append the bytes of the values to `out`. Texts end with a zero.
     pub(crate) fn write(self, out: &mut Vec<u8>) {
@@ -301,20 +276,18 @@ impl ElementType {
     pub(crate) fn read(self, length: usize, from: &mut Reader<'_>) -> Result<Column, Damaged> {
         let bytes = from.take(length.checked_mul(self.size()).ok_or(Damaged)?)?;
         Ok(match self {
-            ElementType::F64 => {
-                Column::F64(bytes.as_chunks().0.iter().map(|bytes| f64::from_le_bytes(*bytes)).collect())
-            }
-            ElementType::U64 => {
-                Column::U64(bytes.as_chunks().0.iter().map(|bytes| u64::from_le_bytes(*bytes)).collect())
-            }
-            ElementType::U32 => {
-                Column::U32(bytes.as_chunks().0.iter().map(|bytes| u32::from_le_bytes(*bytes)).collect())
-            }
-            ElementType::I8 => Column::I8(bytes.iter().map(|byte| byte.cast_signed()).collect()),
+            ElementType::F64 => Column::F64(numbers(bytes, f64::from_le_bytes)),
+            ElementType::U64 => Column::U64(numbers(bytes, u64::from_le_bytes)),
+            ElementType::U32 => Column::U32(numbers(bytes, u32::from_le_bytes)),
+            ElementType::I8 => Column::I8(numbers(bytes, i8::from_le_bytes)),
             ElementType::U8 => Column::U8(bytes.to_vec()),
             ElementType::Text => return Err(Damaged),
         })
     }
+}
+
+fn numbers<T, const N: usize>(bytes: &[u8], of: fn([u8; N]) -> T) -> Vec<T> {
+    bytes.as_chunks().0.iter().map(|bytes| of(*bytes)).collect()
 }
 
 /// A table of columns. Some of them have one value for each path and the others one for each row,
@@ -339,16 +312,9 @@ pub(crate) trait Columns: Default {
     /// Add the rows of another table.
     fn append(&mut self, other: &Self);
 
-    /// The table with these columns, in its order. A column of another type is an error.
-    fn of(columns: Vec<Column>) -> Result<Self, String>;
-
-    /// The table with the columns that `read` returns.
-    fn read<E: From<String>>(
-        mut read: impl FnMut(&'static Variable, ElementType) -> Result<Column, E>,
-    ) -> Result<Self, E> {
-        let columns = Self::VARIABLES.iter().map(|(variable, kind)| read(variable, *kind));
-        Ok(Self::of(columns.collect::<Result<_, E>>()?)?)
-    }
+    /// The table with the columns that `read` returns, in its order. A column of another type is an
+    /// error.
+    fn read(read: impl FnMut(&Variable, ElementType) -> Result<Column, String>) -> Result<Self, String>;
 
     /// The columns with their values.
     fn columns(&self) -> impl Iterator<Item = (&'static Variable, ColumnView<'_>)> {
@@ -405,7 +371,7 @@ macro_rules! columns {
             ];
 
             fn views(&self) -> Vec<ColumnView<'_>> {
-                vec![$((&self.$head).into(),)* $((&self.$cell).into(),)*]
+                vec![$(Element::values(&self.$head),)* $(Element::values(&self.$cell),)*]
             }
 
             fn push(&mut self, row: $row) {
@@ -421,22 +387,15 @@ macro_rules! columns {
                 $(self.$cell.extend_from_slice(&other.$cell);)*
             }
 
-            fn of(columns: Vec<Column>) -> Result<Self, String> {
-                let mut columns = Self::VARIABLES.iter().zip(columns);
+            fn read(
+                mut read: impl FnMut(&Variable, ElementType) -> Result<Column, String>,
+            ) -> Result<Self, String> {
                 Ok($table {
-                    $($head: next_values(&mut columns)?,)*
-                    $($cell: next_values(&mut columns)?,)*
+                    $($head: values_of(&$head_variable, read(&$head_variable, <$head_type>::KIND)?)?,)*
+                    $($cell: values_of(&$cell_variable, read(&$cell_variable, <$cell_type>::KIND)?)?,)*
                 })
             }
         }
     };
 }
 pub(super) use columns;
-
-/// The values of the next column.
-pub(super) fn next_values<T: Element>(
-    columns: &mut impl Iterator<Item = (&'static (Variable, ElementType), Column)>,
-) -> Result<Vec<T>, String> {
-    let ((variable, _), column) = columns.next().ok_or("a column is missing")?;
-    values_of(variable, column)
-}

@@ -1,9 +1,7 @@
 //! What a run keeps of single paths, on request.
 
 use super::Totals;
-use super::column::{
-    Column, ColumnView, Columns, Element, ElementType, Unit, Variable, columns, next_values, variable,
-};
+use super::column::{Column, ColumnView, Columns, Element, ElementType, Unit, Variable, columns, values_of, variable};
 use crate::model::{Event, EventKind, Sign};
 
 columns! {

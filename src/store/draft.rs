@@ -104,7 +104,7 @@ fn create(path: &Path) -> hdf5::Result<File> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dataset::{Column, Dataset, ElementType, Entry, layout};
+    use crate::dataset::{Column, ColumnView, Dataset, ElementType, Entry, layout};
     use crate::stats::Units;
     use crate::store::read_back::Sum;
 
@@ -118,7 +118,7 @@ mod tests {
                 let (axes, attributes) = (vec!["lost".into()], Vec::new());
                 let entry = Entry { name: "lost".into(), axes, attributes, column: Column::F64(Vec::new()) };
                 let mut sum = Sum::of(ElementType::F64);
-                sum.add((&[1.0]).into());
+                sum.add(ColumnView::F64(&[1.0]));
                 written.rows.push((entry, sum));
             },
             |written| written.dataset.set_attribute("title", "another"),
