@@ -170,7 +170,7 @@ fn writing(c: &mut Criterion) {
             let _ = std::fs::remove_file(&target);
             let mut writer =
                 Writer::create(&target, &Provenance::of(&scenario), &scenario.record, false).expect("writable");
-            blocks.iter().for_each(|block| writer.append(block).expect("room"));
+            blocks.iter().for_each(|block| writer.append(&block.rows).expect("room"));
             writer.finish(&summary, Status::Complete).expect("room");
         })
     });

@@ -259,7 +259,7 @@ impl Pair {
 
 /// The scalars of the paths of a block, if none of its paths diverged.
 fn kept(block: &BlockResult) -> Option<&PathColumns> {
-    block.path_columns.as_ref().filter(|_| block.diverged.is_empty())
+    block.rows.path_columns.as_ref().filter(|_| block.diverged.is_empty())
 }
 
 fn events_of(columns: &PathColumns) -> f64 {

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use stick_slip::dataset::Recorder;
 use stick_slip::engine::{Asked, Moment, Outcome, Sink, SinkError};
 use stick_slip::scenario::Scenario;
-use stick_slip::stats::{BlockResult, EventColumns, PathMeans, Record};
+use stick_slip::stats::{BlockResult, BlockRows, EventColumns, PathMeans, Record};
 use stick_slip::sums::{Measurement, Tree, Unit};
 
 /// A statistic of the caller's own.
@@ -58,14 +58,14 @@ impl Kept {
     }
 
     fn show(&mut self, block: &BlockResult) -> PyResult<()> {
-        let Some(events) = &block.events else { return Ok(()) };
+        let BlockRows { first_path, events: Some(events), .. } = &block.rows else { return Ok(()) };
         let is_sound = |path: u64| block.diverged.binary_search(&path).is_err();
         Python::attach(|py| {
             for own in &mut self.own {
-                let (top, bottom) = own.numbers(py, block.first_path, events)?;
+                let (top, bottom) = own.numbers(py, *first_path, events)?;
                 let (top, bottom) = (top.as_array(), bottom.as_ref().map(|bottom| bottom.as_array()));
                 own.is_ratio = bottom.is_some();
-                let each = (block.first_path..).zip(&top).enumerate();
+                let each = (*first_path..).zip(&top).enumerate();
                 let sound = each.filter(|(_, (path, _))| is_sound(*path));
                 let numbers = sound.map(|(i, (_, &top))| [top, bottom.as_ref().map_or(1.0, |bottom| bottom[i])]);
                 let means = PathMeans::of(&numbers.collect::<Vec<_>>(), self.unit);
@@ -104,7 +104,10 @@ impl Sink for Kept {
         self.blocks += 1;
         match self.record.events || self.own.is_empty() {
             true => self.recorder.block(block),
-            false => self.recorder.block(&BlockResult { events: None, ..block.clone() }),
+            false => {
+                let rows = BlockRows { events: None, ..block.rows.clone() };
+                self.recorder.block(&BlockResult { rows, ..block.clone() })
+            }
         }
     }
 

@@ -51,7 +51,7 @@ impl Arguments {
         }
         let Some(held) = store::read_path(&self.file, self.path)? else { return Ok(()) };
         let record = Record { paths: true, ..Record::NOTHING };
-        let made = Plan { record, ..scenario.plan() }.replay(self.path).path_columns.unwrap_or_default();
+        let made = Plan { record, ..scenario.plan() }.replay(self.path).rows.path_columns.unwrap_or_default();
         if held.is_same(&made) {
             return Ok(());
         }
@@ -68,21 +68,21 @@ fn replay(scenario: &Scenario, path: u64, output: &Path, force: bool) -> Result<
     let replay = engine::Replay::of(scenario, path);
     note(&format!("trajectory: {}", rows(replay.rows)));
     let mut writer = Writer::create(output, &replay.provenance(), &replay.record, force)?;
-    writer.append(&replay.block)?;
+    writer.append(&replay.block.rows)?;
     writer.finish(&replay.block.totals.summary(), Status::Complete)?;
     print(&format!("path {path}\n"))?;
     if replay.is_lost() {
         let why = scenario.plan().why_lost(path, &AtomicBool::new(false));
         return print(&why.map_or("it diverged\n".to_string(), |why| format!("it was given up: {why}\n")));
     }
-    let events = replay.block.events.unwrap_or_default();
+    let events = replay.block.rows.events.unwrap_or_default();
     print(&format!("{:>6} {:>14} {:>14} {:>14}\n", "event", "time", "displacement", "force b"))?;
     for i in 0..events.time.len() {
         let what = ["stick", "slip", "turn"][events.kind[i] as usize & 3];
         let (time, displacement, force) = (events.time[i], events.displacement[i], events.force[i]);
         print(&format!("{what:>6} {time:14.6} {displacement:14.6} {force:14.6}\n"))?;
     }
-    let columns = replay.block.path_columns.unwrap_or_default();
+    let columns = replay.block.rows.path_columns.unwrap_or_default();
     print(&format!("x(t_end) {}, {} sticks; in {}\n", columns.displacement_end[0], columns.sticks[0], output.display()))
 }
 

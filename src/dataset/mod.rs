@@ -39,7 +39,6 @@ pub(crate) use form::{
 pub use header::FORMAT_VERSION;
 pub use memory::{Dataset, Entry};
 pub use recorder::Recorder;
-pub use rows::Rows;
 pub use run::StoredRun;
 pub use sweep::StoredSweep;
 pub use trade::StoredTrade;

@@ -1,6 +1,6 @@
 //! The sink that keeps a run in memory.
 
-use super::{Dataset, Rows, header, run};
+use super::{Dataset, header, run};
 use crate::engine::{Asked, Outcome, Provenance, Sink, SinkError};
 use crate::scenario::Scenario;
 use crate::stats::BlockResult;
@@ -43,7 +43,7 @@ impl Sink for Recorder {
 
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         if let Some(Provenance { units, bearing, .. }) = &self.header {
-            self.dataset.grow(Dataset::of_rows(&Rows::from(block), units, *bearing));
+            self.dataset.grow(Dataset::of_rows(&block.rows, units, *bearing));
         }
         Ok(())
     }

@@ -1,38 +1,11 @@
 //! What is recorded of single paths: the tables along `path`, `event` and `trajectory`.
 
 use super::layout;
-use super::{Dataset, Entry};
+use super::{Dataset, Element as _, Entry};
 use crate::engine::Provenance;
 use crate::scenario::SensorBearing;
 use crate::stats::column::Columns as _;
-use crate::stats::{BlockResult, EventColumns, PathColumns, Record, TrajectoryRows, Units};
-
-/// What is recorded of consecutive paths.
-#[derive(Clone, Copy, Debug)]
-pub struct Rows<'a> {
-    /// Number of the first path.
-    pub first_path: u64,
-    /// Number of paths, diverged ones included.
-    pub paths: u64,
-    /// Scalars of each path, if they are recorded.
-    pub path_columns: Option<&'a PathColumns>,
-    /// Events of each path, if they are recorded.
-    pub events: Option<&'a EventColumns>,
-    /// Paths on the output grid, if any are recorded and these paths include any of them.
-    pub trajectories: Option<&'a TrajectoryRows>,
-}
-
-impl<'a> From<&'a BlockResult> for Rows<'a> {
-    fn from(block: &'a BlockResult) -> Rows<'a> {
-        Rows {
-            first_path: block.first_path,
-            paths: block.paths,
-            path_columns: block.path_columns.as_ref(),
-            events: block.events.as_ref(),
-            trajectories: block.trajectories.as_ref(),
-        }
-    }
-}
+use crate::stats::{BlockRows, EventColumns, PathColumns, Record, TrajectoryRows, Units};
 
 /// The dimension along which the variables of a table grow.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -64,20 +37,18 @@ impl RowAxis {
 impl Dataset {
     /// The variables of single paths that a run will have, without rows.
     pub(super) fn without_rows(record: &Record, header: &Provenance) -> Dataset {
-        let (columns, events, trajectories) = Default::default();
-        let rows = Rows {
-            first_path: 0,
-            paths: 0,
-            path_columns: record.paths.then_some(&columns),
-            events: record.events.then_some(&events),
-            trajectories: (record.trajectories > 0 && !header.time.is_empty()).then_some(&trajectories),
+        let rows = BlockRows {
+            path_columns: record.paths.then(PathColumns::default),
+            events: record.events.then(EventColumns::default),
+            trajectories: (record.trajectories > 0 && !header.time.is_empty()).then(TrajectoryRows::default),
+            ..BlockRows::default()
         };
         Dataset::of_rows(&rows, &header.units, header.bearing)
     }
 
     /// The rows of some paths.
-    pub(crate) fn of_rows(rows: &Rows, units: &Units, bearing: Option<SensorBearing>) -> Dataset {
-        let Rows { first_path, paths, path_columns, events, trajectories } = *rows;
+    pub(crate) fn of_rows(rows: &BlockRows, units: &Units, bearing: Option<SensorBearing>) -> Dataset {
+        let BlockRows { first_path, paths, path_columns, events, trajectories } = rows;
         let mut dataset = Dataset::new(units);
         if path_columns.is_some() || events.is_some() {
             dataset.begin(&layout::PATH, u64::values(&(*first_path..).take(*paths as usize).collect::<Vec<_>>()));

@@ -1,7 +1,7 @@
 //! A run as a data set, except for the rows of single paths: what is known at its start, and what
 //! is known at its end.
 
-use super::{Dataset, Rows, Source, header, layout, read_attribute, read_or_empty, series, summary};
+use super::{Dataset, Source, header, layout, read_attribute, read_or_empty, series, summary};
 use crate::engine::{Part, Provenance, Replay, Status};
 use crate::stats::{Record, Summary};
 use std::path::PathBuf;
@@ -59,7 +59,7 @@ impl Dataset {
     pub fn of_replay(replay: &Replay) -> Self {
         let header = replay.provenance();
         let mut dataset = start(&header, &replay.record);
-        dataset.grow(Dataset::of_rows(&Rows::from(&replay.block), &header.units, header.bearing));
+        dataset.grow(Dataset::of_rows(&replay.block.rows, &header.units, header.bearing));
         write_end(&mut dataset, &replay.block.totals.summary(), Status::Complete);
         dataset
     }

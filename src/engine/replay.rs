@@ -73,7 +73,7 @@ impl Replay {
     /// The motion of the path between its events, piece by piece, as the scheme knows it; nothing if
     /// the path is lost. The path is simulated for it once more.
     pub fn motion(&self) -> Vec<Glide> {
-        self.rows.plan(&self.scenario, Record::NOTHING).motion(self.block.first_path)
+        self.rows.plan(&self.scenario, Record::NOTHING).motion(self.block.rows.first_path)
     }
 
     /// Whether the path diverged or was given up.

@@ -296,7 +296,7 @@ impl Plan {
     pub fn run(&self, threads: usize) -> Summary {
         let mut totals = RunTotals::empty(self.model(), self.timeline(), &self.record);
         let deliver = |block: BlockResult| {
-            totals.push(block.first_path / BLOCK_SIZE, block.totals)?;
+            totals.push(block.rows.first_path / BLOCK_SIZE, block.totals)?;
             Ok::<_, Overlap>(ControlFlow::Continue(()))
         };
         // No block is delivered twice, so there is no overlap and no error.

@@ -134,7 +134,7 @@ impl PathTrace {
     /// The rows of its trajectory, with its events inserted between them. None if events or
     /// trajectory were not kept.
     fn cut(replay: &Replay) -> Option<PathTrace> {
-        let (events, rows) = (replay.block.events.as_ref()?, replay.block.trajectories.as_ref()?);
+        let (events, rows) = (replay.block.rows.events.as_ref()?, replay.block.rows.trajectories.as_ref()?);
         let model = &replay.scenario.model;
         let time = replay.scenario.timeline().output_times();
         let row = |i: usize| {

@@ -31,6 +31,6 @@ pub(crate) use {
     again::{Against, again},
     checksum::checksum,
     parts::each_block,
-    rows::{OwnedRows, Position, read_rows},
+    rows::{Position, read_rows},
     state::{MAGIC, State, of_bytes, to_bytes},
 };

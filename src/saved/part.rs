@@ -34,7 +34,7 @@ impl Sink for PartRecorder {
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         if self.question.as_ref().is_some_and(|question| question.scenario.record != Record::NOTHING) {
             self.bytes.clear();
-            self.rows = self.rows.after(&block.into(), &mut self.bytes);
+            self.rows = self.rows.after(&block.rows, &mut self.bytes);
         }
         Ok(())
     }

@@ -2,7 +2,7 @@
 //! along the tree, and their rows are compared with the checksum of those that were simulated.
 
 use super::SavedError;
-use super::rows::{OwnedRows, Position};
+use super::rows::Position;
 use super::state::{RunQuestion, State, of_bytes};
 use crate::dataset::layout::Variable;
 use crate::dataset::{Dataset, ElementType, Source};
@@ -10,7 +10,7 @@ use crate::engine::SoFar;
 use crate::ensemble::BLOCK_SIZE;
 use crate::scenario::Scenario;
 use crate::stats::column::{Columns as _, values_of};
-use crate::stats::{EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals, TrajectoryRows};
+use crate::stats::{BlockRows, EVENT_COUNT, EventColumns, PathColumns, Record, RunTotals, TrajectoryRows};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -148,7 +148,7 @@ impl Parts {
 pub(crate) fn each_block<E>(
     state: &State,
     from: &dyn Source,
-    mut visit: impl FnMut(&OwnedRows) -> Result<(), E>,
+    mut visit: impl FnMut(&BlockRows) -> Result<(), E>,
     wrong: impl Fn(String) -> E,
 ) -> Result<(), E> {
     let RunQuestion { scenario: Scenario { record, .. }, asked, .. } = &state.question;
@@ -160,7 +160,7 @@ pub(crate) fn each_block<E>(
     for block in asked.blocks() {
         let (first_path, end) = (block * BLOCK_SIZE, ((block + 1) * BLOCK_SIZE).min(asked.paths));
         let place = (first_path - origin) as usize..(end - origin) as usize;
-        let mut owned = OwnedRows { first_path, paths: end - first_path, ..OwnedRows::default() };
+        let mut owned = BlockRows { first_path, paths: end - first_path, ..BlockRows::default() };
         if record.paths {
             owned.path_columns =
                 Some(PathColumns::read(|variable, kind| from.rows(variable.name, kind, &place)).map_err(&wrong)?);
@@ -175,7 +175,7 @@ pub(crate) fn each_block<E>(
                 Some(TrajectoryRows::read(|variable, kind| from.rows(variable.name, kind, &kept)).map_err(&wrong)?);
         }
         bytes.clear();
-        position = position.after(&owned.rows(), &mut bytes);
+        position = position.after(&owned, &mut bytes);
         visit(&owned)?;
     }
     if state.rows == position { Ok(()) } else { Err(wrong("its rows are not those that were written".to_string())) }

@@ -61,7 +61,7 @@ pub use goal::{Bound, Goal, GoalError, Verdict};
 pub use groups::{GROUPS, GroupValues, Grouping, Groups};
 pub use law::PhaseLaw;
 pub use observer::BlockObserver;
-pub use record::{BlockResult, EventColumns, PathColumns, TrajectoryRows};
+pub use record::{BlockResult, BlockRows, EventColumns, PathColumns, TrajectoryRows};
 pub(crate) use record::{EVENT_COUNT, ON_THE_GRID};
 pub use request::{PassageLevels, Record};
 pub use run_totals::RunTotals;

@@ -9,7 +9,7 @@ use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodFold;
 use super::record::{PathRow, TrajectoryRow};
 use super::spectrum::SpectrumFold;
-use super::{BlockResult, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
+use super::{BlockResult, BlockRows, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
 use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::sums::Unit;
@@ -86,11 +86,10 @@ impl BlockObserver {
         let mut watched = (0..).zip(&self.path_numbers).peekable();
         let lane = |number| (number, watched.next_if(|(_, path)| **path == number).map(|(lane, _)| lane));
         let lanes: Vec<(u64, Option<usize>)> = (first_path..first_path + path_count).map(lane).collect();
-        let rows = self.totals.timeline.rows();
-        BlockResult {
+        let instants = self.totals.timeline.rows();
+        let rows = BlockRows {
             first_path,
             paths: path_count,
-            diverged,
             path_columns: record.paths.then(|| {
                 let mut columns = PathColumns::default();
                 for (_, lane) in &lanes {
@@ -111,13 +110,13 @@ impl BlockObserver {
                 for (number, lane) in lanes.iter().take_while(|(number, _)| *number < record.trajectories) {
                     match lane {
                         Some(lane) => columns.append(&self.trajectories[*lane]),
-                        None => columns.append(&unknown(*number, rows)),
+                        None => columns.append(&unknown(*number, instants)),
                     }
                 }
                 columns
             }),
-            totals: self.totals,
-        }
+        };
+        BlockResult { rows, diverged, totals: self.totals }
     }
 
     /// The paths have reached t_end, in these phases.
@@ -392,7 +391,7 @@ mod tests {
         }
         let result = observer.finish(100, 5, vec![101, 104]);
 
-        let columns = result.path_columns.expect("asked for");
+        let columns = result.rows.path_columns.expect("asked for");
         assert_eq!(columns.diverged, [0, 1, 0, 0, 1]);
         assert_eq!(columns.slips, [0, 0, 1, 0, 0]);
         assert_eq!(columns.sub_phases, [0, 0, 1, 0, 0]);
@@ -409,11 +408,11 @@ mod tests {
         assert!(columns.first_stick_duration[0].is_nan());
         assert_eq!((columns.first_stick_duration[2], columns.stick_time[2]), (0.5, 1.0));
 
-        let events = result.events.expect("asked for");
+        let events = result.rows.events.expect("asked for");
         assert_eq!(events.count, [0, 0, 2, 1, 0]);
         assert_eq!((events.time, events.kind, events.sign), (vec![0.5, 1.5, 1.0], vec![1, 0, 1], vec![1, 0, 1]));
 
-        let trajectories = result.trajectories.expect("paths 100 to 102 are among the first 103");
+        let trajectories = result.rows.trajectories.expect("paths 100 to 102 are among the first 103");
         assert_eq!(trajectories.path, [100, 101, 102]);
         assert_eq!(trajectories.displacement[..3], [6.0, 6.0, 6.0]);
         assert!(trajectories.displacement[3..6].iter().all(|x| x.is_nan()));
@@ -440,7 +439,7 @@ mod tests {
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));
         assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()));
-        let trajectories = result.trajectories.expect("both are asked for");
+        let trajectories = result.rows.trajectories.expect("both are asked for");
         assert_eq!((trajectories.displacement.len(), trajectories.is_static), (6, vec![0; 6]));
     }
 }

@@ -116,22 +116,29 @@ columns! {
     }
 }
 
-/// The result of one block of paths. It depends on no other block, and can be merged with its
-/// neighbours.
-#[derive(Clone, Debug)]
-pub struct BlockResult {
+/// What is kept of consecutive paths.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct BlockRows {
     /// Number of the first path.
     pub first_path: u64,
     /// Number of paths, diverged ones included.
     pub paths: u64,
-    /// Numbers of the diverged paths.
-    pub diverged: Vec<u64>,
-    /// The sums and counts from which every statistic is computed.
-    pub totals: Totals,
     /// Scalars of each path, if they are kept.
     pub path_columns: Option<PathColumns>,
     /// Events of each path, if they are kept. A diverged path has none.
     pub events: Option<EventColumns>,
-    /// Paths on the output grid, if any are kept and the block has any of them.
+    /// Paths on the output grid, if any are kept and these paths include any of them.
     pub trajectories: Option<TrajectoryRows>,
+}
+
+/// The result of one block of paths. It depends on no other block, and can be merged with its
+/// neighbours.
+#[derive(Clone, Debug)]
+pub struct BlockResult {
+    /// Which paths these are, and what is kept of each.
+    pub rows: BlockRows,
+    /// Numbers of the diverged paths.
+    pub diverged: Vec<u64>,
+    /// The sums and counts from which every statistic is computed.
+    pub totals: Totals,
 }

@@ -8,8 +8,8 @@
 
 use super::reader::not_opened;
 use super::{StoreError, own};
-use crate::dataset::Rows;
-use crate::saved::{OwnedRows, Position, SavedError, checksum, read_rows};
+use crate::saved::{Position, SavedError, checksum, read_rows};
+use crate::stats::BlockRows;
 use crate::sums::Reader;
 use std::fs::File;
 use std::io::{self, BufReader, Read as _, Seek as _, SeekFrom, Write as _};
@@ -48,7 +48,7 @@ impl Log {
     }
 
     /// Append the rows of the next block.
-    pub fn append(&mut self, rows: &Rows) -> io::Result<()> {
+    pub fn append(&mut self, rows: &BlockRows) -> io::Result<()> {
         self.end = self.end.after(rows, &mut self.waiting);
         if self.waiting.len() >= BUFFER { self.write() } else { Ok(()) }
     }
@@ -90,7 +90,7 @@ impl<'a> LogReading<'a> {
     }
 
     /// Return the next block. Damage is an error.
-    fn block(&mut self) -> Result<OwnedRows, StoreError> {
+    fn block(&mut self) -> Result<BlockRows, StoreError> {
         let mut head = [0; 8];
         self.exactly(&mut head)?;
         let length = u64::from_le_bytes(head);
@@ -130,7 +130,7 @@ impl<'a> LogReading<'a> {
 pub(super) fn read(
     path: &Path,
     end: Position,
-    mut visit: impl FnMut(OwnedRows) -> Result<(), StoreError>,
+    mut visit: impl FnMut(BlockRows) -> Result<(), StoreError>,
 ) -> Result<(), StoreError> {
     let mut log = LogReading::open(path, end)?;
     while log.at.length < end.length {
@@ -145,10 +145,10 @@ mod tests {
     use crate::saved::write_rows;
     use crate::stats::{EventColumns, PathColumns};
 
-    fn block(first_path: u64) -> OwnedRows {
+    fn block(first_path: u64) -> BlockRows {
         let n = (first_path % 5) as usize;
         let real = |k: usize| (0..n).map(|i| (i * k) as f64 - 0.1).collect::<Vec<f64>>();
-        OwnedRows {
+        BlockRows {
             first_path,
             paths: n as u64,
             path_columns: Some(PathColumns {
@@ -168,7 +168,7 @@ mod tests {
         }
     }
 
-    fn read_all(path: &Path, end: Position) -> Result<Vec<OwnedRows>, StoreError> {
+    fn read_all(path: &Path, end: Position) -> Result<Vec<BlockRows>, StoreError> {
         let mut all = Vec::new();
         read(path, end, |rows| {
             all.push(rows);
@@ -177,10 +177,10 @@ mod tests {
         Ok(all)
     }
 
-    fn bits(rows: &[OwnedRows]) -> Vec<Vec<u8>> {
-        let bytes = |rows: &OwnedRows| {
+    fn bits(rows: &[BlockRows]) -> Vec<Vec<u8>> {
+        let bytes = |rows: &BlockRows| {
             let mut out = Vec::new();
-            write_rows(&rows.rows(), &mut out);
+            write_rows(rows, &mut out);
             out
         };
         rows.iter().map(bytes).collect()
@@ -190,11 +190,11 @@ mod tests {
     fn counted_rows_are_read_back_and_torn_rows_are_cut_off() {
         let folder = tempfile::tempdir().expect("a folder");
         let path = folder.path().join("rows");
-        let blocks: Vec<OwnedRows> = (0..20).map(block).collect();
+        let blocks: Vec<BlockRows> = (0..20).map(block).collect();
         let mut log = Log::create(&path).expect("a new log");
         let mut ends = vec![Position::default()];
         for block in &blocks {
-            log.append(&block.rows()).expect("room");
+            log.append(block).expect("room");
             ends.push(log.sync().expect("room"));
         }
         let whole = std::fs::read(&path).expect("there");
@@ -232,7 +232,7 @@ mod tests {
         // bytes.
         std::fs::write(&path, [&whole[..ends[7].length as usize], &[0xff; 99]].concat()).expect("room");
         let mut log = Log::go_on(&path, ends[7]).expect("there");
-        blocks[7..].iter().for_each(|block| log.append(&block.rows()).expect("room"));
+        blocks[7..].iter().for_each(|block| log.append(block).expect("room"));
         assert_eq!(log.sync().expect("room"), last);
         assert_eq!(std::fs::read(&path).expect("there"), whole);
     }

@@ -103,5 +103,5 @@ impl Sink for PartsSink<'_> {
 
 /// Copy the rows of a part to the new file.
 fn copy_rows(path: &Path, state: &State, writer: &mut Writer) -> Result<(), StoreError> {
-    each_block(state, &open(path)?, |rows| writer.append_rows(rows.rows()), damaged(path))
+    each_block(state, &open(path)?, |rows| writer.append(rows), damaged(path))
 }

@@ -214,7 +214,7 @@ impl Open {
         let [log_path, state] = [ROWS, STATE].map(|name| workshop.path(name));
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
         if log.is_some() {
-            log::read(&log_path, rows, |block| writer.append_rows(block.rows()))?;
+            log::read(&log_path, rows, |block| writer.append(&block))?;
         }
         // The state of a part contains a checksum of its rows, which is checked when parts are
         // merged. It does not say how long the part took, so that equal parts are equal files.
@@ -240,7 +240,7 @@ impl Sink for FileSink {
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         if let Some(log) = &mut open.log {
-            log.append(&block.into()).map_err(|error| open.workshop.failed(&error))?;
+            log.append(&block.rows).map_err(|error| open.workshop.failed(&error))?;
         }
         Ok(())
     }

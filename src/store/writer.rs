@@ -8,9 +8,9 @@ use super::variable::{Growth, OpenFile};
 use super::workshop::Workshop;
 use super::{StoreError, own};
 use crate::dataset::rows::RowAxis;
-use crate::dataset::{Dataset, Rows, header, layout, run};
+use crate::dataset::{Dataset, header, layout, run};
 use crate::engine::{Part, Provenance, Status};
-use crate::stats::{BlockResult, Record, Summary};
+use crate::stats::{BlockRows, Record, Summary};
 use std::path::Path;
 
 /// Number of values in a chunk of per-path data. As reals they take 128 kB, so that one chunk of
@@ -59,15 +59,10 @@ impl Writer {
         Ok(writer)
     }
 
-    /// Append the rows of the next block.
-    pub fn append(&mut self, block: &BlockResult) -> Result<(), StoreError> {
-        self.append_rows(Rows::from(block))
-    }
-
-    /// Append the rows of consecutive paths.
-    pub fn append_rows(&mut self, rows: Rows) -> Result<(), StoreError> {
+    /// Append the rows of the next paths.
+    pub fn append(&mut self, rows: &BlockRows) -> Result<(), StoreError> {
         self.guarded(|_, tables, header| {
-            let rows = Dataset::of_rows(&rows, &header.units, header.bearing);
+            let rows = Dataset::of_rows(rows, &header.units, header.bearing);
             tables.iter_mut().try_for_each(|table| table.push(&rows))
         })?;
         self.appended += rows.paths;

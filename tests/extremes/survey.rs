@@ -172,7 +172,7 @@ fn foretells_divergence(warning: &Warning) -> bool {
 
 /// The numbers that the engine keeps of each path agree with those of the observer.
 fn compare<'a>(plan: &Plan, kept: impl Iterator<Item = &'a super::invariants::Lane>) -> Result<(), String> {
-    let columns = plan.block(0).path_columns.ok_or("no columns")?;
+    let columns = plan.block(0).rows.path_columns.ok_or("no columns")?;
     let rows = (0..columns.slips.len()).filter(|&row| columns.diverged[row] == 0);
     let (end, f_d) = (plan.timeline().end, plan.model().friction.dynamic_force);
     for (row, lane) in rows.zip(kept) {

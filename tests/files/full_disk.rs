@@ -162,9 +162,9 @@ fn fill(target: &Path) -> Result<(), StoreError> {
     let header = header(40_000);
     let mut writer = Writer::create(target, &header, &EVERYTHING, false)?;
     for first in (0..40_000).step_by(4_000) {
-        if let Err(error) = writer.append_rows(block(first, 4_000, 61, 40).rows(&EVERYTHING)) {
+        if let Err(error) = writer.append(&block(first, 4_000, 61, 40).rows(&EVERYTHING)) {
             // A caller that continues after the error gets the same error again.
-            assert!(writer.append_rows(block(first, 4_000, 61, 40).rows(&EVERYTHING)).is_err());
+            assert!(writer.append(&block(first, 4_000, 61, 40).rows(&EVERYTHING)).is_err());
             assert!(writer.finish(&summary(first, &header), Status::Interrupted).is_err());
             return Err(error);
         }

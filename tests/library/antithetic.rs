@@ -86,10 +86,10 @@ fn the_paths_of_a_pair_see_the_noise_and_its_mirror_image() {
         let plan = paired.plan();
         let alone = Plan { antithetic: false, ..plan.clone() };
         let (pairs, single) = (plan.block(1), alone.block(1));
-        let (pairs_x, single_x) = (pairs.path_columns.expect("kept"), single.path_columns.expect("kept"));
+        let (pairs_x, single_x) = (pairs.rows.path_columns.expect("kept"), single.rows.path_columns.expect("kept"));
         let mut mirrored = 0;
         for lane in 0..BLOCK_SIZE as usize {
-            let replayed = plan.replay(BLOCK_SIZE + lane as u64).path_columns.expect("kept");
+            let replayed = plan.replay(BLOCK_SIZE + lane as u64).rows.path_columns.expect("kept");
             assert_eq!(replayed.displacement_end[0], pairs_x.displacement_end[lane], "{kind:?}, {lane}");
             assert_eq!(replayed.friction_work[0], pairs_x.friction_work[lane], "{kind:?}, {lane}");
             let is_even = lane % 2 == 0;

@@ -109,12 +109,12 @@ fn progress_and_every_sink_see_each_block_once_and_in_order() {
     let (mut reported, mut one, mut two) = (Reported::default(), Memory::default(), Memory::default());
     let run = Run::of(&scenario).threads(3).with_progress(&mut reported).into_sink(&mut one).into_sink(&mut two);
     let outcome = run.simulate().expect("memory holds it");
-    let firsts = |memory: &Memory| memory.blocks.iter().map(|block| block.first_path).collect::<Vec<_>>();
+    let firsts = |memory: &Memory| memory.blocks.iter().map(|block| block.rows.first_path).collect::<Vec<_>>();
     assert_eq!(firsts(&one), [0, 256, 512, 768, 1024]);
     assert_eq!(firsts(&two), firsts(&one));
     assert_eq!(reported.0, [256, 512, 768, 1024, 1273].map(|done| (done, 1273)));
     assert_eq!((reported.1, outcome.bias.absence.is_none()), (1, true));
-    let columns = one.blocks.iter().filter_map(|block| block.path_columns.as_ref());
+    let columns = one.blocks.iter().filter_map(|block| block.rows.path_columns.as_ref());
     let ends: Vec<f64> = columns.flat_map(|columns| columns.displacement_end.clone()).collect();
     let mean = ends.iter().sum::<f64>() / ends.len() as f64;
     let estimate = outcome.summary.estimate(Statistic::DisplacementEndMean).estimate;
@@ -204,7 +204,7 @@ fn a_panic_of_a_thread_ends_a_run_with_an_error_and_keeps_the_blocks_before() {
         tempfile::tempdir().expect("a folder"),
     );
     let target = |name: &str| folder.path().join(name);
-    let ends = scenario.plan().replay(3 * BLOCK_SIZE + 17).path_columns.expect("they are recorded");
+    let ends = scenario.plan().replay(3 * BLOCK_SIZE + 17).rows.path_columns.expect("they are recorded");
     let planned = Planned(ends.displacement_end[0]);
     for threads in [1, 2] {
         let file = target(&format!("{threads}.h5"));

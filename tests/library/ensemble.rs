@@ -82,7 +82,7 @@ fn bands_hold_the_quantiles_of_the_paths() {
         for row in 0..rows {
             let values = blocks
                 .iter()
-                .filter_map(|b| b.trajectories.as_ref())
+                .filter_map(|b| b.rows.trajectories.as_ref())
                 .flat_map(|t| column(t).iter().skip(row).step_by(rows));
             let mut values: Array1<N64> = values.map(|&v| n64(v)).collect();
             assert_eq!(values.len(), 3000);
@@ -127,8 +127,7 @@ fn any_number_of_threads_gives_the_same_bits() {
         let shared = blocks(&plan, threads);
         assert!(summed(&shared) == summed(&alone), "{threads} threads");
         for (a, b) in alone.iter().zip(&shared) {
-            assert!(a.path_columns == b.path_columns && a.events == b.events && a.trajectories == b.trajectories);
-            assert_eq!(a.first_path, b.first_path);
+            assert!(a.rows == b.rows);
         }
     }
 }
@@ -140,12 +139,12 @@ fn a_replayed_path_is_the_path_of_the_ensemble() {
     let path = 300u64;
     let alone = plan.replay(path);
     let (block, lane) = (&all[1], (path - BLOCK_SIZE) as usize);
-    let (ours, theirs) = (alone.events.expect("kept"), block.events.as_ref().expect("kept"));
+    let (ours, theirs) = (alone.rows.events.expect("kept"), block.rows.events.as_ref().expect("kept"));
     let before: u32 = theirs.count[..lane].iter().sum();
     let range = before as usize..(before + theirs.count[lane]) as usize;
     assert!(ours.time == theirs.time[range.clone()] && ours.displacement == theirs.displacement[range]);
-    let columns = block.path_columns.as_ref().expect("kept");
-    assert_eq!(alone.path_columns.expect("kept").displacement_end, [columns.displacement_end[lane]]);
+    let columns = block.rows.path_columns.as_ref().expect("kept");
+    assert_eq!(alone.rows.path_columns.expect("kept").displacement_end, [columns.displacement_end[lane]]);
 }
 
 /// When a run is stopped from outside, blocks ahead of the oldest unfinished one are finished: at
@@ -158,7 +157,7 @@ fn a_stopped_run_delivers_a_prefix_and_a_failed_one_its_error() {
     for threads in [1, 3] {
         let (stop, mut seen) = (AtomicBool::new(false), Vec::new());
         let delivered = plan.run_into(threads, &stop, |block| {
-            seen.push(block.first_path);
+            seen.push(block.rows.first_path);
             stop.store(seen.len() >= 4, Ordering::Relaxed);
             Ok::<_, Infallible>(ControlFlow::Continue(()))
         });
@@ -209,10 +208,10 @@ fn blocks_in_flight_together_are_the_blocks_alone() {
     assert!((4..15).contains(&whole), "{whole} of 18 blocks lose no path");
     for (index, block) in together.iter().enumerate() {
         let alone = plan.block(index as u64);
-        assert_eq!((block.first_path, block.paths), (alone.first_path, alone.paths));
+        assert_eq!((block.rows.first_path, block.rows.paths), (alone.rows.first_path, alone.rows.paths));
         assert_eq!(block.diverged, alone.diverged);
-        assert_eq!(block.events, alone.events);
-        let bits = |block: &BlockResult| format!("{:?} {:?}", block.path_columns, block.totals.summary());
+        assert_eq!(block.rows.events, alone.rows.events);
+        let bits = |block: &BlockResult| format!("{:?} {:?}", block.rows.path_columns, block.totals.summary());
         assert_eq!(bits(block), bits(&alone), "block {index}");
     }
 }
@@ -249,8 +248,9 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     let columns: BTreeMap<u64, (f64, i8)> = all
         .iter()
         .flat_map(|block| {
-            let columns = block.path_columns.as_ref().expect("kept");
-            (block.first_path..).zip(columns.displacement_end.iter().copied().zip(columns.diverged.iter().copied()))
+            let columns = block.rows.path_columns.as_ref().expect("kept");
+            (block.rows.first_path..)
+                .zip(columns.displacement_end.iter().copied().zip(columns.diverged.iter().copied()))
         })
         .collect();
     for (path, (x, lost)) in &columns {

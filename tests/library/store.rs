@@ -203,7 +203,7 @@ fn a_file_is_made_by_one_at_a_time_and_given_up_without_a_trace() {
     let folder = tempfile::tempdir().unwrap();
     let target = folder.path().join("run.h5");
     let mut writer = Writer::create(&target, &header(1000), &EVERYTHING, false).unwrap();
-    writer.append_rows(block(0, 100, 61, 40).rows(&EVERYTHING)).unwrap();
+    writer.append(&block(0, 100, 61, 40).rows(&EVERYTHING)).unwrap();
     assert!(partial_path(&target).is_dir() && !target.exists());
     for force in [false, true] {
         let error = Writer::create(&target, &header(1000), &NOTHING, force).unwrap_err();
@@ -321,7 +321,7 @@ fn speed_of_writing() {
         for index in 0..paths / 256 {
             let block = &blocks[index as usize % blocks.len()];
             bytes += if record.paths { 256 * 61 } else { 256 * 12 + 26 * block.events.time.len() };
-            writer.append_rows(block.rows(&record)).unwrap();
+            writer.append(&block.rows(&record)).unwrap();
         }
         writer.finish(&Summary { completed_paths: paths, ..summary(100, &header) }, Status::Complete).unwrap();
         let (seconds, size) = (start.elapsed().as_secs_f64(), fs::metadata(&target).unwrap().len());

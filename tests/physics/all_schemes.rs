@@ -168,9 +168,9 @@ fn a_replay_of_a_number_beyond_sixteen_and_thirty_two_bits_is_another_path() {
     let mut ends = HashSet::new();
     for path in [7, (1 << 16) + 7, (1 << 32) + 7, (1 << 48) + 7] {
         let block = Replay::of(&scenario, path).block;
-        assert_eq!((block.first_path, block.paths), (path, 1));
-        assert_eq!(block.trajectories.expect("kept").path, [path]);
-        ends.insert(block.path_columns.expect("kept").displacement_end[0].to_bits());
+        assert_eq!((block.rows.first_path, block.rows.paths), (path, 1));
+        assert_eq!(block.rows.trajectories.expect("kept").path, [path]);
+        ends.insert(block.rows.path_columns.expect("kept").displacement_end[0].to_bits());
     }
     assert_eq!(ends.len(), 4);
 }
@@ -249,7 +249,7 @@ fn a_burn_in_leaves_out_the_same_of_every_scheme() {
             BlockObserver::new(&model, &line, &Record { paths: true, ..Record::NOTHING }, &paths, Unit::Path),
         );
         assert!(scheme.simulation(&model, &line).simulate(9, &paths, &mut both).is_empty());
-        let columns = both.1.finish(0, 300, Vec::new()).path_columns.expect("asked for");
+        let columns = both.1.finish(0, 300, Vec::new()).rows.path_columns.expect("asked for");
         let (mut sticking, mut straddling) = (0, 0);
         for (lane, (events, rows)) in both.0.events.iter().zip(&both.0.rows).enumerate() {
             let (at_end, at_after) = (rows[3].1, rows[1].1);

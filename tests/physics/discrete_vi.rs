@@ -614,7 +614,7 @@ fn the_friction_of_a_row_is_that_of_the_next_step() {
     let simulation = Scheme::from(DiscreteVi { step: h }).simulation(&model, &timeline);
     let record = Record { trajectories: 50, ..Record::NOTHING };
     let plan = Plan { simulation, record, seed: 1, paths: 50, antithetic: false };
-    let rows = plan.piece(0, 50).trajectories.expect("asked for");
+    let rows = plan.piece(0, 50).rows.trajectories.expect("asked for");
     let per_path = timeline.rows();
     let (mut moved, mut at_rest) = (0, 0);
     for row in (0..rows.friction.len() - 1).filter(|row| (row + 1) % per_path != 0) {

@@ -17,7 +17,7 @@ fn thrown(spring: [f64; 2], friction: [f64; 2], end: f64, velocity: f64, more: &
 
 /// Where and when the path comes to rest for the first time.
 fn rest(scenario: &Scenario) -> [f64; 2] {
-    let events = Replay::of(scenario, 0).block.events.expect("kept");
+    let events = Replay::of(scenario, 0).block.rows.events.expect("kept");
     assert_eq!((events.time[0], events.kind[0], events.displacement[0]), (0.0, 1, 0.25), "a slip from the start");
     assert_eq!(f64::from(events.sign[0]), scenario.model.initial_velocity.signum());
     [events.time[1], events.displacement[1]]
@@ -82,7 +82,7 @@ fn a_thrown_body_under_noise_swings_about_the_free_oscillation() {
     assert!((end.estimate - expected).abs() < 4.0 * end.standard_error, "{end:?} {expected}");
 
     let mut rough = thrown([1.0, 0.1], [1.2, 1.0], 10.0, -3.0, more);
-    let alone = |path: u64| Replay::of(&rough, path).block.path_columns.expect("kept").displacement_end[0];
+    let alone = |path: u64| Replay::of(&rough, path).block.rows.path_columns.expect("kept").displacement_end[0];
     let singly: Vec<f64> = (0..300).map(alone).collect();
     let mean = singly.iter().sum::<f64>() / 300.0;
     rough.ensemble.paths = 300;

@@ -6,8 +6,8 @@ use ndarray::Array2;
 use std::path::Path;
 use stick_slip::engine::{Program, Provenance, Status};
 use stick_slip::stats::{
-    Band, Bands, Bias, Distribution, Estimate, EventColumns, FirstSticks, Histogram, PathColumns, PeriodMoments,
-    QUANTILE_LEVELS, Record, Statistic, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
+    Band, Bands, Bias, BlockRows, Distribution, Estimate, EventColumns, FirstSticks, Histogram, PathColumns,
+    PeriodMoments, QUANTILE_LEVELS, Record, Statistic, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
 };
 use stick_slip::store::Writer;
 use stick_slip::sums::{Ends, Measurement};
@@ -100,13 +100,13 @@ pub fn block(first_path: u64, paths: u64, rows: usize, kept: u64) -> Block {
 }
 
 impl Block {
-    pub fn rows(&self, record: &Record) -> Rows<'_> {
-        Rows {
+    pub fn rows(&self, record: &Record) -> BlockRows {
+        BlockRows {
             first_path: self.first_path,
             paths: self.paths,
-            path_columns: record.paths.then_some(&self.columns),
-            events: record.events.then_some(&self.events),
-            trajectories: (!self.trajectories.path.is_empty()).then_some(&self.trajectories),
+            path_columns: record.paths.then(|| self.columns.clone()),
+            events: record.events.then(|| self.events.clone()),
+            trajectories: (!self.trajectories.path.is_empty()).then(|| self.trajectories.clone()),
         }
     }
 }
@@ -217,7 +217,7 @@ pub fn write(target: &Path, paths: u64, block_size: u64, record: &Record, status
     for first in (0..paths).step_by(block_size as usize) {
         let size = block_size.min(paths - first);
         let block = block(first, size, header.time.len(), record.trajectories);
-        writer.append_rows(block.rows(record)).unwrap();
+        writer.append(&block.rows(record)).unwrap();
     }
     writer.finish(&summary, status).unwrap();
     (header, summary)

@@ -3,13 +3,13 @@
 use super::{Against, Difference};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{
-    Dataset, ElementType, Entry, Rows, Source, StoredRun, header, layout, read_or_empty, read_variable, run, summary,
+    Dataset, ElementType, Entry, Source, StoredRun, header, layout, read_or_empty, read_variable, run, summary,
 };
 use crate::engine::{Asked, Part, Provenance, Status};
 use crate::ensemble::BLOCK_SIZE;
 use crate::saved::state::of_bytes;
 use crate::stats::column::values_of;
-use crate::stats::{BlockResult, EVENT_COUNT, Record, Summary};
+use crate::stats::{BlockRows, EVENT_COUNT, Record, Summary};
 use std::path::Path;
 
 /// Number of rows that are read at a time.
@@ -139,8 +139,8 @@ impl<'a> Verification<'a> {
 
     /// Compare the rows that are stored with those of a block that was simulated again. Blocks must
     /// be given in ascending order.
-    pub fn block(&mut self, block: &BlockResult) -> Result<(), String> {
-        let computed = Dataset::of_rows(&Rows::from(block), &self.header.units, self.header.bearing);
+    pub fn block(&mut self, block: &BlockRows) -> Result<(), String> {
+        let computed = Dataset::of_rows(block, &self.header.units, self.header.bearing);
         let first = (block.first_path - self.origin) as usize;
         let counts = block.events.as_ref().map_or(&[][..], |events| &events.count);
         let first_event = if counts.is_empty() { 0 } else { self.events_before(block.first_path)? };

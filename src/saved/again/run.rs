@@ -154,8 +154,8 @@ impl Claim<'_> {
         let mut totals = RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         let make = |index: u64| plan.block(numbers[index as usize]);
         let deliver = |block: BlockResult| -> Result<ControlFlow<()>, String> {
-            compared.block(&block)?;
-            let pushed = totals.push(block.first_path / BLOCK_SIZE, block.totals);
+            compared.block(&block.rows)?;
+            let pushed = totals.push(block.rows.first_path / BLOCK_SIZE, block.totals);
             pushed.map_err(|flaw| flaw.to_string())?;
             Ok(if compared.against.difference.is_some() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) })
         };

@@ -158,7 +158,7 @@ impl SweepSimulation<'_> {
             match piece.made {
                 Made::Block(block) => {
                     let Delivered { index, result, beside } = *block;
-                    done += result.paths;
+                    done += result.rows.paths;
                     progress.paths(done, paths);
                     here.totals.push_with(index, result.totals, beside)?;
                     if job.has_bias || index + 1 < job.blocks {
