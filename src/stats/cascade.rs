@@ -6,7 +6,7 @@ use super::law::{LawSums, rare_mean, rare_ratio};
 use super::measure::{Measure, Sampled};
 use super::path::PathFold;
 use crate::sums::Unit;
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::{JointMoments, Moments};
 use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
@@ -19,63 +19,53 @@ const MULTIPLE: usize = 2;
 const JUMP: usize = 3;
 const JUMP_ABS: usize = 4;
 
-/// Moments over paths of the numbers that describe the cascade of a path.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct CascadeSums {
-    /// Durations D_j of completed sticks, j >= 1.
-    pub sticks: LawSums,
-    /// Powers of the influences of paths on the means of positive numbers.
-    tails: CascadeTails,
-    /// Whether the first stick ended, and its D_0.
-    first_sticks: JointMoments<2>,
-    /// Completed dynamic phases, sum of k(j), number with k(j) >= 2, sum of jumps, sum of |jumps|.
-    slips: JointMoments<5>,
-    stick_time: Moments,
-    work: Moments,
-    sliding_path: Moments,
-    displacement_end: SpreadMoments,
-    /// Displacement during the burn-in.
-    pub early_displacement: Moments,
-    pub contributing: Contributing,
+sums! {
+    /// Moments over paths of the numbers that describe the cascade of a path.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub(super) struct CascadeSums {
+        /// Durations D_j of completed sticks, j >= 1.
+        pub sticks: LawSums,
+        /// Powers of the influences of paths on the means of positive numbers.
+        tails: CascadeTails,
+        /// Whether the first stick ended, and its D_0.
+        first_sticks: JointMoments<2>,
+        /// Completed dynamic phases, sum of k(j), number with k(j) >= 2, sum of jumps, sum of
+        /// |jumps|.
+        slips: JointMoments<5>,
+        stick_time: Moments,
+        work: Moments,
+        sliding_path: Moments,
+        displacement_end: SpreadMoments,
+        /// Displacement during the burn-in.
+        pub early_displacement: Moments,
+        pub contributing: Contributing,
+    }
 }
 
-sums_of_fields!(CascadeSums {
-    sticks,
-    tails,
-    first_sticks,
-    slips,
-    stick_time,
-    work,
-    sliding_path,
-    displacement_end,
-    early_displacement,
-    contributing
-});
-
-/// Fourth powers of the numbers of units, for the tails of the errors of these means.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-struct CascadeTails {
-    first_stick_duration: Fourths,
-    sub_phases: Fourths,
-    jump_size: Fourths,
-    slips: Fourths,
-    stick_time: Fourths,
+sums! {
+    /// Fourth powers of the numbers of units, for the tails of the errors of these means.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    struct CascadeTails {
+        first_stick_duration: Fourths,
+        sub_phases: Fourths,
+        jump_size: Fourths,
+        slips: Fourths,
+        stick_time: Fourths,
+    }
 }
 
-sums_of_fields!(CascadeTails { first_stick_duration, sub_phases, jump_size, slips, stick_time });
-
-/// Number of units that completed at least one phase of each kind.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(super) struct Contributing {
-    pub first_sticks: u64,
-    pub slips: u64,
-    /// Units with any static time.
-    sticking: u64,
-    /// Units that move in the counted time.
-    pub moving: u64,
+sums! {
+    /// Number of units that completed at least one phase of each kind.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub(super) struct Contributing {
+        pub first_sticks: u64,
+        pub slips: u64,
+        /// Units with any static time.
+        sticking: u64,
+        /// Units that move in the counted time.
+        pub moving: u64,
+    }
 }
-
-sums_of_fields!(Contributing { first_sticks, slips, sticking, moving });
 
 impl CascadeSums {
     /// The sums over the paths of a block.

@@ -14,7 +14,7 @@ use crate::model::{Event, EventKind, Phase};
 use crate::scheme::{Along, Glide, Timeline};
 use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, Share, batch_of};
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 use crate::sums::grid::Grid;
 use ndarray::Array2;
 
@@ -41,21 +41,21 @@ fn place(tick: u64) -> f64 {
     (tick.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64
 }
 
-/// Counts of ticks.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct DensityCounts {
-    /// x at all times.
-    displacement: Grid,
-    /// x' in motion.
-    velocity: Grid,
-    /// (x, x') in motion.
-    joint: Grid,
-    /// All ticks of each batch of paths, and those at rest.
-    all: [u64; BATCHES],
-    at_rest: [u64; BATCHES],
+sums! {
+    /// Counts of ticks.
+    #[derive(Clone, Debug, PartialEq)]
+    pub(super) struct DensityCounts {
+        /// x at all times.
+        displacement: Grid,
+        /// x' in motion.
+        velocity: Grid,
+        /// (x, x') in motion.
+        joint: Grid,
+        /// All ticks of each batch of paths, and those at rest.
+        all: [u64; BATCHES],
+        at_rest: [u64; BATCHES],
+    }
 }
-
-sums_of_fields!(DensityCounts { displacement, velocity, joint, all, at_rest });
 
 impl Default for DensityCounts {
     fn default() -> Self {

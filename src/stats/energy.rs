@@ -4,25 +4,25 @@ use super::Statistic;
 use super::measure::{Measure, Sampled};
 use super::motion::{MotionFold, Works};
 use crate::sums::Unit;
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
 use crate::sums::rare::FEWEST_FOR_SPREAD;
 use crate::sums::spread::SpreadMoments;
 
-/// Moments over paths of the works.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct EnergySums {
-    temperature: Moments,
-    own_force: Moments,
-    damping: Moments,
-    change: Moments,
-    residual: SpreadMoments,
-    /// Units that move in the counted time.
-    moving: u64,
+sums! {
+    /// Moments over paths of the works.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub(super) struct EnergySums {
+        temperature: Moments,
+        own_force: Moments,
+        damping: Moments,
+        change: Moments,
+        residual: SpreadMoments,
+        /// Units that move in the counted time.
+        moving: u64,
+    }
 }
-
-sums_of_fields!(EnergySums { temperature, own_force, damping, change, residual, moving });
 
 impl EnergySums {
     /// The sums over the paths of a block.

@@ -4,20 +4,20 @@ use super::law_counts::LawCounts;
 use super::measure::{Measure, Sampled};
 use super::motion::MotionFold;
 use super::{Extremes, PassageLevels, Passages, Statistic};
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::{sums, sums_of_fields};
 use crate::sums::interval::Measured;
 use crate::sums::range::Sample;
 use crate::sums::spread::SpreadMoments;
 use crate::sums::{Ends, Unit};
 
-/// Moments over paths of the largest |x - x0| and the largest |x'|.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct ExtremeSums {
-    displacement: SpreadMoments,
-    velocity: SpreadMoments,
+sums! {
+    /// Moments over paths of the largest |x - x0| and the largest |x'|.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub(super) struct ExtremeSums {
+        displacement: SpreadMoments,
+        velocity: SpreadMoments,
+    }
 }
-
-sums_of_fields!(ExtremeSums { displacement, velocity });
 
 impl ExtremeSums {
     /// The sums over the paths of a block.

@@ -12,7 +12,7 @@
 
 use super::Dimension;
 use crate::sums::Unit;
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
 use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
@@ -108,21 +108,21 @@ impl Folded {
     }
 }
 
-/// Moments over paths of [`Folded`].
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct LawSums {
-    /// Number of values, their sum, and the sum of their squares.
-    units: JointMoments<3>,
-    /// Fourth powers of the sum with the number, and of the number.
-    mean_tails: Fourths,
-    number_tails: Fourths,
-    /// Powers of the influences of paths on the standard deviation.
-    sd_tails: Tails,
-    /// Number of units that have any value.
-    contributing: u64,
+sums! {
+    /// Moments over paths of [`Folded`].
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub(super) struct LawSums {
+        /// Number of values, their sum, and the sum of their squares.
+        units: JointMoments<3>,
+        /// Fourth powers of the sum with the number, and of the number.
+        mean_tails: Fourths,
+        number_tails: Fourths,
+        /// Powers of the influences of paths on the standard deviation.
+        sd_tails: Tails,
+        /// Number of units that have any value.
+        contributing: u64,
+    }
 }
-
-sums_of_fields!(LawSums { units, mean_tails, number_tails, sd_tails, contributing });
 
 const NUMBER: usize = 0;
 const SUM: usize = 1;

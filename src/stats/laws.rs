@@ -6,7 +6,7 @@ use super::law::{Folded, LawSums, PhaseLaw};
 use super::measure::{Measure, Sampled};
 use crate::model::{Event, EventKind};
 use crate::sums::Unit;
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 
 /// Number of these laws.
@@ -85,14 +85,14 @@ fn place(law: PhaseLaw) -> usize {
     law as usize - 1
 }
 
-/// Moments over paths.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub(super) struct LawsSums {
-    laws: [LawSums; LAWS],
-    signed_jumps: LawSums,
+sums! {
+    /// Moments over paths.
+    #[derive(Clone, Debug, Default, PartialEq)]
+    pub(super) struct LawsSums {
+        laws: [LawSums; LAWS],
+        signed_jumps: LawSums,
+    }
 }
-
-sums_of_fields!(LawsSums { laws, signed_jumps });
 
 impl LawsSums {
     /// The sums over the paths of a block.

@@ -16,7 +16,7 @@ use super::{PeriodMoments, Statistic};
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
 use crate::sums::Unit;
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
 use crate::sums::range::Range;
@@ -47,23 +47,23 @@ impl Slope {
     }
 }
 
-/// Moments of x at the whole periods, and of the slopes and spreads of single paths.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct PeriodSums {
-    /// Moments of x(t_n) - x0.
-    displacement: Vec<SpreadMoments>,
-    /// Moments of the slope of each path.
-    drift: Moments,
-    /// Moments of each path's contribution to the slope of the variance.
-    spreading: Moments,
-    /// Moments of each path's contribution to S^2.
-    spread: Moments,
-    /// Second and fourth powers of the influences of paths on S^2.
-    spread_tails: Tails,
-    pub period_displacements: PeriodDisplacements,
+sums! {
+    /// Moments of x at the whole periods, and of the slopes and spreads of single paths.
+    #[derive(Clone, Debug, PartialEq)]
+    pub(super) struct PeriodSums {
+        /// Moments of x(t_n) - x0.
+        displacement: Vec<SpreadMoments>,
+        /// Moments of the slope of each path.
+        drift: Moments,
+        /// Moments of each path's contribution to the slope of the variance.
+        spreading: Moments,
+        /// Moments of each path's contribution to S^2.
+        spread: Moments,
+        /// Second and fourth powers of the influences of paths on S^2.
+        spread_tails: Tails,
+        pub period_displacements: PeriodDisplacements,
+    }
 }
-
-sums_of_fields!(PeriodSums { displacement, drift, spreading, spread, spread_tails, period_displacements });
 
 impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {

@@ -2,18 +2,20 @@
 
 use super::SubPhaseCounts;
 use crate::sums::batches::{BATCHES, Share, batch_of};
-use crate::sums::codec::sums_of_fields;
+use crate::sums::codec::sums;
 
 /// Dynamic phases with this many sub-phases or more are counted together.
 pub const SUB_PHASE_CAP: usize = 64;
 
-/// Counts of k(j).
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct SubPhaseTotals {
-    /// For each k from 1 on, the counts of the paths of each batch. Most phases have few
-    /// sub-phases, so that the entries in use lie close together.
-    counts: Vec<[u64; BATCHES]>,
-    censored: u64,
+sums! {
+    /// Counts of k(j).
+    #[derive(Clone, Debug, PartialEq)]
+    pub(super) struct SubPhaseTotals {
+        /// For each k from 1 on, the counts of the paths of each batch. Most phases have few
+        /// sub-phases, so that the entries in use lie close together.
+        counts: Vec<[u64; BATCHES]>,
+        censored: u64,
+    }
 }
 
 impl Default for SubPhaseTotals {
@@ -21,8 +23,6 @@ impl Default for SubPhaseTotals {
         SubPhaseTotals { counts: vec![[0; BATCHES]; SUB_PHASE_CAP], censored: 0 }
     }
 }
-
-sums_of_fields!(SubPhaseTotals { counts, censored });
 
 impl SubPhaseTotals {
     /// A dynamic phase with k >= 1 sub-phases, of a path of this unit, is complete.

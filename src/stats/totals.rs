@@ -19,7 +19,7 @@ use super::{Distribution, Estimate, FirstSticks, Record, Statistic, Summary, Tra
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::batches::BATCHES;
-use crate::sums::codec::{Codec, Damaged, Reader, sums_of_fields};
+use crate::sums::codec::{Codec, Damaged, Reader, sums, sums_of_fields};
 use crate::sums::interval::Measured;
 use crate::sums::range::{Range, Sample};
 use crate::sums::{Merge, Unit};
@@ -37,29 +37,29 @@ pub struct Totals {
     pub(super) counts: Counts,
 }
 
-/// Floating-point moments over paths. Merging them is associative only up to rounding.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Sums {
-    pub(super) phases: PhaseSums,
-    bands: BandSums,
-    /// If it is asked for.
-    pub(super) spectrum: Option<Box<SpectrumSums>>,
+sums! {
+    /// Floating-point moments over paths. Merging them is associative only up to rounding.
+    #[derive(Clone, Debug, PartialEq)]
+    pub struct Sums {
+        pub(super) phases: PhaseSums,
+        bands: BandSums,
+        /// If it is asked for.
+        pub(super) spectrum: Option<Box<SpectrumSums>>,
+    }
 }
 
-sums_of_fields!(Sums { phases, bands, spectrum });
-
-/// The moments from which statistics are estimated, without those of the bands.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct PhaseSums {
-    pub cascade: CascadeSums,
-    pub periods: PeriodSums,
-    /// The moments of laws, energies and extremes, if they are asked for.
-    pub laws: Option<Box<LawsSums>>,
-    pub energy: Option<Box<EnergySums>>,
-    pub extremes: Option<Box<ExtremeSums>>,
+sums! {
+    /// The moments from which statistics are estimated, without those of the bands.
+    #[derive(Clone, Debug, PartialEq)]
+    pub(super) struct PhaseSums {
+        pub cascade: CascadeSums,
+        pub periods: PeriodSums,
+        /// The moments of laws, energies and extremes, if they are asked for.
+        pub laws: Option<Box<LawsSums>>,
+        pub energy: Option<Box<EnergySums>>,
+        pub extremes: Option<Box<ExtremeSums>>,
+    }
 }
-
-sums_of_fields!(PhaseSums { cascade, periods, laws, energy, extremes });
 
 /// Integers, extremes and lists of numbers. Merging them is exact in any order.
 #[derive(Clone, Debug, PartialEq)]

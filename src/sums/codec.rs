@@ -165,6 +165,21 @@ macro_rules! sums_of_fields {
 }
 pub(crate) use sums_of_fields;
 
+/// Declares sums, which are merged, written and read field by field.
+macro_rules! sums {
+    ($(#[$of_type:meta])* $type_visibility:vis struct $type:ident {
+        $($(#[$of_field:meta])* $visibility:vis $field:ident: $of:ty,)*
+    }) => {
+        $(#[$of_type])*
+        $type_visibility struct $type {
+            $($(#[$of_field])* $visibility $field: $of,)*
+        }
+
+        $crate::sums::codec::sums_of_fields!($type { $($field),* });
+    };
+}
+pub(crate) use sums;
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -18,7 +18,7 @@
 //!
 //! docs/validation.md says how often these intervals hold the truth.
 
-use super::codec::sums_of_fields;
+use super::codec::sums;
 
 /// The numbers with these least contributing units have an interval, if more than half of all units
 /// do not contribute. Where most units contribute, nothing is rare.
@@ -40,14 +40,14 @@ pub(crate) fn cautious(freedom: f64, contributing: u64, units: u64) -> f64 {
     freedom * freedom / (freedom + 2.0 * silent)
 }
 
-/// Sums over units of a^4, a^3 b, a^2 b^2, a b^3 and b^4, of two numbers a and b of each unit. They
-/// give the fourth powers of the influences a - r b for any ratio r.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Fourths {
-    sums: [f64; 5],
+sums! {
+    /// Sums over units of a^4, a^3 b, a^2 b^2, a b^3 and b^4, of two numbers a and b of each unit.
+    /// They give the fourth powers of the influences a - r b for any ratio r.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub(crate) struct Fourths {
+        sums: [f64; 5],
+    }
 }
-
-sums_of_fields!(Fourths { sums });
 
 /// Below this share of its terms, a sum of fourth powers is lost in rounding. The influences are
 /// then below a thousandth of the numbers, and no path stands out.

@@ -14,20 +14,20 @@
 //! Biometrics Bulletin 2 (1946)), but no more than m - 1. This is a correction of second order, so
 //! that influences may be taken about the mean of each block.
 
-use super::codec::sums_of_fields;
+use super::codec::sums;
 use super::interval::Measured;
 use super::moments::{FourMoments, Moments};
 use super::unit::Unit;
 
-/// Sums over paths of the second and fourth powers of their influences on a standard deviation. The
-/// unit of the influences does not matter, as long as it is the same for all.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct Tails {
-    squares: f64,
-    fourths: f64,
+sums! {
+    /// Sums over paths of the second and fourth powers of their influences on a standard deviation.
+    /// The unit of the influences does not matter, as long as it is the same for all.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub(crate) struct Tails {
+        squares: f64,
+        fourths: f64,
+    }
 }
-
-sums_of_fields!(Tails { squares, fourths });
 
 impl Tails {
     /// The sums over the influences of the paths of a block.
@@ -58,17 +58,17 @@ impl Tails {
     }
 }
 
-/// Moments of one quantity over paths, for its mean and its standard deviation.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub(crate) struct SpreadMoments {
-    pub four: FourMoments,
-    /// Moments of the means of units.
-    pub units: Moments,
-    /// Powers of the influences of units on the variance.
-    tails: Tails,
+sums! {
+    /// Moments of one quantity over paths, for its mean and its standard deviation.
+    #[derive(Clone, Copy, Debug, Default, PartialEq)]
+    pub(crate) struct SpreadMoments {
+        pub four: FourMoments,
+        /// Moments of the means of units.
+        pub units: Moments,
+        /// Powers of the influences of units on the variance.
+        tails: Tails,
+    }
 }
-
-sums_of_fields!(SpreadMoments { four, units, tails });
 
 impl SpreadMoments {
     /// The moments of the values of a block.
