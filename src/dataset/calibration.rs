@@ -2,7 +2,7 @@
 //! gives.
 
 use super::header::{Format, walk_origin};
-use super::layout::{Unit, Variable, table, variable};
+use super::layout::{Unit, Variable, coordinate, table, variable};
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, columns_of, counted, read_other_program, texts};
 use crate::bearing::calibration::{
@@ -246,7 +246,7 @@ pub(super) const fn of_quantity(name: &'static str, meaning: &'static str) -> Va
 }
 
 table! {
-    QUANTITY = variable("quantity", &["quantity"], Unit::None, "key of the quantity");
+    QUANTITY = coordinate!("quantity", Unit::None, "key of the quantity");
     QUANTITY_SYMBOL = variable("quantity_symbol", &["quantity"], Unit::None, "symbol of the quantity");
     QUANTITY_UNIT = variable("quantity_unit", &["quantity"], Unit::None, "unit of the quantity");
     ESTIMATE = of_quantity("estimate", "estimate");
@@ -258,28 +258,28 @@ table! {
     HELD = of_quantity("held", "value at which the quantity was held, missing where fitted");
     BOUND_LOW = of_quantity("bound_low", "lower bound of the search, missing where there was none");
     BOUND_HIGH = of_quantity("bound_high", "upper bound of the search, missing where there was none");
-    OTHER = variable("other", &["other"], Unit::None, "key of the other quantity");
+    OTHER = coordinate!("other", Unit::None, "key of the other quantity");
     CORRELATION = variable("correlation", &["quantity", "other"], Unit::ONE,
         "correlation of the errors of two quantities");
-    SLIP = variable("slip", &["slip"], Unit::ONE, "number of the slip");
+    SLIP = coordinate!("slip", Unit::ONE, "number of the slip");
     SLIP_TIME = variable("slip_time", &["slip"], Unit::Seconds, "time of the slip, in the middle between two samples");
     SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], Unit::TEMPERATURE, "temperature of steel at the slip");
     SLIP_JUMP = variable("slip_jump", &["slip"], Unit::LENGTH, "jump of the displacement less kappa beta T");
     SLIP_USUAL = variable("slip_usual", &["slip"], Unit::None, "whether the slip is alone and of the usual size")
         .flags(&[0, 1], &[("flag_meanings", "left_out fitted")]);
-    START = variable("start", &["start"], Unit::ONE, "number of the start of the least squares");
+    START = coordinate!("start", Unit::ONE, "number of the start of the least squares");
     START_ERR = variable("start_err", &["start"], Unit::AREA,
         "mean square of model less measurement");
     START_VALUE = variable("start_value", &["start", "quantity"], Unit::None, "what the start found");
-    LAG = variable("lag", &["lag"], Unit::Seconds, "lag of steel behind the thermometer");
+    LAG = coordinate!("lag", Unit::Seconds, "lag of steel behind the thermometer");
     LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
         "twice the logarithm of the largest likelihood over that of this lag");
-    ZERO_TIME = variable("zero_time", &["zero_time"], Unit::Seconds, "time at which the zero of the sensor was set");
+    ZERO_TIME = coordinate!("zero_time", Unit::Seconds, "time at which the zero of the sensor was set");
     ZERO_STEP = variable("zero_step", &["zero_time"], Unit::LENGTH, "by how much readings moved when the zero was set");
-    DELAY = variable("delay", &["delay"], Unit::None, "delay in hours").with(&[("units", "h")]);
+    DELAY = coordinate!("delay", Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
         "correlation of residuals that are so far apart");
-    TIME = variable("time", &["time"], Unit::Seconds, "time since the first sample");
+    TIME = coordinate!("time", Unit::Seconds, "time since the first sample");
     TEMPERATURE = variable("temperature", &["time"], Unit::TEMPERATURE, "temperature as measured");
     STEEL = variable("steel_temperature", &["time"], Unit::TEMPERATURE, "temperature of steel, behind the measured one");
     INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,

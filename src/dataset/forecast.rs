@@ -2,7 +2,7 @@
 
 use super::calibration::units;
 use super::header::{Format, write_origin};
-use super::layout::{Unit, Variable, variable};
+use super::layout::{Unit, Variable, coordinate, variable};
 use super::{Dataset, columns_of, counted, texts};
 use crate::bearing::forecast::{Forecast, ForecastLevel, ReturnLevel};
 
@@ -55,7 +55,7 @@ impl Dataset {
     }
 }
 
-const QUANTITY: Variable = variable("quantity", &["quantity"], Unit::None, "name of the quantity");
+const QUANTITY: Variable = coordinate!("quantity", Unit::None, "name of the quantity");
 const QUANTITY_UNIT: Variable = variable("quantity_unit", &["quantity"], Unit::None, "unit of the quantity");
 
 const fn of_quantity(name: &'static str, meaning: &'static str) -> Variable {
@@ -80,5 +80,5 @@ const PER_PERIOD: [Variable; 4] = [
     of_period("return_level_low", Unit::LENGTH, "lower end of the interval of that |z|"),
     of_period("return_level_high", Unit::LENGTH, "upper end of the interval of that |z|"),
 ];
-const DRAW: Variable = variable("draw", &["draw"], Unit::None, "number of the draw of the parameters");
-const YEAR: Variable = variable("year", &["year"], Unit::None, "number of the year of a draw");
+const DRAW: Variable = coordinate!("draw", Unit::None, "number of the draw of the parameters");
+const YEAR: Variable = coordinate!("year", Unit::None, "number of the year of a draw");

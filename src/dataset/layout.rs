@@ -21,6 +21,14 @@ macro_rules! table {
 }
 pub(super) use table;
 
+/// The coordinate of a dimension, which has the name of the dimension.
+macro_rules! coordinate {
+    ($name:literal, $unit:expr, $meaning:expr) => {
+        $crate::dataset::layout::variable($name, &[$name], $unit, $meaning)
+    };
+}
+pub(super) use coordinate;
+
 /// A variable with the interval of each of its values.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct WithInterval {
@@ -54,7 +62,7 @@ macro_rules! measured {
 macro_rules! bins {
     ($name:literal, $unit:expr, $of:literal) => {
         [
-            variable($name, &[$name], $unit, concat!("upper edge of the bin of the ", $of)),
+            coordinate!($name, $unit, concat!("upper edge of the bin of the ", $of)),
             variable(
                 concat!($name, "_lower"),
                 &[$name],
@@ -83,7 +91,7 @@ const OF_BIN: &[&str] = &["law", "law_bin"];
 const PER_BIN: &[(&str, &str)] = &[("coordinates", "law_lower law_upper")];
 
 table! {
-    STATISTIC = variable("statistic", &["statistic"], Unit::None, "name of the statistic");
+    STATISTIC = coordinate!("statistic", Unit::None, "name of the statistic");
     STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "what the statistic is");
     STATISTIC_UNIT = variable("statistic_unit", &["statistic"], Unit::None, "unit of the statistic");
     ESTIMATE = of_statistic("estimate", "estimate").with(WITH_ERRORS);
@@ -97,16 +105,16 @@ table! {
     ESTIMATE_CORRECTED_LOW = of_statistic("estimate_corrected_low", "lower end of the 95 % interval of the corrected estimate");
     ESTIMATE_CORRECTED_HIGH = of_statistic("estimate_corrected_high", "upper end of the 95 % interval of the corrected estimate");
 
-    BOUND = variable("bound", &["bound"], Unit::None, "end of an interval");
+    BOUND = coordinate!("bound", Unit::None, "end of an interval");
 
-    TIME = variable("time", &["time"], Unit::TIME, "time");
-    QUANTILE = variable("quantile", &["quantile"], Unit::ONE, "quantile level");
+    TIME = coordinate!("time", Unit::TIME, "time");
+    QUANTILE = coordinate!("quantile", Unit::ONE, "quantile level");
 
-    SERIES_TIME = variable("series_time", &["series_time"], Unit::TIME, "time of a sample of the measured temperature");
+    SERIES_TIME = coordinate!("series_time", Unit::TIME, "time of a sample of the measured temperature");
     SERIES_TEMPERATURE = variable("series_temperature", &["series_time"], Unit::TEMPERATURE, "measured temperature");
 
-    INPUT = variable("input", &["input"], Unit::None, "name of a measured input");
-    INPUT_SAMPLE = variable("input_sample", &["input_sample"], Unit::ONE, "number of the input of a sample, from 0");
+    INPUT = coordinate!("input", Unit::None, "name of a measured input");
+    INPUT_SAMPLE = coordinate!("input_sample", Unit::ONE, "number of the input of a sample, from 0");
     INPUT_TIME = variable("input_time", &["input_sample"], Unit::TIME, "time of a sample");
     INPUT_VALUE = variable("input_value", &["input_sample"], Unit::None, "measured value, in the unit of its input");
 
@@ -114,10 +122,10 @@ table! {
         Unit::Of(Dimension { time: 1, length: -2, ..Dimension::ONE }),
         "density of displacement and velocity in motion over the counted time");
 
-    LAW = variable("law", &["law"], Unit::None, "name of the law: what is counted");
+    LAW = coordinate!("law", Unit::None, "name of the law: what is counted");
     LAW_LONG_NAME = variable("law_long_name", &["law"], Unit::None, "the quantity in words");
     LAW_UNIT = variable("law_unit", &["law"], Unit::None, "unit of the quantity");
-    LAW_BIN = variable("law_bin", &["law_bin"], Unit::ONE, "number of the bin of a law");
+    LAW_BIN = coordinate!("law_bin", Unit::ONE, "number of the bin of a law");
     LAW_LOWER = variable("law_lower", OF_BIN, Unit::None, "lower edge of the bin, itself inside the bin");
     LAW_UPPER = variable("law_upper", OF_BIN, Unit::None, "upper edge of the bin, missing where the law has fewer bins");
     LAW_COUNT = variable("law_count", OF_BIN, Unit::ONE,
@@ -127,24 +135,24 @@ table! {
     LAW_COMPLETED = variable("law_completed", &["law"], Unit::ONE, "completed phases");
     LAW_CENSORED = variable("law_censored", &["law"], Unit::ONE, "phases still running at the end");
 
-    LEVEL = variable("level", &["level"], Unit::LENGTH, "distance from the initial displacement");
+    LEVEL = coordinate!("level", Unit::LENGTH, "distance from the initial displacement");
 
-    LAG = variable("lag", &["lag"], Unit::TIME, "lag of the autocovariance");
-    FREQUENCY = variable("frequency", &["frequency"], Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
+    LAG = coordinate!("lag", Unit::TIME, "lag of the autocovariance");
+    FREQUENCY = coordinate!("frequency", Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
         "angular frequency of the power spectrum");
     SPECTRUM_SEGMENTS = variable("spectrum_segments", &[], Unit::ONE,
         "number of segments of the output grid over which autocovariance and spectrum are averaged");
-    LINE_FREQUENCY = variable("line_frequency", &["line_frequency"], Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
+    LINE_FREQUENCY = coordinate!("line_frequency", Unit::Of(Dimension { time: -1, ..Dimension::ONE }),
         "angular frequency of a harmonic of the forcing");
     DISPLACEMENT_LINE = variable("displacement_line", &["line_frequency"], Unit::LENGTH,
         "amplitude of the mean displacement at the harmonic");
     VELOCITY_LINE = variable("velocity_line", &["line_frequency"], Unit::VELOCITY,
         "amplitude of the mean velocity at the harmonic");
 
-    SUB_PHASE = variable("sub_phase", &["sub_phase"], Unit::ONE,
+    SUB_PHASE = coordinate!("sub_phase", Unit::ONE,
         "sub-phases of a dynamic phase; the last entry stands for this many or more");
 
-    PERIOD = variable("period", &["period"], Unit::ONE, "number of whole periods P");
+    PERIOD = coordinate!("period", Unit::ONE, "number of whole periods P");
     DRIFT_LIMIT = variable("drift_velocity_limit", &[], Unit::VELOCITY,
         "drift velocity in the long run, where the spring and the slope of the temperature decide it");
     PERIOD_TIME = variable("period_time", &["period"], Unit::TIME, "end of the period");
@@ -153,10 +161,10 @@ table! {
     TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,
         "standard error of that mean, the path being the independent unit");
 
-    CYCLE_NUMBER = variable("cycle_number", &["cycle_number"], Unit::None, "name of a number of the cycle");
+    CYCLE_NUMBER = coordinate!("cycle_number", Unit::None, "name of a number of the cycle");
     CYCLE = variable("cycle", &["cycle_number"], Unit::None,
         "what the path of a scene without noise does in the end, missing where no state comes back");
-    SECTION_STATE = variable("section_state", &["section_state"], Unit::ONE, "number of a state of the section");
+    SECTION_STATE = coordinate!("section_state", Unit::ONE, "number of a state of the section");
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
         "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
 
@@ -172,14 +180,14 @@ table! {
         "completed sticks that began before that, the first of each path left out");
     TRANSIENT_SLIPS = variable("transient_slips", &[], Unit::ONE,
         "completed dynamic phases that began before that");
-    DIVERGED_PATH = variable("diverged_path", &["diverged_path"], Unit::ONE,
+    DIVERGED_PATH = coordinate!("diverged_path", Unit::ONE,
         "numbers of the paths that diverged or were given up, which are in no statistic");
 
-    PART_STATE = variable("part_state", &["part_state"], Unit::None,
+    PART_STATE = coordinate!("part_state", Unit::None,
         "state of a part of a run, from which mc merge joins it to the others");
 
-    PATH = variable("path", &["path"], Unit::ONE, "path number").with(&[("standard_name", "realization")]);
-    EVENT = variable("event", &["event"], Unit::None, BARE_DIMENSION);
+    PATH = coordinate!("path", Unit::ONE, "path number").with(&[("standard_name", "realization")]);
+    EVENT = coordinate!("event", Unit::None, BARE_DIMENSION);
     TRAJECTORY_BEARING = variable("trajectory_bearing_displacement", &["trajectory", "time"], Unit::LENGTH,
         "displacement that a sensor at the bearing shows");
 }

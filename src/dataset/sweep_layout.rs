@@ -1,19 +1,19 @@
 //! Every variable of a sweep. The dimensions of the design, which are those of its axes or `point`,
 //! come before the axes given here.
 
-use super::layout::{Unit, Variable, table, variable};
+use super::layout::{Unit, Variable, coordinate, table, variable};
 
 /// The axis of variables with one value per statistic. The writer puts the dimensions of the design
 /// before it.
 const STATISTIC: &[&str] = &["statistic"];
 
 table! {
-    GROUP = variable("group", &["group"], Unit::ONE, "paths of this number modulo the number of groups");
-    ALONG = variable("along", &["along"], Unit::None, "dimension along which neighbours are compared");
-    POINT = variable("point", &["point"], Unit::ONE, "number of the point");
+    GROUP = coordinate!("group", Unit::ONE, "paths of this number modulo the number of groups");
+    ALONG = coordinate!("along", Unit::None, "dimension along which neighbours are compared");
+    POINT = coordinate!("point", Unit::ONE, "number of the point");
     POINT_KEY = variable("point_key", &["point"], Unit::None, "key that is moved at the point, none at the centre");
     POINT_VALUE = variable("point_value", &["point"], Unit::None, "value of that key");
-    KEY = variable("key", &["key"], Unit::None, "key of the scenario");
+    KEY = coordinate!("key", Unit::None, "key of the scenario");
     KEY_VALUE = variable("key_value", &["key"], Unit::None, "its value at the centre");
 
     ESTIMATE_WITHOUT = variable("estimate_without", &["group", "statistic"], Unit::None,

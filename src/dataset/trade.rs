@@ -2,7 +2,7 @@
 //! target.
 
 use super::header::{Format, walk_origin};
-use super::layout::{Unit, Variable, table, variable};
+use super::layout::{Unit, Variable, coordinate, table, variable};
 use super::summary::write_statistics;
 use super::walk::{Walk, Walked};
 use super::{Dataset, Source, columns_of, counted, read_attribute, read_other_program, read_variable, series, texts};
@@ -208,9 +208,9 @@ const BOTH: &[&str] = &["rung", "statistic"];
 const PREDICTION: &[&str] = &["scheme", "statistic", "target"];
 
 table! {
-    RUNG = variable("rung", &["rung"], Unit::ONE, "number of the rung: scheme by scheme, from coarse to fine");
-    SCHEME = variable("scheme", &["scheme"], Unit::None, "name of the scheme");
-    TARGET = variable("target", &["target"], Unit::ONE, "root mean square error asked for, relative");
+    RUNG = coordinate!("rung", Unit::ONE, "number of the rung: scheme by scheme, from coarse to fine");
+    SCHEME = coordinate!("scheme", Unit::None, "name of the scheme");
+    TARGET = coordinate!("target", Unit::ONE, "root mean square error asked for, relative");
     RUNG_SCHEME = variable("rung_scheme", &["rung"], Unit::None, "scheme of the rung");
     RUNG_STEP = variable("rung_step", &["rung"], Unit::TIME, "time step, missing where there is none");
     RUNG_TOLERANCE = variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing where there is none");
