@@ -251,14 +251,14 @@ fn walk_distributions(walk: &mut Walk, mut laws: Vec<&mut Distribution>) -> Walk
 }
 
 /// Walk over a curve of each law, and over its intervals: all lower ends, then all upper ones.
-fn walk_curves(
+fn walk_curves<T>(
     walk: &mut Walk,
     of: &layout::WithInterval,
-    laws: &mut [&mut Distribution],
-    parts: fn(&mut Distribution) -> (&mut Vec<f64>, &mut Ends),
+    rows: &mut [T],
+    parts: fn(&mut T) -> (&mut Vec<f64>, &mut Ends),
 ) -> Walked {
-    walk_ragged(walk, &of.value, laws.iter_mut().map(|law| parts(law).0))?;
-    let ends = laws.iter_mut().map(|law| parts(law).1);
+    walk_ragged(walk, &of.value, rows.iter_mut().map(|row| parts(row).0))?;
+    let ends = rows.iter_mut().map(|row| parts(row).1);
     let (low, high): (Vec<_>, Vec<_>) = ends.map(|ends| (&mut ends.low, &mut ends.high)).unzip();
     walk_ragged(walk, &of.interval, low.into_iter().chain(high))
 }
@@ -314,19 +314,10 @@ fn walk_densities(walk: &mut Walk, densities: &mut Densities) -> Walked {
 
 fn walk_passages(walk: &mut Walk, passages: &mut Vec<Passages>) -> Walked {
     let mut levels: Vec<f64> = passages.iter().map(|of| of.level).collect();
-    let mut survival: Vec<f64> = passages.iter().flat_map(|of| of.survival.clone()).collect();
-    let ends = passages.iter().flat_map(|of| (0..of.survival.len()).map(|row| of.survival_ends.at(row)));
-    let mut ends: Ends = ends.collect();
     walk.variable(&layout::LEVEL, &mut levels)?;
-    walk.curve(&layout::PASSAGE_SURVIVAL, &mut survival, &mut ends)?;
-    let rows = survival.len() / levels.len().max(1);
-    let of_level = |(i, level): (usize, &f64)| Passages {
-        level: *level,
-        survival: survival[i * rows..(i + 1) * rows].to_vec(),
-        survival_ends: (i * rows..(i + 1) * rows).map(|row| ends.at(row)).collect(),
-    };
-    *passages = levels.iter().enumerate().map(of_level).collect();
-    Ok(())
+    passages.resize(levels.len(), Passages::default());
+    passages.iter_mut().zip(levels).for_each(|(of, level)| of.level = level);
+    walk_curves(walk, &layout::PASSAGE_SURVIVAL, passages, |of| (&mut of.survival, &mut of.survival_ends))
 }
 
 fn walk_spectrum(walk: &mut Walk, spectrum: &mut Spectrum) -> Walked {
