@@ -1,8 +1,9 @@
 //! The cycle of a scene without noise: one path tells all, so its own numbers are reported.
 
+use crate::ensemble::PathMotion;
 use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
-use crate::scheme::{Glide, Observer, Simulate as _};
+use crate::scheme::Simulate as _;
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
 use crate::sums::Unit;
 
@@ -12,27 +13,6 @@ const LONGEST: usize = 32;
 /// Two states are the same if they differ by no more than this part of the amplitude, in a scheme
 /// without a step.
 const SAME: f64 = 1e-6;
-
-/// What is seen of the path: its events, and its motion between them.
-#[derive(Default)]
-struct CycleWatch {
-    events: Vec<Event>,
-    glides: Vec<Glide>,
-}
-
-impl Observer for CycleWatch {
-    fn event(&mut self, _: usize, event: Event) {
-        self.events.push(event);
-    }
-
-    fn follows(&self) -> bool {
-        true
-    }
-
-    fn glide(&mut self, _: usize, glide: &Glide) {
-        self.glides.push(*glide);
-    }
-}
 
 impl LimitCycle {
     /// The cycle of a scenario; none if something is random in it, or if its path is lost.
@@ -45,7 +25,7 @@ impl LimitCycle {
         let timeline = scenario.timeline();
         let plan = scenario.plan();
         let mut both =
-            (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Unit::Path), CycleWatch::default());
+            (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Unit::Path), PathMotion::default());
         if !plan.simulation.simulate(plan.seed, &[0], &mut both).is_empty() {
             return None;
         }
@@ -105,7 +85,7 @@ const PLACES: u32 = 8;
 /// Halvings until such a zero has all its digits.
 const HALVINGS: usize = 52;
 
-impl CycleWatch {
+impl PathMotion {
     /// Half the range of x - drift t between two times. It is largest and smallest at events, or
     /// inside a glide where x' is the drift.
     fn amplitude(&self, [from, to]: [f64; 2], drift: f64) -> f64 {

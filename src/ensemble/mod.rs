@@ -68,16 +68,24 @@ pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
     paths.iter().map(|&path| if antithetic { noise::antithetic(path) } else { path }).collect()
 }
 
-/// What a path does between its events.
-struct PathMotion(Vec<Glide>);
+/// What is seen of a path: its events, and its motion between them.
+#[derive(Default)]
+pub(crate) struct PathMotion {
+    pub events: Vec<Event>,
+    pub glides: Vec<Glide>,
+}
 
 impl Observer for PathMotion {
+    fn event(&mut self, _: usize, event: Event) {
+        self.events.push(event);
+    }
+
     fn follows(&self) -> bool {
         true
     }
 
     fn glide(&mut self, _: usize, glide: &Glide) {
-        self.0.push(*glide);
+        self.glides.push(*glide);
     }
 }
 
@@ -147,9 +155,9 @@ impl Plan {
     /// The motion of path number `path` of the ensemble between its events, piece by piece; nothing
     /// if it is lost.
     pub fn motion(&self, path: u64) -> Vec<Glide> {
-        let mut motion = PathMotion(Vec::new());
+        let mut motion = PathMotion::default();
         let lost = self.simulated(&[path], &mut motion);
-        if lost.is_empty() { motion.0 } else { Vec::new() }
+        if lost.is_empty() { motion.glides } else { Vec::new() }
     }
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until
