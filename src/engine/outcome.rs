@@ -81,9 +81,4 @@ impl Outcome {
         let lost = self.summary.diverged.len() as u64;
         lost > 0 && lost == self.summary.completed_paths
     }
-
-    /// Wall-clock seconds without those for the bias.
-    pub fn ensemble_seconds(&self) -> f64 {
-        self.seconds - self.bias.seconds
-    }
 }

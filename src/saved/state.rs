@@ -8,7 +8,6 @@ use super::SavedError;
 use super::checksum::checksum;
 use super::rows::Position;
 use crate::engine::{Asked, Part, Program, Provenance, SoFar};
-use crate::ensemble::Plan;
 use crate::model::{NamedSeries, Series};
 use crate::scenario::Scenario;
 use crate::stats::{Bound, Goal, RunTotals, Statistic};
@@ -33,11 +32,6 @@ pub struct RunQuestion {
 }
 
 impl RunQuestion {
-    /// The plan of the ensemble, with the number of paths that was asked for.
-    pub fn plan(&self) -> Plan {
-        self.asked.plan(&self.scenario)
-    }
-
     /// The first difference between this question and another one, in words; `None` if they are
     /// equal.
     pub(crate) fn difference_from(&self, other: &RunQuestion) -> Option<String> {

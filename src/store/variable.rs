@@ -246,31 +246,22 @@ fn write_attribute(location: &Location, name: &str, value: &Attribute, is_there:
 /// of one number, and a text with a fixed length.
 fn read_attribute(location: &Location, name: &str) -> Result<Option<Attribute>> {
     let Ok(attribute) = location.attr(name) else { return Ok(None) };
-    let one =
-        |values: usize| if values == 1 { Ok(()) } else { Err(Error::from(format!("{name} has {values} values"))) };
-    let read = match attribute.dtype()?.to_descriptor()? {
-        TypeDescriptor::Integer(IntSize::U1) => Attribute::Flags(attribute.read_raw()?),
-        kind @ (TypeDescriptor::Integer(_) | TypeDescriptor::Unsigned(_)) => {
-            one(attribute.size())?;
-            match kind {
-                TypeDescriptor::Integer(_) => {
-                    let value = attribute.read_raw::<i64>()?[0];
-                    Attribute::Count(value.try_into().map_err(|_| Error::from(format!("{name} is {value}")))?)
-                }
-                _ => Attribute::Count(attribute.read_raw::<u64>()?[0]),
-            }
+    let kind = attribute.dtype()?.to_descriptor()?;
+    if let TypeDescriptor::Integer(IntSize::U1) = kind {
+        return Ok(Some(Attribute::Flags(attribute.read_raw()?)));
+    }
+    if attribute.size() != 1 {
+        return Err(format!("{name} has {} values", attribute.size()).into());
+    }
+    Ok(Some(match kind {
+        TypeDescriptor::Integer(_) => {
+            let value = attribute.read_raw::<i64>()?[0];
+            Attribute::Count(value.try_into().map_err(|_| Error::from(format!("{name} is {value}")))?)
         }
-        TypeDescriptor::Float(_) => {
-            one(attribute.size())?;
-            Attribute::Real(attribute.read_raw::<f64>()?[0])
-        }
-        _ => {
-            let mut texts = read_texts(&attribute)?;
-            one(texts.len())?;
-            Attribute::Text(texts.swap_remove(0))
-        }
-    };
-    Ok(Some(read))
+        TypeDescriptor::Unsigned(_) => Attribute::Count(attribute.read_raw::<u64>()?[0]),
+        TypeDescriptor::Float(_) => Attribute::Real(attribute.read_raw::<f64>()?[0]),
+        _ => Attribute::Text(read_texts(&attribute)?.swap_remove(0)),
+    }))
 }
 
 /// The texts of an attribute or a variable, of variable or of fixed length.
