@@ -24,17 +24,6 @@ pub(crate) struct Certain {
 }
 
 impl Certain {
-    /// Nothing is certain.
-    #[cfg(test)]
-    pub const NOTHING: Certain = Certain {
-        everything: false,
-        start: false,
-        first_stick: false,
-        never_sticks: false,
-        frictionless: false,
-        drift: None,
-    };
-
     pub fn of(model: &Model, timeline: &Timeline) -> Self {
         let Model { oscillator, friction, temperature, initial_displacement, initial_velocity, .. } = model;
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));

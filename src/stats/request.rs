@@ -104,16 +104,6 @@ impl Record {
     }
 }
 
-#[cfg(test)]
-impl Record {
-    /// Everything is kept of one path, and everything is measured.
-    pub(crate) fn everything() -> Record {
-        let levels = PassageLevels::of(&[1.0]);
-        let (laws, density, spectrum, energy) = (true, true, true, true);
-        Record { paths: true, events: true, trajectories: 1, laws, density, spectrum, energy, levels }
-    }
-}
-
 impl Statistic {
     /// Whether a run that records this reports the statistic.
     pub fn is_asked_by(self, record: &Record) -> bool {

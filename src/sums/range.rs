@@ -94,16 +94,15 @@ impl Sample {
     }
 }
 
-/// Paths each of which is an independent unit.
-#[cfg(test)]
-pub(crate) fn independent(paths: u64, is_random: bool) -> Sample {
-    Sample { paths, units: paths, is_random }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use proptest::prelude::*;
+
+    /// Paths each of which is an independent unit.
+    fn independent(paths: u64, is_random: bool) -> Sample {
+        Sample { paths, units: paths, is_random }
+    }
 
     proptest! {
         #[test]

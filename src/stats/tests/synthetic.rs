@@ -1,9 +1,31 @@
 //! Ensembles made by hand, whose statistics are known without the code under test.
 
-use super::{BlockObserver, BlockResult, Estimate, Record, Statistic, Summary};
+use super::certain::Certain;
+use super::{BlockObserver, BlockResult, Estimate, PassageLevels, Record, Statistic, Summary};
 use crate::model::{Drive, Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use crate::sums::Unit;
+
+impl Record {
+    /// Everything is kept of one path, and everything is measured.
+    pub(crate) fn everything() -> Record {
+        let levels = PassageLevels::of(&[1.0]);
+        let (laws, density, spectrum, energy) = (true, true, true, true);
+        Record { paths: true, events: true, trajectories: 1, laws, density, spectrum, energy, levels }
+    }
+}
+
+impl Certain {
+    /// Nothing is certain.
+    pub const NOTHING: Certain = Certain {
+        everything: false,
+        start: false,
+        first_stick: false,
+        never_sticks: false,
+        frictionless: false,
+        drift: None,
+    };
+}
 
 /// f_d = 2, x0 = 6, and no forcing. The tests prescribe the events themselves.
 pub fn model() -> Model {
