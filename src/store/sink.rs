@@ -56,8 +56,8 @@ struct Open {
     log: Option<Log>,
     /// How much of the log is on the disk.
     rows: Position,
-    last: Instant,
-    interval: Duration,
+    /// When the run is to be saved next.
+    due: Instant,
 }
 
 /// An unfinished run that can be continued.
@@ -141,7 +141,7 @@ impl FileSink {
             false => None,
         };
         let State { question, so_far, rows, .. } = state;
-        let open = Open { workshop, question: question.clone(), log, rows, last: Instant::now(), interval: INTERVAL };
+        let open = Open { workshop, question: question.clone(), log, rows, due: Instant::now() + INTERVAL };
         let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
         Ok(Some(Unfinished { question, so_far, sink }))
     }
@@ -163,7 +163,7 @@ impl FileSink {
         })?;
         let log = is_logged(&scenario.record).then(|| Log::create(&workshop.path(ROWS))).transpose();
         let log = log.map_err(|error| workshop.failed(&error))?;
-        Ok(Open { workshop, question, log, rows: Position::default(), last: Instant::now(), interval: INTERVAL })
+        Ok(Open { workshop, question, log, rows: Position::default(), due: Instant::now() + INTERVAL })
     }
 }
 
@@ -201,8 +201,7 @@ impl Open {
         }
         let state = to_bytes(&self.question, &moment.state(), moment.spent, self.rows);
         self.workshop.save(&state, moment.paths)?;
-        self.last = Instant::now();
-        self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
+        self.due = Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
     }
 
@@ -250,7 +249,7 @@ impl Sink for FileSink {
         // A run of which no path is done leaves nothing behind, and what is saved already is not
         // saved again.
         let is_new = moment.paths > open.workshop.saved_paths;
-        let is_due = is_new && (moment.is_last || open.last.elapsed() >= open.interval);
+        let is_due = is_new && (moment.is_last || Instant::now() >= open.due);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }
     }
 

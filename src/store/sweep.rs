@@ -36,9 +36,8 @@ const ONE_PART_IN: u32 = 50;
 #[derive(Debug)]
 pub struct SweepFile {
     target: PathBuf,
-    /// When the file was last updated.
-    last: Option<Instant>,
-    interval: Duration,
+    /// When the file is to be updated next.
+    due: Instant,
     /// Whether a regular file of the target's name is replaced.
     force: bool,
     /// Whether every point is in a file that has its name already.
@@ -79,7 +78,7 @@ impl SweepFile {
         let target = target.to_owned();
         // A file of this question without some of its points is replaced by one with all of them.
         let force = force || is_there;
-        Ok((SweepFile { target, last: None, interval: INTERVAL, force, has_name, partial, _lock: lock }, points))
+        Ok((SweepFile { target, due: Instant::now(), force, has_name, partial, _lock: lock }, points))
     }
 
     /// Whether every point is in a file that has its name already, so that nothing is left to do.
@@ -89,8 +88,7 @@ impl SweepFile {
 
     /// Update `NAME.partial`, unless that was done a moment ago.
     pub fn save(&mut self, sweep: &Sweep) -> Result<(), StoreError> {
-        let is_due = self.last.is_none_or(|last| last.elapsed() >= self.interval);
-        if is_due { self.save_now(sweep) } else { Ok(()) }
+        if Instant::now() >= self.due { self.save_now(sweep) } else { Ok(()) }
     }
 
     /// Update `NAME.partial` now. A file that somebody has put in its place is not replaced.
@@ -109,8 +107,7 @@ impl SweepFile {
             error => error,
         })?;
         self.partial = identity(&partial);
-        self.last = Some(Instant::now());
-        self.interval = INTERVAL.max(start.elapsed() * ONE_PART_IN);
+        self.due = Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
     }
 
