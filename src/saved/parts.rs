@@ -105,10 +105,9 @@ impl Parts {
         }
         let number = |state: &State| state.question.asked.part.map_or(1, |part| part.number());
         parts.sort_by_key(|(_, state)| number(state));
-        if let Some([(first, state), (second, _)]) = parts.windows(2).find_map(|pair| match pair {
-            [a, b] if number(&a.1) == number(&b.1) => Some([a.clone(), b.clone()]),
-            _ => None,
-        }) {
+        let twice = parts.windows(2).find(|pair| number(&pair[0].1) == number(&pair[1].1));
+        if let Some([(first, state), (second, _)]) = twice {
+            let (first, second) = (first.clone(), second.clone());
             let part = state.question.asked.part.map_or_else(String::new, |part| part.to_string());
             return Err(PartsError::Repeated { first, second, part });
         }

@@ -154,13 +154,6 @@ macro_rules! kinds {
         }
 
         impl Column {
-            /// Number of values.
-            pub fn len(&self) -> usize {
-                match self {
-                    $(Column::$kind(values) => values.len(),)*
-                }
-            }
-
             /// The values, borrowed.
             pub(crate) fn values(&self) -> ColumnView<'_> {
                 match self {
@@ -224,6 +217,11 @@ kinds! {
 }
 
 impl Column {
+    /// Number of values.
+    pub fn len(&self) -> usize {
+        self.values().len()
+    }
+
     /// Whether the column has no values.
     pub fn is_empty(&self) -> bool {
         self.len() == 0

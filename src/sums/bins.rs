@@ -273,13 +273,6 @@ struct CountSlots<'a> {
 impl LaneProgram for CountSlots<'_> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        self.count();
-    }
-}
-
-impl CountSlots<'_> {
-    #[inline(always)]
-    fn count(&mut self) {
         let CountSlots { parts, ruler, first, slots, others } = self;
         // From 2^52 to 2^53 consecutive numbers differ by 1, and so do their bits. So the bits of
         // 2^52 + (index - first), less those of 2^52, are the distance from the first bin. If the
