@@ -59,17 +59,6 @@ impl<X: Merge> Merge for (Sums, X) {
     }
 }
 
-/// Only the sums of the program are written and read.
-impl Codec for (Sums, ()) {
-    fn write(&self, out: &mut Vec<u8>) {
-        self.0.write(out);
-    }
-
-    fn read(&mut self, from: &mut Reader<'_>) -> Result<(), Damaged> {
-        self.0.read(from)
-    }
-}
-
 impl RunTotals {
     /// The totals of no blocks.
     pub fn empty(model: &Model, timeline: &Timeline, record: &Record) -> Self {
@@ -162,7 +151,7 @@ impl RunTotals {
             return Err(Damaged);
         }
         let RunTotals { timeline, empty, mut counts, .. } = self;
-        let tree = Tree::read(&mut from, &empty)?;
+        let tree = Tree::read(&mut from, &empty, |(sums, ())| sums)?;
         counts.read(&mut from)?;
         if from.left() > 0 { Err(Damaged) } else { Ok(RunTotals { timeline, empty, tree, counts }) }
     }

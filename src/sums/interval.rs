@@ -236,13 +236,7 @@ impl Measured {
 
     /// The same error with another estimate.
     pub fn about(self, estimate: f64) -> Self {
-        let interval = match self.interval {
-            Interval::Ends(low, high) => {
-                Interval::Ends(estimate + (low - self.estimate), estimate + (high - self.estimate))
-            }
-            of_a_law => of_a_law,
-        };
-        Measured { estimate, interval, ..self }
+        Measured { estimate, ..self }
     }
 
     /// The estimate alone.

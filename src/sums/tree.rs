@@ -143,19 +143,16 @@ impl<S> Tree<S> {
     }
 }
 
-impl<S: Merge + Codec> Tree<S> {
-    /// Read the nodes back, each into a copy of `empty`. The bytes are damaged if nodes overlap, if
-    /// a node is at a wrong place, or if two nodes should be one.
-    pub fn read(from: &mut Reader<'_>, empty: &S) -> Result<Self, Damaged>
-    where
-        S: Clone,
-    {
+impl<S: Merge + Clone> Tree<S> {
+    /// Read the nodes back, each into `part` of a copy of `empty`. The bytes are damaged if nodes
+    /// overlap, if a node is at a wrong place, or if two nodes should be one.
+    pub fn read<P: Codec>(from: &mut Reader<'_>, empty: &S, part: impl Fn(&mut S) -> &mut P) -> Result<Self, Damaged> {
         let mut tree = Tree::default();
         let count = from.length()?;
         for _ in 0..count {
             let [level, first]: [u64; 2] = from.value()?;
             let mut sums = empty.clone();
-            sums.read(from)?;
+            part(&mut sums).read(from)?;
             let level = u32::try_from(level).ok().filter(|level| *level < u64::BITS - 1).ok_or(Damaged)?;
             if first % size(level) != 0 || first > u64::MAX / 2 {
                 return Err(Damaged);
@@ -225,7 +222,7 @@ mod tests {
                 if through_bytes {
                     let mut bytes = Vec::new();
                     part.write(&mut bytes, |sums| sums);
-                    part = Tree::read(&mut Reader::new(&bytes), &Moments::default()).expect("as written");
+                    part = Tree::read(&mut Reader::new(&bytes), &Moments::default(), |sums| sums).expect("as written");
                 }
                 joined.merge(part).expect("the parts do not overlap");
             }
@@ -272,7 +269,7 @@ mod tests {
             }
             bytes
         };
-        let read = |bytes: &[u8]| Tree::read(&mut Reader::new(bytes), &Moments::default());
+        let read = |bytes: &[u8]| Tree::read(&mut Reader::new(bytes), &Moments::default(), |sums| sums);
         assert!(read(&bytes_of(&[(2, 4), (0, 8)])).is_ok());
         for nodes in [&[(2, 5)][..], &[(2, 4), (0, 6)], &[(0, 4), (0, 5)], &[(63, 0)], &[(0, u64::MAX)]] {
             assert_eq!(read(&bytes_of(nodes)), Err(Damaged), "{nodes:?}");
