@@ -83,10 +83,7 @@ impl Dataset {
     /// The lengths of the axes of a variable. A dimension without a coordinate, which is that of
     /// events, has the length of its variables.
     pub fn shape(&self, entry: &Entry) -> Vec<usize> {
-        let known = |axis: &String| match *axis == entry.name {
-            true => Some(entry.column.len()),
-            false => self.entry(axis).map(|coordinate| coordinate.column.len()),
-        };
+        let known = |axis: &String| self.entry(axis).map(|coordinate| coordinate.column.len());
         let lengths: Vec<Option<usize>> = entry.axes.iter().map(known).collect();
         let others: usize = lengths.iter().flatten().product();
         lengths

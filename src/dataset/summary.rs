@@ -87,7 +87,8 @@ fn walk(walk: &mut Walk, summary: &mut Summary, names: &[String]) -> Walked {
     walk_estimates(walk, estimates, names)?;
     walk_bands(walk, bands)?;
     walk_laws(walk, stick_durations, laws, extremes)?;
-    walk_first_sticks(walk, first_sticks)?;
+    walk.scalar(&layout::FIRST_STICK_COMPLETED, &mut first_sticks.completed)?;
+    walk.scalar(&layout::FIRST_STICK_CENSORED, &mut first_sticks.censored)?;
     walk_sub_phases(walk, sub_phases)?;
     walk_periods(walk, periods)?;
     if let Some(densities) = walk.present(&layout::REST_SHARE.value, densities) {
@@ -277,12 +278,6 @@ fn walk_ragged<'a, T: Element + 'a>(
     let width = values.len() / rows.len().max(1);
     rows.iter_mut().zip(values.chunks(width.max(1))).for_each(|(row, values)| **row = values.to_vec());
     Ok(())
-}
-
-fn walk_first_sticks(walk: &mut Walk, sticks: &mut FirstSticks) -> Walked {
-    let FirstSticks { completed, censored } = sticks;
-    walk.scalar(&layout::FIRST_STICK_COMPLETED, completed)?;
-    walk.scalar(&layout::FIRST_STICK_CENSORED, censored)
 }
 
 /// The edges of bins: the upper and the lower one of each.

@@ -46,7 +46,7 @@ impl Parts {
     /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
     /// it.
     pub fn sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
-        PartsSink { parts: &self.parts, question: &self.question, target: target.to_owned(), force, workshop: None }
+        PartsSink { parts: self, target: target.to_owned(), force, workshop: None }
     }
 }
 
@@ -71,8 +71,7 @@ fn read_state(path: &Path) -> Result<State, PartError> {
 /// The sink of a run that is joined from parts. It copies the rows of the parts when the run is
 /// finished.
 struct PartsSink<'a> {
-    parts: &'a [(PathBuf, State)],
-    question: &'a RunQuestion,
+    parts: &'a Parts,
     target: PathBuf,
     force: bool,
     workshop: Option<Workshop>,
@@ -91,10 +90,10 @@ impl Sink for PartsSink<'_> {
         if outcome.status == Status::Interrupted {
             return Ok(());
         }
-        let RunQuestion { scenario, asked, .. } = self.question;
+        let RunQuestion { scenario, asked, .. } = &self.parts.question;
         let header = asked.provenance(scenario);
         let mut writer = Writer::within(workshop, &header, &scenario.record)?;
-        for (path, state) in self.parts {
+        for (path, state) in &self.parts.parts {
             copy_rows(path, state, &mut writer)?;
         }
         Ok(writer.finish(&outcome.summary, outcome.status)?)

@@ -133,7 +133,13 @@ impl Sweep {
     /// variances. NaN if no difference has an error.
     pub fn gain(&self, dimension: usize, statistic: Statistic) -> f64 {
         let pairs = (0..self.points.len()).filter_map(|point| self.difference(point, dimension, statistic));
-        pooled(pairs)
+        let (mut independent, mut common) = (0.0, 0.0);
+        for Paired { measurement, gain } in pairs.filter(|pair| pair.gain.is_finite()) {
+            let variance = measurement.standard_error * measurement.standard_error;
+            independent += gain * variance;
+            common += variance;
+        }
+        independent / common
     }
 
     /// The elasticity of a statistic for key number `key` of a star; `None` before its three points
@@ -144,15 +150,4 @@ impl Sweep {
         let points = [point(0)?, point(1 + 2 * key)?, point(2 + 2 * key)?];
         Some(paired::elasticity(points, relative_step, statistic, self.question.is_random()))
     }
-}
-
-/// The gain over several differences together.
-fn pooled(pairs: impl Iterator<Item = Paired>) -> f64 {
-    let (mut independent, mut common) = (0.0, 0.0);
-    for Paired { measurement, gain } in pairs.filter(|pair| pair.gain.is_finite()) {
-        let variance = measurement.standard_error * measurement.standard_error;
-        independent += gain * variance;
-        common += variance;
-    }
-    independent / common
 }
