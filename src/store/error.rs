@@ -250,6 +250,11 @@ pub enum StoreError {
     },
 }
 
+/// The error of a file that the system does not open or read.
+pub(super) fn not_opened(path: &Path) -> impl Fn(io::Error) -> StoreError + Copy {
+    move |source| StoreError::NotOpened { path: path.to_owned(), source }
+}
+
 /// The error of the operating system behind an HDF5 error, if there is one. HDF5 keeps it only as
 /// text within its error stack.
 pub(super) fn system_error(error: &hdf5::Error) -> Option<io::Error> {

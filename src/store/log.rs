@@ -6,7 +6,7 @@
 //! and the checksum at its end ([`Position`]). Anything that an interrupted write has left beyond
 //! this length is cut off.
 
-use super::reader::not_opened;
+use super::error::not_opened;
 use super::{StoreError, own};
 use crate::saved::{Position, SavedError, checksum, read_rows};
 use crate::stats::BlockRows;

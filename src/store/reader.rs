@@ -1,6 +1,6 @@
 //! Reading a finished file back.
 
-use super::error::{cause, system_error};
+use super::error::{cause, not_opened, system_error};
 use super::folder::{STATE, file_of, partial_path};
 use super::lock::Lock;
 use super::{StoreError, state};
@@ -98,11 +98,6 @@ pub(super) fn read_kind<T>(
         return Err(StoreError::OtherFormat { path: path.to_owned(), major, minor, reads });
     }
     read(&file).map_err(damaged(path))
-}
-
-/// The error of a file that the system does not open or read.
-pub(super) fn not_opened(path: &Path) -> impl Fn(io::Error) -> StoreError + Copy {
-    move |source| StoreError::NotOpened { path: path.to_owned(), source }
 }
 
 /// The error of a file that could not be read.

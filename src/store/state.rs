@@ -1,6 +1,6 @@
 //! The file with the saved state of a run.
 
-use super::reader::not_opened;
+use super::error::not_opened;
 use super::{StoreError, own};
 use crate::saved::{MAGIC, State, of_bytes};
 use std::fs::File;

@@ -9,7 +9,8 @@
 //! ```
 
 use super::StoreError;
-use super::reader::{check_file, check_seal, damaged, not_opened, open};
+use super::error::not_opened;
+use super::reader::{check_file, check_seal, damaged, open};
 use crate::dataset::{Dataset, StoredRun};
 use crate::saved::{Again, Against, BlocksAgain, Difference, again};
 use crate::scenario::Scenario;
