@@ -60,12 +60,12 @@ macro_rules! measured {
 
 /// The upper edges of bins, which are the coordinate of their dimension, and the lower ones.
 macro_rules! bins {
-    ($name:literal, $unit:expr, $of:literal) => {
+    ($upper:literal, $lower:literal, $unit:expr, $of:literal) => {
         [
-            coordinate!($name, $unit, concat!("upper edge of the bin of the ", $of)),
+            coordinate!($upper, $unit, concat!("upper edge of the bin of the ", $of)),
             variable(
-                concat!($name, "_lower"),
-                &[$name],
+                $lower,
+                &[$upper],
                 $unit,
                 concat!("lower edge of the bin of the ", $of, ", itself inside the bin"),
             ),
@@ -194,11 +194,11 @@ table! {
 
 table! {
     ALL_BINS: [Variable; 2];
-    VELOCITY_BIN = bins!("velocity_bin", Unit::VELOCITY, "velocity");
-    DISPLACEMENT_BIN = bins!("displacement_bin", Unit::LENGTH, "displacement");
+    VELOCITY_BIN = bins!("velocity_bin", "velocity_bin_lower", Unit::VELOCITY, "velocity");
+    DISPLACEMENT_BIN = bins!("displacement_bin", "displacement_bin_lower", Unit::LENGTH, "displacement");
     JOINT_DISPLACEMENT_BIN =
-        bins!("joint_displacement_bin", Unit::LENGTH, "displacement in the joint density");
-    JOINT_VELOCITY_BIN = bins!("joint_velocity_bin", Unit::VELOCITY, "velocity in the joint density");
+        bins!("joint_displacement_bin", "joint_displacement_bin_lower", Unit::LENGTH, "displacement in the joint density");
+    JOINT_VELOCITY_BIN = bins!("joint_velocity_bin", "joint_velocity_bin_lower", Unit::VELOCITY, "velocity in the joint density");
 }
 
 table! {
