@@ -147,13 +147,15 @@ impl FitObjective {
         let (time, origin) = (self.duration(), self.centre[0]);
         // The first unknown is the deviation of z from its mean, at the mean temperature of body
         // and steel, instead of z0.
-        let matrix = [[time, 0.0, 0.0], [x, xx, 0.0], [0.0, xt, tt]];
-        let mut normal = Normal::of(matrix, [0.0, xz, tz]);
+        let matrix = vec![vec![time, 0.0, 0.0], vec![x, xx, 0.0], vec![0.0, xt, tt]];
+        let mut normal = Normal { matrix, right: vec![0.0, xz, tz] };
         let moved: Vec<([f64; 3], f64)> = (rows.iter())
             .map(|([a, b, c], value)| ([*a, b - a * origin, c - a * origin], value - a * self.centre[1]))
             .collect();
-        moved.iter().for_each(|(row, value)| normal.add(*row, *value, WEIGHT * time));
-        let Some([level, moving, still]) = normal.solve() else { return self.best_sensor([x, xx, xt, xz]) };
+        moved.iter().for_each(|(row, value)| normal.add(row, *value, WEIGHT * time));
+        let Some(Ok([level, moving, still])) = normal.solve().map(<[f64; 3]>::try_from) else {
+            return self.best_sensor([x, xx, xt, xz]);
+        };
         let quadratic = time * level * level
             + xx * moving * moving
             + tt * still * still

@@ -5,7 +5,7 @@
 //! proportion to the time. Steps and a drift are columns of the same regression, where they are
 //! needed.
 
-use crate::bearing::linear::{Matrix, cholesky, solve};
+use crate::bearing::linear::Normal;
 
 /// Which movements of the zero are fitted.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -145,8 +145,7 @@ impl ZeroColumns {
     /// The line of least squares; `None` if the middles do not determine it.
     pub fn line(&self, middles: &[Middle]) -> Option<MiddleLine> {
         let n = 2 + usize::from(self.drifts) + self.steps.len();
-        let mut matrix: Matrix = vec![vec![0.0; n]; n];
-        let mut right = vec![0.0; n];
+        let mut normal = Normal::of(n);
         let mut row = vec![0.0; n];
         let mut squares = 0.0;
         for Middle { time, centre, place, weight } in middles {
@@ -166,16 +165,11 @@ impl ZeroColumns {
                 }
             };
             row[n - self.steps.len()..].iter_mut().zip(&self.steps).for_each(|(cell, when)| *cell = stepped(when));
-            for i in 0..n {
-                for j in 0..=i {
-                    matrix[i][j] += weight * row[i] * row[j];
-                }
-                right[i] += weight * row[i] * place;
-            }
+            normal.add(&row, *place, *weight);
             squares += weight * place * place;
         }
-        let found = solve(&cholesky(&matrix)?, &right);
-        let explained: f64 = found.iter().zip(&right).map(|(a, b)| a * b).sum();
+        let found = normal.solve()?;
+        let explained: f64 = found.iter().zip(&normal.right).map(|(a, b)| a * b).sum();
         let drift = if self.drifts { found[2] / YEAR } else { 0.0 };
         let steps = self.steps.iter().copied().zip(found[n - self.steps.len()..].iter().copied()).collect();
         let zero = Zero { start: self.start, drift, steps };

@@ -162,7 +162,7 @@ fn filtered<const N: usize>(mut filter: Filter, times: &[f64], columns: &[Vec<f6
 fn regression(gram: &Matrix, n: f64, log_variances: f64) -> Option<Likelihood> {
     let (y, products) = gram.split_last()?;
     let (square, right) = y.split_last()?;
-    let factor = cholesky(&products.to_vec())?;
+    let factor = cholesky(products)?;
     let coefficients = solve(&factor, right);
     let explained: f64 = coefficients.iter().zip(right).map(|(b, product)| b * product).sum();
     let free = n - coefficients.len() as f64;

@@ -1,6 +1,7 @@
 //! Which harmonics the times of the samples can tell.
 
-use crate::bearing::linear::{Matrix, cholesky};
+use crate::bearing::linear::{Normal, cholesky};
+use crate::data::median;
 use crate::numbers::short;
 use std::f64::consts::TAU;
 
@@ -54,9 +55,7 @@ const OWN_SHARE: f64 = 1e-3;
 /// harmonic may also have the same values at the samples as the mean and the others together.
 pub fn told(times: &[f64], periods: &[f64]) -> Result<(), NotTold> {
     let duration = times.last().unwrap_or(&0.0) - times.first().unwrap_or(&0.0);
-    let mut steps: Vec<f64> = times.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    steps.sort_by(f64::total_cmp);
-    let interval = steps.get(steps.len() / 2).copied().unwrap_or(duration);
+    let interval = median(&mut times.windows(2).map(|pair| pair[1] - pair[0]).collect::<Vec<f64>>());
     for (i, period) in periods.iter().enumerate() {
         if periods[..i].contains(period) {
             return Err(NotTold::Twice(*period));
@@ -89,17 +88,15 @@ pub fn usual(times: &[f64]) -> (Vec<f64>, Vec<String>) {
 /// number of the Cholesky factor of the columns' products is what a column has of its own.
 fn is_own(times: &[f64], periods: &[f64]) -> bool {
     let columns = 2 * periods.len() + 1;
-    let mut products: Matrix = vec![vec![0.0; columns]; columns];
+    let mut normal = Normal::of(columns);
     for time in times {
         let phase = |period: &f64| TAU / period * (time - times[0]);
         let waves = periods.iter().flat_map(|period| [libm::cos(phase(period)), libm::sin(phase(period))]);
         let row: Vec<f64> = std::iter::once(1.0).chain(waves).collect();
-        for i in 0..columns {
-            (0..columns).for_each(|j| products[i][j] += row[i] * row[j]);
-        }
+        normal.add(&row, 0.0, 1.0);
     }
     let n = times.len() as f64;
-    let Some(factor) = cholesky(&products) else { return false };
+    let Some(factor) = cholesky(&normal.matrix) else { return false };
     // A cosine or a sine has half of n as its sum of squares.
     (columns - 2..columns).all(|i| factor[i][i] * factor[i][i] > OWN_SHARE * 0.5 * n)
 }
