@@ -5,7 +5,7 @@ use super::overrides::Settings;
 use super::report::{bearing, text};
 use super::{Failure, measurements, note, print, writable};
 use std::path::{Path, PathBuf};
-use stick_slip::bearing::calibration::{Air, Bearing, Flaws, Twin, twin, values};
+use stick_slip::bearing::calibration::{Air, Flaws, Response, Twin, twin, values};
 use stick_slip::config::{Override, input_files, shipped_at};
 use stick_slip::data::{ColumnQuantity, Origin, Start};
 use stick_slip::scenario::{BridgeScene, Scenario};
@@ -88,7 +88,7 @@ impl Arguments {
             let problem = "--start gives a date, and the measured temperature of the scenario has dates of its own";
             return Err(Failure::usage(problem, "leave --start out, or take [temperature.series] out of the scenario"));
         }
-        let response = Bearing::of(&scene, air.temperatures[0]).response();
+        let response = Response::of(&scene, air.temperatures[0]);
         let flaws = Flaws {
             scatter: self.scatter,
             lag: self.lag.unwrap_or(0.0),

@@ -3,14 +3,44 @@
 
 use std::f64::consts::TAU;
 use stick_slip::bearing::calibration::{
-    Air, Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity,
-    Twin, Values, calibrate, twin, values,
+    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Motion, Quantity, Response,
+    Sensor, Twin, Values, calibrate, twin, values,
 };
 use stick_slip::data::{ColumnQuantity, Layout, arrays};
 use stick_slip::noise::{Stream, Transition};
 
 /// Seconds of a day.
 pub const DAY: f64 = 86_400.0;
+
+/// The parameters of a bearing, in the units of a scenario.
+#[derive(Clone, Copy, Debug)]
+pub struct Bearing {
+    /// K.
+    pub stiffness: f64,
+    /// beta.
+    pub dilatation: f64,
+    /// Static and dynamic friction.
+    pub f_s: f64,
+    pub f_d: f64,
+    /// z0.
+    pub offset: f64,
+    /// x(0).
+    pub displacement: f64,
+    /// K_BP.
+    pub shear_stiffness: f64,
+}
+
+impl Bearing {
+    /// The motion, and how the sensor sees it.
+    pub fn response(&self) -> Response {
+        let slope = self.stiffness * self.dilatation;
+        let kappa = self.stiffness / self.shear_stiffness;
+        let jump = 2.0 * (self.f_s - self.f_d) / slope;
+        let motion = Motion { reach: self.f_s / slope, jump, start: self.displacement / self.dilatation };
+        let (moving, still) = ((1.0 - kappa) * self.dilatation, kappa * self.dilatation);
+        Response { motion, sensor: Sensor { offset: self.offset, moving, still } }
+    }
+}
 
 /// The mean parameters of the paper, and a shear stiffness for which its z0 is plausible.
 pub const BRIDGE: Bearing = Bearing {

@@ -1,8 +1,8 @@
 //! Limits of a calibration: what cannot be known, and what is refused.
 
-use crate::bridge::{BRIDGE, Campaign, RED_CAMPAIGN, ask, question, record, twin_of, warns};
+use crate::bridge::{BRIDGE, Bearing, Campaign, RED_CAMPAIGN, ask, question, record, twin_of, warns};
 use stick_slip::bearing::calibration::{
-    Bearing, CalibrationError, CalibrationMethod, CalibrationQuestion, MeasuredRecord, Quantity, calibrate,
+    CalibrationError, CalibrationMethod, CalibrationQuestion, MeasuredRecord, Quantity, calibrate,
 };
 use stick_slip::bearing::forecast::{ForecastError, ForecastQuantity, ForecastQuestion, forecast};
 use stick_slip::bearing::weather;

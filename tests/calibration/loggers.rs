@@ -2,10 +2,10 @@
 //! lags. They are made on a grid of a minute by a loop that knows nothing of the calibration.
 
 use crate::bridge::{
-    BRIDGE, Campaign, DAY, RED, RED_CAMPAIGN, WEATHER, ask, question, record, twin_of, warns, weather,
+    BRIDGE, Bearing, Campaign, DAY, RED, RED_CAMPAIGN, WEATHER, ask, question, record, twin_of, warns, weather,
 };
 use stick_slip::bearing::calibration::{
-    Air, Bearing, Calibration, CalibrationMethod, Flaws, MeasuredRecord, Quantity, Values, twin, values,
+    Air, Calibration, CalibrationMethod, Flaws, MeasuredRecord, Quantity, Values, twin, values,
 };
 use stick_slip::noise::{Stream, Transition};
 

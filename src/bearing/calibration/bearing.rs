@@ -1,5 +1,4 @@
-//! The parameters of a bearing, and their combinations that a record of its displacement
-//! determines.
+//! What a record of its displacement can determine of a bearing.
 
 use super::motion::Motion;
 use crate::scenario::BridgeScene;
@@ -27,6 +26,11 @@ impl Sensor {
     pub fn reading(&self, xi: f64, temperature: f64) -> f64 {
         self.offset + self.moving * xi + self.still * temperature
     }
+
+    /// beta, in the unit of displacement per kelvin.
+    pub fn dilatation(&self) -> f64 {
+        self.moving + self.still
+    }
 }
 
 /// What a record can determine of a bearing: its motion, and how the sensor sees it.
@@ -38,51 +42,18 @@ pub struct Response {
     pub sensor: Sensor,
 }
 
-/// The parameters of a bearing, in the units of the scenario.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Bearing {
-    /// K, stiffness.
-    pub stiffness: f64,
-    /// beta, dilatation.
-    pub dilatation: f64,
-    /// f_s, static friction.
-    pub f_s: f64,
-    /// f_d, dynamic friction.
-    pub f_d: f64,
-    /// z0, offset of the sensor.
-    pub offset: f64,
-    /// x(0), initial displacement.
-    pub displacement: f64,
-    /// K_BP, shear stiffness of the bearing; infinite if the bearing is not sheared.
-    pub shear_stiffness: f64,
-}
-
-impl Bearing {
-    /// The bearing of a scenario. `temperature` is the one at the start: if the scenario gives no
-    /// x(0), the body begins where no spring force acts.
+impl Response {
+    /// The response of the bearing of a scenario. `temperature` is the one at the start: if the
+    /// scenario gives no x(0), the body begins where no spring force acts. Without K_BP the bearing is
+    /// not sheared.
     pub fn of(scene: &BridgeScene, temperature: f64) -> Self {
-        Bearing {
-            stiffness: scene.stiffness,
-            dilatation: scene.dilatation,
-            f_s: scene.f_s,
-            f_d: scene.f_d,
-            offset: scene.offset,
-            displacement: scene.displacement.unwrap_or(scene.dilatation * temperature),
-            shear_stiffness: scene.shear_stiffness.unwrap_or(f64::INFINITY),
+        let BridgeScene { stiffness, dilatation, f_s, f_d, offset, .. } = *scene;
+        let slope = stiffness * dilatation;
+        let kappa = scene.shear_stiffness.map_or(0.0, |shear| stiffness / shear);
+        let start = scene.displacement.unwrap_or(dilatation * temperature) / dilatation;
+        Response {
+            motion: Motion { reach: f_s / slope, jump: 2.0 * (f_s - f_d) / slope, start },
+            sensor: Sensor { offset, moving: (1.0 - kappa) * dilatation, still: kappa * dilatation },
         }
-    }
-
-    /// The motion, and how the sensor sees it.
-    pub fn response(&self) -> Response {
-        let slope = self.stiffness * self.dilatation;
-        let kappa = self.stiffness / self.shear_stiffness;
-        let motion = Motion {
-            reach: self.f_s / slope,
-            jump: 2.0 * (self.f_s - self.f_d) / slope,
-            start: self.displacement / self.dilatation,
-        };
-        let sensor =
-            Sensor { offset: self.offset, moving: (1.0 - kappa) * self.dilatation, still: kappa * self.dilatation };
-        Response { motion, sensor }
     }
 }

@@ -2,7 +2,7 @@
 
 use super::by_slips::BySlips;
 use super::misfit::FitObjective;
-use super::prepared::{Prepared, check};
+use super::prepared::{check, upright};
 use super::quantity::Quantity;
 use super::question::{CalibrationError, CalibrationMethod, CalibrationQuestion};
 use super::report::Calibration;
@@ -25,7 +25,8 @@ pub fn calibrate(
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    fit(Prepared::of(record)?, question, threads, stop)
+    check(record)?;
+    fit(upright(record.clone()), question, threads, stop)
 }
 
 /// Repeat a calibration with the record that it was made from. The result is the same, bit for bit.
@@ -40,17 +41,18 @@ pub fn calibrate_again(
 ) -> Result<Calibration, CalibrationError> {
     let Calibration { question, record, is_mirrored, .. } = calibration;
     check(record)?;
-    fit(Prepared { record: record.clone(), is_mirrored: *is_mirrored }, question, threads, stop)
+    fit((record.clone(), *is_mirrored), question, threads, stop)
 }
 
-/// Estimate by the slips and by the least squares, as the question asks.
+/// Estimate by the slips and by the least squares, as the question asks, from a record whose
+/// displacements grow with temperature, and whether their sign was changed for that.
 fn fit(
-    prepared: Prepared,
+    (record, is_mirrored): (MeasuredRecord, bool),
     question: &CalibrationQuestion,
     threads: usize,
     stop: &AtomicBool,
 ) -> Result<Calibration, CalibrationError> {
-    let steel = Steel::of(&prepared.record, prepared.record.resolution(), question.lag);
+    let steel = Steel::of(&record, record.resolution(), question.lag);
     let by_slips = steel.around.as_ref().map(|around| BySlips::of(around, question));
     if let Some(by_slips) = &by_slips {
         by_slips.check(question.shear_stiffness)?;
@@ -67,10 +69,11 @@ fn fit(
             starts(&misfit, &search(by_slips.as_ref(), question), question, threads, stop)
         }
     };
-    let mut calibration = Calibration::new(question, prepared, &steel, by_slips.as_ref(), &misfit, starts);
+    let mut calibration = Calibration::new(question, record, &steel, by_slips.as_ref(), &misfit, starts);
     if let Some((quantity, value)) = calibration.response.impossible(question.shear_stiffness) {
         return Err(CalibrationError::NoBearing { quantity, value });
     }
+    calibration.is_mirrored = is_mirrored;
     calibration.warnings = warnings(&calibration, evidence);
     Ok(calibration)
 }

@@ -104,10 +104,9 @@ fn with_window(samples: &Samples, sums: &[f64], window: usize) -> Jumps {
 /// An estimate of `still` before any slip is known, from increments over one hour. Large residuals
 /// are left out, because they may contain a slip.
 pub fn trimmed_slope(samples: &Samples) -> f64 {
-    let step = ((HOUR / samples.interval()).round() as usize).max(1);
     let Samples { temperatures: t, readings: z, .. } = samples;
-    let ends = samples.stretches().flat_map(|stretch| stretch.start + step..stretch.end);
-    let pairs: Vec<[f64; 2]> = ends.map(|i| [t[i] - t[i - step], z[i] - z[i - step]]).collect();
+    let pairs = samples.pairs(samples.intervals(HOUR).max(1));
+    let pairs: Vec<[f64; 2]> = pairs.map(|[i, j]| [t[j] - t[i], z[j] - z[i]]).collect();
     let mut slope = 0.0;
     for _ in 0..20 {
         let off = |[t, z]: &[f64; 2]| (z - slope * t).abs();

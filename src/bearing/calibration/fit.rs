@@ -1,7 +1,6 @@
 //! The response of a bearing, computed from its slips.
 
 use super::bearing::{Response, Sensor};
-use super::level::LevelSums;
 use super::motion::Motion;
 use super::samples::{median, spread};
 use super::slips::{Evidence, Slip};
@@ -25,7 +24,7 @@ impl Evidence {
     ///
     /// f_s may vary from slip to slip; the results are then right for its mean.
     pub fn fit(&self, weights: &[f64]) -> Option<(Response, Zero)> {
-        let still = LevelSums::weighted(&self.sums, weights).slope();
+        let still = self.still(weights);
         let kinetic = self.kinetic_reach(weights);
         let MiddleLine { offset, slope: moving, zero, .. } = self.zero.line(&self.middles(weights))?;
         let usual = self.slips.iter().filter(|slip| slip.is_usual);
@@ -66,7 +65,7 @@ impl Evidence {
     /// The standard deviation of the sizes of slips beyond the noise of the sensor, divided by
     /// their mean.
     pub fn excess_scatter(&self) -> f64 {
-        let still = LevelSums::weighted(&self.sums, &self.unweighted()).slope();
+        let still = self.still(&self.unweighted());
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
         let middle = median(&mut sizes.clone());
         // Two slips between two samples look like one of twice the size, and are left out.

@@ -1,8 +1,8 @@
 //! The lag of the temperature of the steel behind that of the air.
 
-use super::level::{self, LevelSums};
+use super::level;
 use super::lowest::golden_section_minimum;
-use super::samples::{HOUR, MeasuredRecord, Samples};
+use super::samples::{HOUR, MeasuredRecord};
 use super::slips::Evidence;
 use super::sticks::{bins, sticks};
 
@@ -43,16 +43,22 @@ pub struct LagProfile {
     pub profile: Vec<(f64, f64)>,
 }
 
-/// Compute the profile of the lag, given the slips that were found.
-pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
+/// Minus twice the logarithm of the likelihood of other temperatures of a record, from bins of so
+/// many seconds of its sticks.
+fn deviances(record: &MeasuredRecord, evidence: &Evidence, seconds: f64) -> impl Fn(&MeasuredRecord) -> f64 {
     let samples = record.samples();
     let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
-    let binned = |samples: &Samples| bins(samples, &sticks, evidence.bin, 2);
-    let walk = level::fitted_walk(&binned(&samples));
-    let deviance = |lag: f64| {
-        let steel = binned(&record.lagged(lag).samples());
-        LevelSums::weighted(&level::sums(&steel, walk, 1, |_| 0), &[1.0]).deviance()
-    };
+    let walk = level::fitted_walk(&bins(&samples, &sticks, seconds, 2));
+    move |other| {
+        let bins = bins(&other.samples(), &sticks, seconds, 2);
+        level::sums(&bins, walk, 1, |_| 0)[0].deviance()
+    }
+}
+
+/// Compute the profile of the lag, given the slips that were found.
+pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
+    let of = deviances(record, evidence, evidence.bin);
+    let deviance = |lag: f64| of(&record.lagged(lag));
     let likeliest = golden_section_minimum(0.0, LONGEST, 20, deviance);
     let (at_best, without) = (deviance(likeliest), deviance(0.0));
     let likeliest = if at_best < without { likeliest } else { 0.0 };
@@ -64,13 +70,7 @@ pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
 /// The difference of the clocks, if it is likelier than this lag and than none. A lag smooths the
 /// temperature from sample to sample, and a clock does not, so each sample counts alone here.
 fn clock(record: &MeasuredRecord, evidence: &Evidence, lag: f64) -> Option<f64> {
-    let samples = record.samples();
-    let sticks = sticks(&samples, evidence.slips.iter().map(|slip| slip.index));
-    let single = |samples: &Samples| bins(samples, &sticks, 1.0, 2);
-    let walk = level::fitted_walk(&single(&samples));
-    let deviance = |record: &MeasuredRecord| {
-        LevelSums::weighted(&level::sums(&single(&record.samples()), walk, 1, |_| 0), &[1.0]).deviance()
-    };
+    let deviance = deviances(record, evidence, 1.0);
     let best_of = |clocks: &[f64]| {
         let shifts = clocks.iter().map(|minutes| (60.0 * minutes, deviance(&record.shifted(60.0 * minutes))));
         shifts.min_by(|a, b| a.1.total_cmp(&b.1))

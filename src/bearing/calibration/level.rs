@@ -8,6 +8,8 @@
 //! white noise, and is fitted by maximum likelihood. The filter turns z and T into independent rows
 //! of a regression.
 
+use super::lowest::golden_section_minimum;
+
 /// The mean of some neighbouring samples of a stick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Bin {
@@ -84,63 +86,43 @@ impl Level {
     pub fn minus_slope(&self, still: f64) -> f64 {
         self.reading - still * self.temperature
     }
-
-    fn of(bin: &Bin) -> Level {
-        Level { reading: bin.reading, temperature: bin.temperature, variance: 1.0 / bin.count }
-    }
 }
 
-/// One step of the filter. Returns the level after the bin, and the row: T, z, and the variance of
-/// both.
-#[inline(always)]
-fn step(level: Level, elapsed: f64, bin: &Bin, walk: f64) -> (Level, [f64; 3]) {
-    let before = level.variance + walk * elapsed;
-    let variance = before + 1.0 / bin.count;
-    let (t, z) = (bin.temperature - level.temperature, bin.reading - level.reading);
-    let gain = before / variance;
-    let level = Level {
-        reading: level.reading + gain * z,
-        temperature: level.temperature + gain * t,
-        variance: before * (1.0 - gain),
-    };
-    (level, [t, z, variance])
-}
-
-/// The rows of the regression, each with the index of its bin: T, z, and the variance of both in
-/// units of the white noise.
-pub fn rows(bins: &[Bin], walk: f64) -> impl Iterator<Item = (usize, [f64; 3])> {
-    let mut state: Option<(Level, f64)> = None;
-    bins.iter().enumerate().filter_map(move |(i, bin)| {
-        let known = state.take().filter(|_| !bin.is_first);
-        let Some((level, time)) = known else {
-            state = Some((Level::of(bin), bin.time));
-            return None;
+/// The level at each bin, estimated from the bins of its stick up to it, and beside a bin that is
+/// not the first of its stick the row of the regression: T, z, and the variance of both in units of
+/// the white noise. If the bins run backwards in time, the levels are those of the later bins.
+fn filtered(bins: &[Bin], walk: f64) -> impl Iterator<Item = (Level, Option<[f64; 3]>)> {
+    let mut last: Option<(Level, f64)> = None;
+    bins.iter().map(move |bin| {
+        let own = Level { reading: bin.reading, temperature: bin.temperature, variance: 1.0 / bin.count };
+        let (level, row) = match last.filter(|_| !bin.is_first) {
+            None => (own, None),
+            Some((level, time)) => {
+                let before = level.variance + walk * (bin.time - time).abs();
+                let variance = before + own.variance;
+                let (t, z) = (bin.temperature - level.temperature, bin.reading - level.reading);
+                let gain = before / variance;
+                let reading = level.reading + gain * z;
+                let temperature = level.temperature + gain * t;
+                (Level { reading, temperature, variance: before * (1.0 - gain) }, Some([t, z, variance]))
+            }
         };
-        let (level, row) = step(level, bin.time - time, bin, walk);
-        state = Some((level, bin.time));
-        Some((i, row))
+        last = Some((level, bin.time));
+        (level, row)
     })
 }
 
-/// The level at each bin, estimated from the bins of its stick up to it. If the bins run backwards
-/// in time, these are the later ones.
+/// The level at each bin.
 pub fn levels(bins: &[Bin], walk: f64) -> Vec<Level> {
-    let mut out: Vec<Level> = Vec::with_capacity(bins.len());
-    for (i, bin) in bins.iter().enumerate() {
-        let level = match out.last() {
-            Some(level) if !bin.is_first => step(*level, (bin.time - bins[i - 1].time).abs(), bin, walk).0,
-            _ => Level::of(bin),
-        };
-        out.push(level);
-    }
-    out
+    filtered(bins, walk).map(|(level, _)| level).collect()
 }
 
 /// The sums of each block; `block` gives the index of the block of a time.
 pub fn sums(bins: &[Bin], walk: f64, blocks: usize, block: impl Fn(f64) -> usize) -> Vec<LevelSums> {
     let mut out = vec![LevelSums::default(); blocks];
-    for (i, [t, z, variance]) in rows(bins, walk) {
-        let sums = &mut out[block(bins[i].time)];
+    for (bin, (_, row)) in bins.iter().zip(filtered(bins, walk)) {
+        let Some([t, z, variance]) = row else { continue };
+        let sums = &mut out[block(bin.time)];
         sums.rows += 1.0;
         sums.tt += t * t / variance;
         sums.tz += t * z / variance;
@@ -157,5 +139,5 @@ const WALKS: [f64; 2] = [1e-4, 1e5];
 pub fn fitted_walk(bins: &[Bin]) -> f64 {
     let deviance = |log: f64| sums(bins, log.exp() / 3600.0, 1, |_| 0)[0].deviance();
     let [low, high] = WALKS.map(f64::ln);
-    super::lowest::golden_section_minimum(low, high, 24, deviance).exp() / 3600.0
+    golden_section_minimum(low, high, 24, deviance).exp() / 3600.0
 }

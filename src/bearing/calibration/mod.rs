@@ -46,7 +46,7 @@ mod warnings;
 mod zero;
 
 pub use air::Air;
-pub use bearing::{Bearing, Response, Sensor};
+pub use bearing::{Response, Sensor};
 pub use calibrate::{calibrate, calibrate_again};
 pub(super) use course::farthest;
 pub use lag::LagProfile;

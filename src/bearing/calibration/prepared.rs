@@ -5,21 +5,6 @@ use super::samples::MeasuredRecord;
 use crate::bearing::moments::mean;
 use crate::data::{absurd, is_constant};
 
-/// A record with the sign with which displacements grow with temperature.
-pub struct Prepared {
-    pub record: MeasuredRecord,
-    pub is_mirrored: bool,
-}
-
-impl Prepared {
-    /// Prepare a record; an error if it cannot be calibrated.
-    pub fn of(record: &MeasuredRecord) -> Result<Self, CalibrationError> {
-        check(record)?;
-        let (record, is_mirrored) = upright(record.clone());
-        Ok(Prepared { record, is_mirrored })
-    }
-}
-
 /// Check that the record is long enough, and that its numbers are sound and not all the same.
 pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
     let seen = record.samples();
@@ -42,7 +27,7 @@ pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
 
 /// Change the sign of the displacements if they fall as the temperature rises, because a sensor may
 /// count in the other direction. The flag is true if the sign was changed.
-fn upright(record: MeasuredRecord) -> (MeasuredRecord, bool) {
+pub fn upright(record: MeasuredRecord) -> (MeasuredRecord, bool) {
     let seen = record.samples();
     let (t, z) = (mean(&seen.temperatures), mean(&seen.readings));
     let together: f64 = seen.temperatures.iter().zip(&seen.readings).map(|(a, b)| (a - t) * (b - z)).sum();

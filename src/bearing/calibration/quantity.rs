@@ -114,7 +114,7 @@ pub type Held = (Quantity, f64);
 /// quantities that need it are NaN.
 pub fn values(response: &Response, shear_stiffness: Option<f64>) -> Values {
     let Response { motion, sensor } = response;
-    let beta = sensor.moving + sensor.still;
+    let beta = sensor.dilatation();
     let kappa = sensor.still / beta;
     let kinetic = motion.kinetic_reach();
     let shear = shear_stiffness.unwrap_or(f64::NAN);
@@ -163,28 +163,23 @@ pub fn with_derived(values: &Values, shear_stiffness: f64) -> Values {
 
 #[cfg(test)]
 mod tests {
-    use super::super::bearing::Bearing;
     use super::*;
 
     #[test]
     fn values_and_responses_are_the_same_thing() {
-        let bearing = Bearing {
-            stiffness: 1.9e8,
-            dilatation: 3e-4,
-            f_s: 4.7e5,
-            f_d: 4.2e5,
-            offset: -0.01,
-            displacement: 0.004,
-            shear_stiffness: 2e9,
+        let slope = 1.9e8 * 3e-4;
+        let response = Response {
+            motion: Motion { reach: 4.7e5 / slope, jump: 1e5 / slope, start: 0.004 / 3e-4 },
+            sensor: Sensor { offset: -0.01, moving: 0.905 * 3e-4, still: 0.095 * 3e-4 },
         };
-        let found = values(&bearing.response(), Some(2e9));
+        let found = values(&response, Some(2e9));
         let expected = [1.9e8, 3e-4, 4.7e5, 4.2e5, 5e4, -0.01, 0.004];
         let near = |a: f64, b: f64| (a / b - 1.0).abs() < 1e-12;
         assert!(found.iter().zip(expected).all(|(a, b)| near(*a, b)), "{found:?}");
         let again = values(&response_of(&found), Some(2e9));
         assert!(found.iter().zip(again).all(|(a, b)| near(*a, b)));
         assert!(found.iter().zip(with_derived(&found, 2e9)).all(|(a, b)| near(*a, b)));
-        let unsheared = values(&bearing.response(), None);
+        let unsheared = values(&response, None);
         assert!(Quantity::ALL.iter().all(|q| unsheared[*q as usize].is_nan() == q.needs_shear_stiffness()));
     }
 }

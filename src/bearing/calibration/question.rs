@@ -1,6 +1,6 @@
 //! What is asked of a record, and why there may be no answer.
 
-use super::bearing::Bearing;
+use super::bearing::Response;
 use super::motion::Motion;
 use super::possible::CONDITION;
 use super::quantity::{Held, Quantity};
@@ -81,7 +81,7 @@ impl CalibrationQuestion {
             level: 0.9,
             held: Vec::new(),
             bounds: Vec::new(),
-            guess: Bearing::of(scene, first).response().motion,
+            guess: Response::of(scene, first).motion,
         }
     }
 

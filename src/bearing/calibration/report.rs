@@ -4,7 +4,6 @@ use super::bearing::Response;
 use super::by_slips::BySlips;
 use super::lag::LagProfile;
 use super::misfit::FitObjective;
-use super::prepared::Prepared;
 use super::quantity::{Quantity, Values, values};
 use super::question::{CalibrationMethod, CalibrationQuestion, Lag};
 use super::samples::{HOUR, MeasuredRecord};
@@ -117,10 +116,10 @@ pub struct Calibration {
 }
 
 impl Calibration {
-    /// The result of the steps, without warnings.
+    /// The result of the steps from a record whose sign was not changed, without warnings.
     pub(super) fn new(
         question: &CalibrationQuestion,
-        prepared: Prepared,
+        record: MeasuredRecord,
         steel: &Steel,
         by_slips: Option<&BySlips>,
         misfit: &FitObjective,
@@ -164,14 +163,13 @@ impl Calibration {
         let reading =
             |i: usize| response.sensor.reading(positions[i], temperatures[i]) + zero.at(steel.record.times[i]);
         let modelled: Vec<f64> = (0..positions.len()).map(reading).collect();
-        let Prepared { record, is_mirrored } = prepared;
         Calibration {
             question: question.clone(),
             steel: temperatures.clone(),
             roughness: steel.roughness,
             zero,
             resolution: record.resolution(),
-            is_mirrored,
+            is_mirrored: false,
             response,
             estimates,
             least_squares,
@@ -225,7 +223,7 @@ fn residuals(record: &MeasuredRecord, modelled: &[f64]) -> Residuals {
     let mean = mean(&seen);
     let variance = seen.iter().map(|left| (left - mean).powi(2)).sum::<f64>() / seen.len() as f64;
     let correlation = |hours: f64| {
-        let products = samples.pairs(hours * HOUR).map(|[i, j]| (seen[j] - mean) * (seen[i] - mean));
+        let products = samples.pairs(samples.intervals(hours * HOUR)).map(|[i, j]| (seen[j] - mean) * (seen[i] - mean));
         let [sum, count] = products.fold([0.0; 2], |[sum, count], product| [sum + product, count + 1.0]);
         (hours, sum / count / variance)
     };

@@ -196,10 +196,13 @@ impl Samples {
         stretches(&self.starts, self.times.len())
     }
 
-    /// The indices of pairs of samples that are this many seconds apart, rounded to whole
-    /// intervals, without a gap between them.
-    pub fn pairs(&self, seconds: f64) -> impl Iterator<Item = [usize; 2]> {
-        let step = (seconds / self.interval()).round() as usize;
+    /// This many seconds in intervals between samples.
+    pub fn intervals(&self, seconds: f64) -> usize {
+        (seconds / self.interval()).round() as usize
+    }
+
+    /// The indices of pairs of samples that are so many intervals apart, without a gap between them.
+    pub fn pairs(&self, step: usize) -> impl Iterator<Item = [usize; 2]> {
         let later = self.stretches().flat_map(move |stretch| stretch.start + step..stretch.end);
         later.map(move |i| [i - step, i])
     }

@@ -179,6 +179,11 @@ impl Evidence {
         })
     }
 
+    /// The slope of z against T during sticks, with these weights of the blocks.
+    pub fn still(&self, weights: &[f64]) -> f64 {
+        LevelSums::weighted(&self.sums, weights).slope()
+    }
+
     /// f_d/(K beta), from the reversals, with these weights of the blocks.
     pub fn kinetic_reach(&self, weights: &[f64]) -> f64 {
         0.5 * self.mean(weights, self.reversals.iter().copied())
@@ -193,7 +198,7 @@ impl Evidence {
 
     /// The middles of the usual jumps, with these weights of the blocks.
     pub fn middles(&self, weights: &[f64]) -> Vec<Middle> {
-        let still = LevelSums::weighted(&self.sums, weights).slope();
+        let still = self.still(weights);
         let kinetic = self.kinetic_reach(weights);
         let of = |slip: &Slip| Middle {
             time: slip.time,
@@ -207,7 +212,7 @@ impl Evidence {
     /// The slips that are none: the zero of the sensor moved there, by what z jumped to half of a
     /// usual slip.
     fn jumps_of_zero(&self) -> Vec<usize> {
-        let still = LevelSums::weighted(&self.sums, &self.unweighted()).slope();
+        let still = self.still(&self.unweighted());
         let Some(line) = self.zero.line(&self.middles(&self.unweighted())) else { return Vec::new() };
         let sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
         let usual = median(&mut sizes.clone());
@@ -222,7 +227,7 @@ impl Evidence {
     /// from the level on its side.
     pub fn mixed(&self, record: &MeasuredRecord) -> Vec<usize> {
         let seen: Vec<usize> = (0..record.times.len()).filter(|i| record.readings[*i].is_finite()).collect();
-        let still = LevelSums::weighted(&self.sums, &self.unweighted()).slope();
+        let still = self.still(&self.unweighted());
         let rest = |k: usize| seen.get(k).map_or(f64::NAN, |i| record.readings[*i] - still * record.temperatures[*i]);
         let mixed = |slip: &Slip| {
             let k = slip.index;

@@ -1,7 +1,7 @@
 //! The samples between slips, and their means in bins.
 
 use super::level::Bin;
-use super::samples::{HOUR, Samples};
+use super::samples::{HOUR, Samples, stretches};
 use std::ops::Range;
 
 /// The stretches of samples without a gap and without a jump. `jumps` are the indices of first
@@ -10,8 +10,7 @@ pub fn sticks(samples: &Samples, jumps: impl Iterator<Item = usize>) -> Vec<Rang
     let mut starts: Vec<usize> = samples.starts.iter().copied().chain(jumps).collect();
     starts.sort_unstable();
     starts.dedup();
-    let ends = starts.iter().skip(1).copied().chain([samples.times.len()]);
-    starts.iter().copied().zip(ends).map(|(start, end)| start..end).collect()
+    stretches(&starts, samples.times.len()).collect()
 }
 
 /// Bins of this many seconds. The `margin` samples at both ends of each stick are left out, so that
@@ -53,10 +52,9 @@ const BINS: [f64; 4] = [1.0, 2.0, 3.0, 6.0];
 /// the thermometer. With smaller changes, errors of T would make the slope too small.
 pub fn bin_length(samples: &Samples, resolution: f64) -> f64 {
     let moves = |hours: f64| {
-        let step = ((hours * HOUR / samples.interval()).round() as usize).max(1);
         let t = &samples.temperatures;
-        let ends = samples.stretches().flat_map(|stretch| stretch.start + step..stretch.end);
-        let [sum, count] = ends.fold([0.0; 2], |[sum, count], i| [sum + (t[i] - t[i - step]).powi(2), count + 1.0]);
+        let pairs = samples.pairs(samples.intervals(hours * HOUR).max(1));
+        let [sum, count] = pairs.fold([0.0; 2], |[sum, count], [i, j]| [sum + (t[j] - t[i]).powi(2), count + 1.0]);
         (sum / count).sqrt() >= 3.0 * resolution
     };
     HOUR * BINS.into_iter().find(|hours| moves(*hours)).unwrap_or(BINS[3])

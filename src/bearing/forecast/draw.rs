@@ -16,24 +16,13 @@ const LEAST: f64 = 0.1;
 /// A draw is repeated as often as this until it is that of a possible bearing.
 const REPEATS: u64 = 100;
 
-/// The parameters of a bearing in kelvin, and how a sensor sees it.
+/// A bearing, in kelvin.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct DrawnBearing {
-    /// A = f_s/(K beta), in kelvin.
-    pub reach: f64,
-    /// G = 2 (f_s - f_d)/(K beta), in kelvin.
-    pub jump: f64,
-    /// z0 and the two slopes.
-    pub sensor: Sensor,
+    /// Its motion, from anywhere on, and how a sensor sees it.
+    pub response: Response,
     /// K; 1 if it is not known.
     pub stiffness: f64,
-}
-
-impl DrawnBearing {
-    /// beta.
-    pub fn dilatation(&self) -> f64 {
-        self.sensor.moving + self.sensor.still
-    }
 }
 
 /// The weather, and how far the steel is behind the thermometer.
@@ -101,10 +90,9 @@ impl BearingDraws {
     }
 
     fn is_possible(&self, bearing: &DrawnBearing) -> bool {
-        let DrawnBearing { reach, jump, sensor, .. } = *bearing;
-        let response = Response { motion: Motion { reach, jump, start: 0.0 }, sensor };
+        let Motion { reach, jump, .. } = bearing.response.motion;
         let is_usual = reach >= LEAST * self.estimates[3] && jump >= LEAST * self.estimates[4];
-        is_usual && response.impossible(self.shear_stiffness).is_none()
+        is_usual && bearing.response.impossible(self.shear_stiffness).is_none()
     }
 
     /// The bearing whose independent standardised errors are these.
@@ -112,9 +100,10 @@ impl BearingDraws {
         let errors = times(&self.errors, normals);
         let [beta, kappa, offset, reach, jump] = std::array::from_fn(|i| self.estimates[i] + errors[i]);
         DrawnBearing {
-            reach,
-            jump,
-            sensor: Sensor { offset, moving: (1.0 - kappa) * beta, still: kappa * beta },
+            response: Response {
+                motion: Motion { reach, jump, start: 0.0 },
+                sensor: Sensor { offset, moving: (1.0 - kappa) * beta, still: kappa * beta },
+            },
             stiffness: self.shear_stiffness.map_or(1.0, |shear| kappa * shear),
         }
     }

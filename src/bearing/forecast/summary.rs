@@ -72,7 +72,7 @@ impl Showed {
         let duration = observed.min(YEAR);
         let share = duration / observed;
         let moved: f64 = slips.iter().map(|slip| slip.jump.abs() / response.sensor.moving).sum();
-        let path = share * moved * (response.sensor.moving + response.sensor.still);
+        let path = share * moved * response.sensor.dilatation();
         Showed { slips: share * libm::round(moved / response.motion.jump), path, duration }
     }
 }

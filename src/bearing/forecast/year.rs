@@ -5,7 +5,7 @@
 //! straight line. The body then slips as [`Motion`] says.
 
 use super::draw::{DrawnBearing, DrawnSteel};
-use crate::bearing::calibration::{Motion, farthest};
+use crate::bearing::calibration::{Motion, Response, farthest};
 use crate::bearing::weather::{Passage, STATES, Square, System, root};
 use crate::model::Harmonic;
 use crate::noise::Stream;
@@ -141,7 +141,8 @@ pub struct YearAndRecord {
 /// Simulate a year of a bearing. The time with |F| above this `share` of f_s is counted, and so are
 /// the slips until `end`.
 pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, random: &mut Stream) -> YearAndRecord {
-    let DrawnBearing { reach, jump, sensor, .. } = *bearing;
+    let Response { mut motion, sensor } = bearing.response;
+    let Motion { reach, jump, .. } = motion;
     let times = |matrix: &Square, x: &[f64; STATES]| -> [f64; STATES] {
         std::array::from_fn(|i| (0..STATES).map(|j| matrix[i][j] * x[j]).sum())
     };
@@ -153,7 +154,7 @@ pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, 
     let ends = ((BURN_IN + end) / steel.step) as usize;
     let mut state = times(&steel.factors[0], &normals(random));
     let mut before = steel.mean[0] + seen(&state);
-    let mut motion = Motion { reach, jump, start: before };
+    motion.start = before;
     let [mut slips, mut within, mut sliding, mut farthest_off, mut loaded] = [0.0; 5];
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (i, mean) in steel.mean.iter().enumerate() {
@@ -186,11 +187,11 @@ pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, 
         }
         loaded += f64::from(u8::from(is_counting && (temperature - motion.start).abs() > share * reach));
     }
-    let slope = bearing.stiffness * bearing.dilatation();
+    let slope = bearing.stiffness * sensor.dilatation();
     let loaded = loaded / (steel.mean.len() - burnt_in) as f64;
     let greatest = high.abs().max(low.abs());
     YearAndRecord {
-        year: [sliding * bearing.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
+        year: [sliding * sensor.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
         within,
     }
 }
