@@ -79,16 +79,11 @@ impl From<Option<f64>> for DerivedQuantity {
 impl Derived {
     /// All quantities with their names.
     pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 22] {
-        let (critical_amplitude, largest_step) = match self.stability {
-            None => (None, None),
+        let critical_amplitude = match self.stability {
             Some(Stability::Undamped { critical_amplitude } | Stability::Growing { critical_amplitude }) => {
-                (Some(critical_amplitude), None)
+                Some(critical_amplitude)
             }
-            Some(
-                Stability::Underdamped { largest_step }
-                | Stability::Overdamped { largest_step }
-                | Stability::NewVelocity { largest_step },
-            ) => (None, Some(largest_step)),
+            _ => None,
         };
         [
             ("natural_frequency", DerivedQuantity::Real(self.natural_frequency)),
@@ -99,7 +94,7 @@ impl Derived {
             ("corridor_time", self.corridor_time.into()),
             ("runaway_amplitude", self.runaway_amplitude.into()),
             ("critical_amplitude", critical_amplitude.into()),
-            ("largest_step", largest_step.into()),
+            ("largest_step", self.stability.and_then(Stability::largest_step).into()),
             ("monitoring_shift", self.monitoring_shift.into()),
             ("tolerance", self.tolerance.into()),
             ("resolution_static_force", self.resolution.map(|resolution| resolution.static_force).into()),

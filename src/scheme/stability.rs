@@ -31,3 +31,15 @@ pub enum Stability {
         largest_step: f64,
     },
 }
+
+impl Stability {
+    /// The limit of the step, if there is one.
+    pub fn largest_step(self) -> Option<f64> {
+        match self {
+            Stability::Undamped { .. } | Stability::Growing { .. } => None,
+            Stability::Underdamped { largest_step }
+            | Stability::Overdamped { largest_step }
+            | Stability::NewVelocity { largest_step } => Some(largest_step),
+        }
+    }
+}

@@ -12,14 +12,7 @@ use std::f64::consts::PI;
 /// steepest.
 pub(super) fn unstable(case: &Case) -> Option<String> {
     let h = case.step?;
-    let by_itself = match case.derived.stability {
-        None | Some(Stability::Undamped { .. } | Stability::Growing { .. }) => None,
-        Some(
-            Stability::Underdamped { largest_step }
-            | Stability::Overdamped { largest_step }
-            | Stability::NewVelocity { largest_step },
-        ) => Some(largest_step),
-    };
+    let by_itself = case.derived.stability.and_then(Stability::largest_step);
     if let Some(limit) = by_itself.filter(|limit| h >= *limit) {
         return Some(format!(
             "the step {} is beyond the stability limit {}: slips will grow until they overflow. \
