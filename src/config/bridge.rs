@@ -51,7 +51,7 @@ fn scene(sources: &Sources<'_>) -> Result<BridgeScene, ScenarioError> {
         dilatation: oscillator.number(keys::DILATATION),
         f_s: friction.number(keys::STATIC),
         f_d: friction.number(keys::DYNAMIC),
-        shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value),
+        shear_stiffness: bearing.number_if_present(keys::BEARING_STIFFNESS),
         offset: bearing.number_or(keys::OFFSET, 0.0),
         displacement: initial.and_then(Result::ok),
         temperature_source,

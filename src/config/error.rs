@@ -29,7 +29,7 @@ impl From<Box<Fault>> for ScenarioError {
 }
 
 /// One mistake, and where it is.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Fault {
     /// The file, or the override as it was typed.
     pub origin: String,
@@ -50,12 +50,6 @@ pub struct Fault {
 }
 
 impl Fault {
-    /// A fault that has no place in a text.
-    pub(super) fn new(origin: String, problem: String, remedy: String) -> Box<Fault> {
-        let (line, column, key, value, excerpt) = (None, None, None, None, None);
-        Box::new(Fault { origin, line, column, key, value, problem, remedy, excerpt })
-    }
-
     /// The same fault, with its key set.
     pub(super) fn of(mut self: Box<Self>, key: &str) -> Box<Fault> {
         self.key = Some(key.to_string());

@@ -6,17 +6,10 @@
 use super::error::Fault;
 use super::keys::{self, Allowed, Key};
 use super::source::{Place, Sources};
-use super::tree::{KeyValue, Node, Value};
+use super::tree::{KeyValue, Node, Value, node_at};
 use crate::excerpt::short;
 use crate::model::LARGEST;
 use std::ops::RangeInclusive;
-
-/// A number with its place. `place` is `None` if the number is a default.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Read {
-    pub value: f64,
-    pub place: Option<Place>,
-}
 
 /// A value with its dotted key.
 struct ValueAt<'a> {
@@ -181,7 +174,7 @@ impl<'a> Fields<'a> {
     }
 
     fn node(&self, name: &str) -> Option<&'a Node> {
-        self.entries.iter().find(|entry| entry.key == name).map(|entry| &entry.node)
+        node_at(self.entries, name)
     }
 
     fn value(&self, name: &str) -> Option<ValueAt<'a>> {
@@ -196,7 +189,7 @@ impl<'a> Fields<'a> {
     /// The place of the value of a key, if it is there. The key may be dotted, for a table within
     /// this one; in an array of tables it is that of the first table that has the key.
     pub fn place_of(&self, dotted: &str) -> Option<Place> {
-        place_in(self.entries, dotted)
+        Some(node_at(self.entries, dotted)?.place)
     }
 
     /// A table within this one; an empty one if it is missing.
@@ -270,7 +263,7 @@ impl<'a> Fields<'a> {
 
     /// A number that must be there; if it is missing, this is reported.
     pub fn number(&self, key: Key) -> f64 {
-        self.number_if_present(key).map_or_else(|| self.missing(key), |read| read.value)
+        self.number_if_present(key).unwrap_or_else(|| self.missing(key))
     }
 
     /// A number that must be there, towards larger and towards smaller x: one for both, or a table.
@@ -290,14 +283,13 @@ impl<'a> Fields<'a> {
 
     /// A number, or its default if it is missing.
     pub fn number_or(&self, key: Key, default: f64) -> f64 {
-        self.number_if_present(key).map_or(default, |read| read.value)
+        self.number_if_present(key).unwrap_or(default)
     }
 
     /// A number, if it is there.
-    pub fn number_if_present(&self, key: Key) -> Option<Read> {
-        let at = self.value(key.name)?;
-        let value = self.sources.or_report(at.number(key)).unwrap_or_else(|| key.range.stand_in());
-        Some(Read { value, place: Some(at.node.place) })
+    pub fn number_if_present(&self, key: Key) -> Option<f64> {
+        let read = self.value(key.name)?.number(key);
+        Some(self.sources.or_report(read).unwrap_or_else(|| key.range.stand_in()))
     }
 
     /// The numbers of a list, at most `most` of them; none if the key is missing.
@@ -431,18 +423,6 @@ fn count(text: &str) -> Option<i128> {
 
 /// 2^53: above it, not every whole number is a double.
 const EXACT_INTEGERS: f64 = 9_007_199_254_740_992.0;
-
-/// The place of a value below a table, by its dotted key.
-fn place_in(entries: &[KeyValue], dotted: &str) -> Option<Place> {
-    let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
-    let node = &entries.iter().find(|entry| entry.key == first)?.node;
-    let Some(rest) = rest else { return Some(node.place) };
-    let below = |node: &Node| if let Value::Table(entries) = &node.value { place_in(entries, rest) } else { None };
-    match &node.value {
-        Value::Array(items) => items.iter().find_map(below),
-        _ => below(node),
-    }
-}
 
 fn quoted(words: &[&str]) -> String {
     words.iter().map(|word| format!("\"{word}\"")).collect::<Vec<_>>().join(", ")

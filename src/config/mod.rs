@@ -125,15 +125,12 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
     };
     let bytes = read.map_err(|e| {
         let stem = path.file_stem().unwrap_or_default().to_string_lossy();
-        let remedy = match (e.kind(), shipped(&stem)) {
-            (std::io::ErrorKind::NotFound, Some(_)) => {
+        let remedy = match shipped::nearest(&stem).filter(|_| e.kind() == io::ErrorKind::NotFound) {
+            Some(name) if name == stem => {
                 format!("`{stem}` alone is the shipped scenario, and `mc init --from {stem}` writes it")
             }
-            (std::io::ErrorKind::NotFound, None) if shipped::nearest(&stem).is_some() => {
-                let name = shipped::nearest(&stem).unwrap_or_default();
-                format!("give the path of a scenario, a TOML file; `{name}` is a shipped one")
-            }
-            _ => not_scenario(),
+            Some(name) => format!("give the path of a scenario, a TOML file; `{name}` is a shipped one"),
+            None => not_scenario(),
         };
         unreadable(e.to_string(), remedy)
     })?;

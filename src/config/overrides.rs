@@ -33,7 +33,13 @@ impl Override {
             Some((key, value)) => Ok(Override { shown, key: key.trim().to_string(), value: value.trim().to_string() }),
             None => {
                 let remedy = "write --set key=value, e.g. --set friction.static=1.3";
-                Err(Fault::new(shown, "there is no `=`".into(), remedy.into()).into())
+                let fault = Fault {
+                    origin: shown,
+                    problem: "there is no `=`".into(),
+                    remedy: remedy.into(),
+                    ..Fault::default()
+                };
+                Err(ScenarioError::Invalid(vec![fault]))
             }
         }
     }

@@ -35,7 +35,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let levels = PassageLevels::of(&statistics.list(keys::LEVELS, PassageLevels::MOST));
     let statistics = Statistics {
         after: statistics.number_or(keys::AFTER, 0.0).abs(),
-        period: statistics.number_if_present(keys::COMPARED).map(|read| read.value),
+        period: statistics.number_if_present(keys::COMPARED),
     };
     let ensemble = root.table("ensemble");
     let ensemble = Ensemble {

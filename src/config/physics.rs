@@ -97,18 +97,18 @@ fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
     let Some(force) = table.number_if_present(keys::FORCE_PER_TEMPERATURE) else {
         return Drive::Dilatation(table.number(keys::DILATATION));
     };
-    if let Some(beta) = table.number_if_present(keys::DILATATION) {
+    if table.number_if_present(keys::DILATATION).is_some() {
         let problem = "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given";
         let remedy = "keep one: the rest position of the spring is beta T, or the force c T acts on the body";
-        sources.report(sources.fault(force.place.or(beta.place), problem, remedy));
+        sources.report(sources.fault(table.place_of(keys::FORCE_PER_TEMPERATURE.name), problem, remedy));
     }
-    Drive::Force(force.value)
+    Drive::Force(force)
 }
 
 /// Read `[bearing]`.
 pub(super) fn bearing(root: &Fields<'_>) -> Option<SensorBearing> {
     let table = root.table_if_present("bearing")?;
-    let stiffness = table.number_if_present(keys::BEARING_STIFFNESS).map(|read| read.value);
+    let stiffness = table.number_if_present(keys::BEARING_STIFFNESS);
     Some(SensorBearing { stiffness, offset: table.number_or(keys::OFFSET, 0.0) })
 }
 
@@ -139,7 +139,7 @@ fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNois
             sources.report(sources.fault(Some(place), problem, "leave it out: `strength` is D of sqrt(2 D) xi(t)"));
         }
     }
-    let relaxation_rate = table.number_if_present(keys::RELAXATION_RATE).map(|read| read.value);
+    let relaxation_rate = table.number_if_present(keys::RELAXATION_RATE);
     Some(WhiteNoise { strength: table.number(keys::STRENGTH), relaxation_rate })
 }
 

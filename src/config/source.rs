@@ -18,16 +18,6 @@ pub(super) struct Place {
     pub end: usize,
 }
 
-/// Line, column and excerpt of a place in the file.
-struct Excerpt {
-    /// Counted from 1.
-    line: usize,
-    /// Counted from 1, in characters.
-    column: usize,
-    /// The line with a caret under the place.
-    drawing: String,
-}
-
 /// The texts, and the faults found in them so far.
 pub(super) struct Sources<'a> {
     /// The name of the file in messages.
@@ -158,11 +148,11 @@ impl Sources<'_> {
             Some(o) => o.shown.clone(),
             None => self.name.to_string(),
         };
-        let mut fault = Fault::new(origin, problem.into(), remedy.into());
-        if let Some(Excerpt { line, column, drawing }) = place.and_then(|p| self.excerpt(p)) {
-            (fault.line, fault.column, fault.excerpt) = (Some(line), Some(column), Some(drawing));
+        let mut fault = Fault { origin, problem: problem.into(), remedy: remedy.into(), ..Fault::default() };
+        if let Some((line, column, excerpt)) = place.and_then(|p| self.excerpt(p)) {
+            (fault.line, fault.column, fault.excerpt) = (Some(line), Some(column), Some(excerpt));
         }
-        fault
+        fault.into()
     }
 
     /// The place of a part of a string in the file, of which `text` is the content; none where
@@ -183,8 +173,9 @@ impl Sources<'_> {
         if raw.contains('\n') && !line.ends_with("...") { line + "..." } else { line }
     }
 
-    /// Line, column and excerpt of a place in the file.
-    fn excerpt(&self, place: Place) -> Option<Excerpt> {
+    /// A place in the file: its line and its column, counted from 1, and the line with a caret
+    /// under the place.
+    fn excerpt(&self, place: Place) -> Option<(usize, usize, String)> {
         if place.text > 0 {
             return None;
         }
@@ -199,7 +190,7 @@ impl Sources<'_> {
         let [content, carets] = underlined(content, column - 1, marked.trim_end().chars().count());
         let margin = line.to_string();
         let drawing = format!("{0:1$} |\n{margin} | {content}\n{0:1$} | {carets}", "", margin.len());
-        Some(Excerpt { line, column, drawing })
+        Some((line, column, drawing))
     }
 }
 

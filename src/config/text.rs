@@ -320,9 +320,6 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
     let Measured { table, series, file, value, unit, layout, max_gap, start, .. } = measured;
     text.table(table);
     text.other(keys::FILE, string(file));
-    let skip = layout.skip.map(|lines| lines.to_string());
-    let decimal = layout.decimal.map(|mark| string(&mark.to_string()));
-    let outliers = layout.outliers.map(|far| far.to_string());
     let missing: Vec<String> = layout.missing.iter().map(|mark| string(mark)).collect();
     for (key, given) in [
         (keys::SERIES_TIME, layout.time.as_deref().map(string)),
@@ -330,21 +327,17 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
         (keys::UNIT, unit.as_deref().map(string)),
         (keys::ZONE, layout.zone.as_deref().map(string)),
         (keys::DATES, layout.dates.map(|order| string(order.word()))),
-        (keys::SKIP, skip),
+        (keys::SKIP, layout.skip.map(|lines| lines.to_string())),
         (keys::MISSING, Some(format!("[{}]", missing.join(", "))).filter(|_| !missing.is_empty())),
-        (keys::OUTLIERS, outliers),
-        (keys::DECIMAL, decimal),
+        (keys::OUTLIERS, layout.outliers.map(|far| far.to_string())),
+        (keys::DECIMAL, layout.decimal.map(|mark| string(&mark.to_string()))),
         (keys::AVERAGED, layout.averaged.map(|seconds| seconds.to_string())),
+        (keys::MAX_GAP, max_gap.map(|gap| text.shown(keys::MAX_GAP.name, gap))),
+        (keys::START, start.as_deref().map(string)),
     ] {
         if let Some(given) = given {
             text.other(key, &given);
         }
-    }
-    if let Some(max_gap) = *max_gap {
-        text.number(keys::MAX_GAP, max_gap);
-    }
-    if let Some(start) = start {
-        text.other(keys::START, string(start));
     }
     let hash = format!("{:016x}", series.fingerprint());
     text.line(keys::HASH.name, string(&hash), &format!("of the {} samples", series.times().len()));

@@ -3,7 +3,7 @@
 
 use super::blame::report_misfit;
 use super::fields::Fields;
-use super::keys;
+use super::keys::{self, Key};
 use super::source::Sources;
 use crate::numbers::tidy;
 use crate::scenario::Measured;
@@ -25,7 +25,7 @@ pub(super) fn scheme_and_time(
         }
     });
     // `abs` turns -0.0 into 0.0.
-    let given = table.number_if_present(keys::END).map(|end| end.value.abs());
+    let given = table.number_if_present(keys::END).map(f64::abs);
     let is_measured = root.table("temperature").table_if_present("series").is_some();
     let end = match (given, measured.iter().map(|measured| measured.series.end()).reduce(f64::min)) {
         (Some(end), _) => end,
@@ -34,7 +34,7 @@ pub(super) fn scheme_and_time(
         (None, None) if is_measured => 0.0,
         (None, None) => table.number(keys::END),
     };
-    let output_step = table.number_if_present(keys::OUTPUT_STEP).map(|read| read.value);
+    let output_step = table.number_if_present(keys::OUTPUT_STEP);
     (scheme, end, output_step)
 }
 
@@ -51,9 +51,10 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     let Some(tolerance) = table.number_if_present(keys::TOLERANCE) else { return (kind, None) };
     // If the command line chooses a scheme with a step, a tolerance in the file is ignored, since
     // it belongs to the scheme that the file chose.
-    let is_left_behind = sources.is_override(table.place_of(keys::KIND.name)) && !sources.is_override(tolerance.place);
+    let is_override = |key: Key| sources.is_override(table.place_of(key.name));
+    let is_left_behind = is_override(keys::KIND) && !is_override(keys::TOLERANCE);
     if !kind.has_step() || is_left_behind {
-        return (kind, Some(tolerance.value));
+        return (kind, Some(tolerance));
     }
     let problem = format!("is given, but the accuracy of the {} scheme is set by `time.step` alone", kind.name());
     let others = names_of(false);
@@ -62,7 +63,7 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
         listed(&others, |name| format!("\"{name}\"")),
         others.first().unwrap_or(&"")
     );
-    let misfit = Misfit::new(&[("scheme.tolerance", tolerance.value)], problem, remedy);
+    let misfit = Misfit::new(&[("scheme.tolerance", tolerance)], problem, remedy);
     report_misfit(sources, root, misfit);
     (kind, None)
 }
@@ -70,14 +71,15 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
 /// A step given on the command line is an error for a scheme without steps. A step in the file is
 /// ignored, so that one file serves every scheme.
 fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
-    let step = root.table("time").number_if_present(keys::STEP);
-    let Some(step) = step.filter(|step| sources.is_override(step.place)) else { return };
+    let table = root.table("time");
+    let step = table.number_if_present(keys::STEP);
+    let Some(step) = step.filter(|_| sources.is_override(table.place_of(keys::STEP.name))) else { return };
     let problem = format!("is given, but the {} scheme has no time step", kind.name());
     let remedy = format!(
         "leave it out (`scheme.tolerance` sets the accuracy), or choose a scheme that has one: {}",
         listed(&names_of(true), |name| format!("`--scheme {name}`"))
     );
-    report_misfit(sources, root, Misfit::new(&[("time.step", step.value)], problem, remedy));
+    report_misfit(sources, root, Misfit::new(&[("time.step", step)], problem, remedy));
 }
 
 /// The names of the schemes with a step, or of those without.

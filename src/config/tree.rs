@@ -36,12 +36,14 @@ pub(super) struct KeyValue {
 }
 
 impl Node {
-    /// The node at this dotted key, if there is one.
+    /// The node at this dotted key, if there is one. In an array of tables it is that of the first
+    /// table that has the key.
     fn at(&self, dotted: &str) -> Option<&Node> {
-        dotted.split('.').try_fold(self, |node, key| match &node.value {
-            Value::Table(entries) => entries.iter().find(|entry| entry.key == key).map(|entry| &entry.node),
+        match &self.value {
+            Value::Array(items) => items.iter().find_map(|item| item.at(dotted)),
+            Value::Table(entries) => node_at(entries, dotted),
             _ => None,
-        })
+        }
     }
 
     /// The number in it. A whole number is accepted as well.
@@ -62,6 +64,13 @@ impl Node {
             _ => Vec::new(),
         }
     }
+}
+
+/// The node at this dotted key below a table, as [`Node::at`].
+pub(super) fn node_at<'n>(entries: &'n [KeyValue], dotted: &str) -> Option<&'n Node> {
+    let (first, rest) = dotted.split_once('.').map_or((dotted, None), |(first, rest)| (first, Some(rest)));
+    let node = &entries.iter().find(|entry| entry.key == first)?.node;
+    rest.map_or(Some(node), |rest| node.at(rest))
 }
 
 impl KeyValue {
