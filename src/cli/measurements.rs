@@ -11,9 +11,7 @@ use stick_slip::scenario::BridgeScene;
 
 /// Says on standard error what was repaired in a file.
 pub fn note_repairs(path: &Path, repairs: &Repairs) {
-    for sentence in repairs.sentences() {
-        note(&format!("{}: {sentence}", path.display()));
-    }
+    repairs.of_file(path.display()).iter().for_each(|sentence| note(sentence));
 }
 
 /// What flags say of measured temperatures, and of how a file is laid out, as far as it does not say

@@ -2,15 +2,12 @@
 
 use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
-use super::stamp::{self, Stamp};
+use super::stamp::{self, PARSER, Stamp};
 use super::unit::{self, InputUnit};
 use jiff::civil::DateTime;
-use jiff::fmt::temporal::DateTimeParser;
 use jiff::tz::{AmbiguousOffset, TimeZone};
 use jiff::{SignedDuration, Timestamp};
 use std::fmt;
-
-static PARSER: DateTimeParser = DateTimeParser::new();
 
 /// An instant, such as the one from which the times of a table count.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -274,7 +271,6 @@ impl Clock {
 
     /// The instant of a stamp, and whether it fell in an hour which occurs twice.
     fn instant(&self, stamp: &Stamp) -> Result<(Timestamp, bool), ProblemAndRemedy> {
-        let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());
         let (instant, is_fold) = match (stamp.offset, &self.zone) {
             (Some(offset), _) => (offset.to_timestamp(stamp.local).map_err(beyond)?, false),
             (None, Some(zone)) => in_zone(stamp.local, zone, self.previous, self.wording)?,
@@ -357,6 +353,10 @@ fn number(cell: &str) -> Option<f64> {
     if cell.contains(',') { cell.replacen(',', ".", 1).parse().ok() } else { cell.parse().ok() }
 }
 
+fn beyond(_: jiff::Error) -> ProblemAndRemedy {
+    ("is beyond the calendar".into(), "mend the row".into())
+}
+
 /// The instant of a local time. A time that the clocks skipped is an error. A time that occurred
 /// twice is taken as the first of its two instants that is later than the row before.
 fn in_zone(
@@ -366,7 +366,6 @@ fn in_zone(
     wording: Wording,
 ) -> Result<(Timestamp, bool), ProblemAndRemedy> {
     let found = zone.to_ambiguous_timestamp(local);
-    let beyond = |_| ("is beyond the calendar".to_string(), "mend the row".to_string());
     let fixed = || wording.option("zone", "+01:00");
     match found.offset() {
         AmbiguousOffset::Unambiguous { .. } => found.unambiguous().map(|stamp| (stamp, false)).map_err(beyond),

@@ -9,23 +9,15 @@ pub struct DataError {
     pub file: String,
     /// The line, from 1.
     pub line: Option<u64>,
-    /// The cell in question, if the mistake is in one.
-    pub cell: Option<Box<TableCell>>,
+    /// The cell in question, if the mistake is in one: its column and its content, cut to one short
+    /// line, as a message shows them.
+    pub cell: Option<String>,
     /// What is wrong.
     pub problem: String,
     /// What would be right.
     pub remedy: String,
     /// What else is wrong, in the same file or in one that is read together with it.
     pub also: Option<Box<DataError>>,
-}
-
-/// One cell of a file.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct TableCell {
-    /// The name of its column.
-    pub column: String,
-    /// Its content, cut to one short line.
-    pub value: String,
 }
 
 /// What is wrong with a cell or a column, and the remedy.
@@ -63,7 +55,7 @@ impl DataError {
 
     /// The same error, about this cell.
     pub(super) fn cell(mut self, column: &str, cell: &[u8]) -> Self {
-        self.cell = Some(Box::new(TableCell { column: column.to_string(), value: quoted(cell) }));
+        self.cell = Some(format!("`{column}` = \"{}\"", quoted(cell)));
         self
     }
 }
@@ -83,7 +75,7 @@ impl fmt::Display for DataError {
         }
         f.write_str(": ")?;
         if let Some(cell) = &self.cell {
-            write!(f, "`{}` = \"{}\" ", cell.column, cell.value)?;
+            write!(f, "{cell} ")?;
         }
         write!(f, "{}\n  fix: {}", self.problem, self.remedy)?;
         self.also.as_ref().map_or(Ok(()), |also| write!(f, "\n{also}"))

@@ -53,7 +53,7 @@ mod unit;
 pub use arrays::{Array, arrays};
 pub use clock::Start;
 pub use column::{DataColumn, absurd, is_constant};
-pub use error::{DataError, TableCell};
+pub use error::DataError;
 pub use outliers::{median, resolution, spread};
 pub use pair::{BearingData, ColumnSource, Origin};
 pub use query::{DateOrder, Layout, Name, Wanted, Wording};

@@ -97,14 +97,12 @@ impl BearingData {
     ) -> Result<BearingData, DataError> {
         let air = temperature.wanted(ColumnQuantity::Temperature);
         let sensor = displacement.wanted(ColumnQuantity::Displacement);
-        let said = |origin: &Origin<'_>, table: &Table| -> Vec<String> {
-            table.repairs.sentences().iter().map(|sentence| format!("{}: {sentence}", origin.name())).collect()
-        };
         let Some(other) = temperatures else {
             let mut table = data.read_in_seconds(&displacement.layout, &[air, sensor])?;
             let displacement = table.columns.swap_remove(1);
             let temperature = table.columns.swap_remove(0);
-            return Ok(BearingData { temperature, displacement, start: table.start, repairs: said(&data, &table) });
+            let repairs = table.repairs.of_file(data.name());
+            return Ok(BearingData { temperature, displacement, start: table.start, repairs });
         };
         let air = other.read_in_seconds(&temperature.layout, &[air]);
         let sensor = data.read_in_seconds(&displacement.layout, &[sensor]);
@@ -120,7 +118,7 @@ impl BearingData {
             return Err(DataError::file(&numbered.name(), problem, remedy));
         };
         let later = later.since(first);
-        let repairs = [said(&other, &air), said(&data, &sensor)].concat();
+        let repairs = [air.repairs.of_file(other.name()), sensor.repairs.of_file(data.name())].concat();
         let mut displacement = sensor.columns.swap_remove(0);
         displacement.times.iter_mut().for_each(|time| *time += later);
         Ok(BearingData { temperature: air.columns.swap_remove(0), displacement, start: air.start, repairs })

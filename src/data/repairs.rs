@@ -1,5 +1,7 @@
 //! What was repaired in a file, and what was assumed.
 
+use std::fmt::Display;
+
 /// What was repaired in a file, and what was assumed.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Repairs {
@@ -53,29 +55,42 @@ fn many(count: u64, one: &str, more: &str) -> Option<String> {
 }
 
 impl Repairs {
+    /// The repairs as sentences that begin with the name of their file.
+    pub fn of_file(&self, name: impl Display) -> Vec<String> {
+        self.sentences().iter().map(|sentence| format!("{name}: {sentence}")).collect()
+    }
+
     /// The repairs as sentences; none if nothing was repaired.
     pub fn sentences(&self) -> Vec<String> {
-        let before = "left out # line before the names of the columns";
-        let before = many(self.skipped, before, "left out # lines before the names of the columns");
-        let below = "took # line below the names of the columns as units";
-        let below = many(self.unit_rows, below, "took # lines below the names of the columns as units and notes");
-        let encoding = self.encoding.map(|name| format!("read the text as {name}"));
-        let order = self.order.as_ref().map(|order| format!("took dates as {order}"));
-        let zone = self.zone.as_ref().map(|zone| format!("took times in {zone}, as the name of their column says"));
-        let unsorted = "sorted # row that stood behind a later one";
-        let unsorted = many(self.unsorted, unsorted, "sorted # rows that stood behind a later one");
-        let repeated = "left out # row that is there twice";
-        let repeated = many(self.repeated, repeated, "left out # rows that are there more than once");
-        let folds = "took # stamp of an hour that was twice in the order of its row";
-        let folds = many(self.folds, folds, "took # stamps of hours that were twice in the order of their rows");
-        let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
+        let at_first = [
+            many(
+                self.skipped,
+                "left out # line before the names of the columns",
+                "left out # lines before the names of the columns",
+            ),
+            many(
+                self.unit_rows,
+                "took # line below the names of the columns as units",
+                "took # lines below the names of the columns as units and notes",
+            ),
+            self.encoding.map(|name| format!("read the text as {name}")),
+            self.order.as_ref().map(|order| format!("took dates as {order}")),
+            self.zone.as_ref().map(|zone| format!("took times in {zone}, as the name of their column says")),
+            many(
+                self.unsorted,
+                "sorted # row that stood behind a later one",
+                "sorted # rows that stood behind a later one",
+            ),
+            many(self.repeated, "left out # row that is there twice", "left out # rows that are there more than once"),
+            many(
+                self.folds,
+                "took # stamp of an hour that was twice in the order of its row",
+                "took # stamps of hours that were twice in the order of their rows",
+            ),
+        ];
         let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
-        [before, below, encoding, order, zone, unsorted, repeated, folds]
-            .into_iter()
-            .flatten()
-            .chain(columns)
-            .chain(commas)
-            .collect()
+        let commas = many(self.decimal_commas, "read # decimal comma", "read # decimal commas");
+        at_first.into_iter().flatten().chain(columns).chain(commas).collect()
     }
 }
 
@@ -83,8 +98,11 @@ impl ColumnRepairs {
     fn sentences(&self) -> Vec<String> {
         let name = &self.name;
         let missing = many(self.missing, "left out # cell without a value", "left out # cells without a value");
-        let outliers = "left out # value that differs strongly from those around it";
-        let outliers = many(self.outliers, outliers, "left out # values that differ strongly from those around them");
+        let outliers = many(
+            self.outliers,
+            "left out # value that differs strongly from those around it",
+            "left out # values that differ strongly from those around them",
+        );
         let counted = [missing, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
         let unit = self.assumed_unit.map(|unit| format!("took `{name}` as {unit}, because nothing says its unit"));
         let means = self.averaged.as_ref().map(|time| {

@@ -6,7 +6,7 @@ use jiff::fmt::temporal::DateTimeParser;
 use jiff::tz::Offset;
 use jiff::{SignedDuration, Span, Timestamp};
 
-static PARSER: DateTimeParser = DateTimeParser::new();
+pub(super) static PARSER: DateTimeParser = DateTimeParser::new();
 
 /// A date and a time of day, with the offset from UTC if the text gives one.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -15,6 +15,12 @@ pub(super) struct Stamp {
     pub offset: Option<Offset>,
     /// What is added to `local`: a time at the end of the day, which no calendar has.
     pub later: SignedDuration,
+}
+
+impl Stamp {
+    fn at(local: DateTime) -> Self {
+        Stamp { local, offset: None, later: SignedDuration::ZERO }
+    }
 }
 
 /// Three numbers of a date, as they stand in the text.
@@ -34,7 +40,7 @@ pub(super) fn stamp(text: &str, order: Option<DateOrder>) -> Option<Stamp> {
         && !has_zone(text)
         && let Ok(local) = PARSER.parse_datetime(text)
     {
-        return Some(Stamp { local, offset: None, later: SignedDuration::ZERO });
+        return Some(Stamp::at(local));
     }
     let (date, rest) = date(text)?;
     let of = |order: DateOrder| {
@@ -219,7 +225,7 @@ pub(super) fn compact(text: &str) -> Option<Stamp> {
     let (hour, minute, second) = (number(8)?, number(10)?, number(12)?);
     let (hour, later) = if (hour, minute, second) == (24, 0, 0) { (0, 24) } else { (hour, 0) };
     let local = day.to_datetime(Time::new(hour, minute, second, 0).ok()?);
-    Some(Stamp { local, offset: None, later: SignedDuration::from_hours(later) })
+    Some(Stamp { later: SignedDuration::from_hours(later), ..Stamp::at(local) })
 }
 
 /// A year, the day of the year, and a time of day, if there is one, with blanks between them. A time
@@ -242,7 +248,7 @@ pub(super) fn day_of_year(text: &str, is_in_hours: bool) -> Option<Stamp> {
     let seconds = 86_400.0 * (day - 1.0) + 3600.0 * Some(hours).filter(|hours| *hours <= 24.0)?;
     let later = SignedDuration::from_millis((1e3 * seconds).round() as i64);
     let local = begin.to_datetime(Time::midnight()).checked_add(later).ok()?;
-    Some(Stamp { local, offset: None, later: SignedDuration::ZERO })
+    Some(Stamp::at(local))
 }
 
 /// The date that a spreadsheet keeps as this number of days, to a millisecond.
@@ -250,5 +256,5 @@ pub(super) fn serial(days: f64) -> Option<Stamp> {
     let milliseconds = (days * 86_400_000.0).round() as i64;
     let local = Date::new(1899, 12, 30).ok()?.to_datetime(Time::midnight());
     let local = local.checked_add(Span::new().try_milliseconds(milliseconds).ok()?).ok()?;
-    Some(Stamp { local, offset: None, later: SignedDuration::ZERO })
+    Some(Stamp::at(local))
 }
