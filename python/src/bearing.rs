@@ -11,7 +11,7 @@ use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use std::path::Path;
 use stick_slip::bearing::calibration::{
-    Air, Bearing, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld, Quantity,
+    Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld, Quantity, Response,
     calibrate as calibrated, twin as made, values,
 };
 use stick_slip::bearing::forecast::{ForecastQuestion as Asked, Foreseen};
@@ -120,7 +120,7 @@ impl Measured<'_> {
     }
 
     fn wrong(&self, py: Python<'_>, error: &DataError) -> PyErr {
-        errors::of_argument(py, "data", &self.name, &error.to_string(), &error.remedy)
+        errors::of_argument(py, "data", &self.name, error, &error.remedy)
     }
 
     /// The column of temperatures, as far as the arguments or a scenario name it.
@@ -178,9 +178,9 @@ pub fn repaired<'py>(
     let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());
     let layout = Layout { outliers, ..Layout::default() };
     let (mut columns, repairs) = data::arrays(&[(quantity, &times, &values)], &layout)
-        .map_err(|error| errors::of_argument(py, argument, "the samples", &error.to_string(), &error.remedy))?;
+        .map_err(|error| errors::of_argument(py, argument, "the samples", &error, &error.remedy))?;
     let column = columns.swap_remove(0);
-    let said = repairs.sentences().iter().map(|said| format!("{argument}: {said}")).collect();
+    let said = repairs.of_file(argument);
     Ok((PyArray1::from_vec(py, column.times), PyArray1::from_vec(py, column.values), said))
 }
 
@@ -231,11 +231,11 @@ pub fn calibrate<'py>(
                 (quantity, "give bearing.stiffness, in the scenario or with `set`")
             }
         };
-        errors::of_argument(py, "fit or bounds", quantity.key(), &error.to_string(), remedy)
+        errors::of_argument(py, "fit or bounds", quantity.key(), error, remedy)
     })?;
     let (calibration, is_interrupted) =
         watched(py, None, |watch| calibrated(&record, &question, workers.0, &watch.stop))?;
-    let calibration = calibration.map_err(|error| errors::of_run(py, &error.to_string(), error.remedy()))?;
+    let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
     if is_interrupted {
         remarks.push("interrupted: fewer starts of the least squares than asked for".into());
@@ -268,7 +268,7 @@ pub fn forecast<'py>(
     let asked = Asked { draws, years, seed, level: interval, share };
     let (ended, is_interrupted) =
         watched(py, None, |watch| Foreseen::of(&scene, &record, &asked, processes, workers.0, &watch.stop))?;
-    let foreseen = ended.map_err(|error| errors::of_run(py, &error.to_string(), error.remedy()))?;
+    let foreseen = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
     let foreseen = foreseen.ok_or_else(stopped)?;
     let found = &foreseen.forecast;
@@ -342,7 +342,7 @@ pub fn fit_temperature<'py>(
             let table = origin.read_in_seconds(&layout, &[source.wanted(ColumnQuantity::Temperature)]);
             let mut table = table.map_err(|error| measured.wrong(py, &error))?;
             let column = table.columns.swap_remove(0);
-            let repairs = table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())).collect();
+            let repairs = table.repairs.of_file(origin.name());
             let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
             (column.times, column.values, column.averaged, start.map(|start| start.to_string()), repairs)
         }
@@ -354,7 +354,7 @@ pub fn fit_temperature<'py>(
     });
     // The fit cannot be interrupted, but it takes only seconds.
     let (found, _) = watched(py, None, |_| fit(&times, &temperatures, &periods, processes, averaged))?;
-    let fit = found.map_err(|error| errors::of_run(py, &error.to_string(), error.remedy()))?;
+    let fit = found.map_err(|error| errors::of_run(py, error, error.remedy()))?;
     let remarks = remarks.into_iter().chain(fit.warnings()).collect();
     Ok((weather(py, &fit, start)?, remarks))
 }
@@ -403,13 +403,12 @@ pub fn twin<'py>(
             let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
             let source = &scene.temperature_source;
             let shipped = text.as_deref().and_then(|text| config::shipped(&name).filter(|known| known.text == text));
-            let built_in = shipped.and_then(|shipped| shipped.data.iter().find(|(known, _)| *known == file.as_str()));
-            let origin = built_in.map_or(Origin::File(&path), |(known, text)| Origin::Text(known, text));
+            let built_in = shipped.and_then(|shipped| shipped.file(file));
+            let origin = built_in.map_or(Origin::File(&path), |text| Origin::Text(file, text));
             let table = origin.read_in_seconds(&source.layout, &[source.wanted(ColumnQuantity::Temperature)]);
-            let mut table = table.map_err(|error| {
-                errors::of_argument(py, "scenario", &origin.name(), &error.to_string(), &error.remedy)
-            })?;
-            remarks.extend(table.repairs.sentences().iter().map(|said| format!("{}: {said}", origin.name())));
+            let mut table =
+                table.map_err(|error| errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy))?;
+            remarks.extend(table.repairs.of_file(origin.name()));
             start = table.start;
             let column = table.columns.swap_remove(0);
             Air::measured(column.times, column.values)
@@ -421,7 +420,7 @@ pub fn twin<'py>(
         }
     };
     let first = air.temperatures.first().copied().unwrap_or(0.0);
-    let response = Bearing::of(&scene, first).response();
+    let response = Response::of(&scene, first);
     let (white, red, memory) = noise;
     let flaws =
         Flaws { white, red, memory, scatter, lag, resolution, spikes, gaps, drift, zero_set, thermometer_every };

@@ -1,48 +1,40 @@
 //! Errors of the engine as exceptions of `stickslip.errors`.
 
 use pyo3::prelude::*;
-use pyo3::types::PyDict;
+use pyo3::types::{IntoPyDict as _, PyDict};
+use std::fmt::Display;
 use stick_slip::config::{Fault, ScenarioError};
 use stick_slip::ensemble::{self, Flaw};
 
 /// An exception of the class `class` of `stickslip.errors`, with these attributes.
-fn exception(
-    py: Python<'_>,
-    class: &str,
-    message: &str,
-    attributes: impl FnOnce(&Bound<'_, PyDict>) -> PyResult<()>,
-) -> PyErr {
+fn exception(py: Python<'_>, class: &str, message: &str, attributes: PyResult<Bound<'_, PyDict>>) -> PyErr {
     let made = || -> PyResult<PyErr> {
-        let keywords = PyDict::new(py);
-        attributes(&keywords)?;
         let class = py.import("stickslip.errors")?.getattr(class)?;
-        Ok(PyErr::from_value(class.call((message,), Some(&keywords))?))
+        Ok(PyErr::from_value(class.call((message,), Some(&attributes?))?))
     };
     made().unwrap_or_else(|error| error)
 }
 
 /// The exception for an error in a scenario.
 pub fn of_scenario(py: Python<'_>, error: &ScenarioError) -> PyErr {
-    exception(py, "ScenarioError", &error.to_string(), |keywords| match error {
+    let attributes = || match error {
         ScenarioError::Unreadable { path, reason, remedy } => {
-            keywords.set_item("origin", path)?;
-            keywords.set_item("problem", reason)?;
-            keywords.set_item("remedy", remedy)
+            [("origin", path), ("problem", reason), ("remedy", remedy)].into_py_dict(py)
         }
         // The message names all faults; the attributes are those of the first one.
         ScenarioError::Invalid(faults) => {
-            let Some(first) = faults.first() else { return Ok(()) };
+            let Some(first) = faults.first() else { return Ok(PyDict::new(py)) };
             let Fault { origin, line, column, key, value, problem, remedy, excerpt } = first;
-            keywords.set_item("origin", origin)?;
-            keywords.set_item("line", line)?;
-            keywords.set_item("column", column)?;
-            keywords.set_item("key", key)?;
-            keywords.set_item("value", value)?;
-            keywords.set_item("problem", problem)?;
-            keywords.set_item("remedy", remedy)?;
-            keywords.set_item("excerpt", excerpt)
+            let attributes = [("origin", origin), ("problem", problem), ("remedy", remedy)].into_py_dict(py)?;
+            attributes.set_item("line", line)?;
+            attributes.set_item("column", column)?;
+            attributes.set_item("key", key)?;
+            attributes.set_item("value", value)?;
+            attributes.set_item("excerpt", excerpt)?;
+            Ok(attributes)
         }
-    })
+    };
+    exception(py, "ScenarioError", &error.to_string(), attributes())
 }
 
 /// A problem with its remedy behind it. The text of some errors of the engine has its remedy already.
@@ -56,27 +48,24 @@ fn bare(problem: &str) -> &str {
 }
 
 /// The exception for a wrong argument of a function.
-pub fn of_argument(py: Python<'_>, argument: &str, value: &str, problem: &str, remedy: &str) -> PyErr {
-    let message = format!("{argument} = {value}: {}", with_remedy(problem, remedy));
-    exception(py, "ArgumentError", &message, |keywords| {
-        keywords.set_item("argument", argument)?;
-        keywords.set_item("value", value)?;
-        keywords.set_item("problem", bare(problem))?;
-        keywords.set_item("remedy", remedy)
-    })
+pub fn of_argument(py: Python<'_>, argument: &str, value: impl Display, problem: impl Display, remedy: &str) -> PyErr {
+    let (value, problem) = (value.to_string(), problem.to_string());
+    let message = format!("{argument} = {value}: {}", with_remedy(&problem, remedy));
+    let attributes =
+        [("argument", argument), ("value", &value), ("problem", bare(&problem)), ("remedy", remedy)].into_py_dict(py);
+    exception(py, "ArgumentError", &message, attributes)
 }
 
 /// The exception for a run, a trade, a calibration or a forecast without a result.
-pub fn of_run(py: Python<'_>, problem: &str, remedy: &str) -> PyErr {
-    exception(py, "RunError", &with_remedy(problem, remedy), |keywords| {
-        keywords.set_item("problem", bare(problem))?;
-        keywords.set_item("remedy", remedy)
-    })
+pub fn of_run(py: Python<'_>, problem: impl Display, remedy: &str) -> PyErr {
+    let problem = problem.to_string();
+    let attributes = [("problem", bare(&problem)), ("remedy", remedy)].into_py_dict(py);
+    exception(py, "RunError", &with_remedy(&problem, remedy), attributes)
 }
 
 /// The exception for a panic in the engine.
 pub fn of_flaw(py: Python<'_>, flaw: &Flaw) -> PyErr {
-    of_run(py, &flaw.to_string(), Flaw::REMEDY)
+    of_run(py, flaw, Flaw::REMEDY)
 }
 
 /// Does some work, whose panic is an exception like any other failure. That of PyO3 is none that

@@ -26,7 +26,7 @@ impl Picture {
     /// The picture as the bytes of a PNG file with this resolution.
     #[pyo3(signature = (dots_per_inch = 300.0))]
     fn png(&self, py: Python<'_>, dots_per_inch: f64) -> PyResult<Vec<u8>> {
-        figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error.to_string(), "report it"))
+        figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error, "report it"))
     }
 
     /// The picture as the bytes of a PDF file.
@@ -103,11 +103,10 @@ fn draw(py: Python<'_>, subject: &Subject, drawn: Drawn) -> PyResult<Picture> {
 
 fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, labels): Drawn) -> PyResult<Picture> {
     if !(60.0..=400.0).contains(&width) {
-        let value = width.to_string();
         return Err(errors::of_argument(
             py,
             "width",
-            &value,
+            width,
             "letters would be crowded or lost",
             "give 60 to 400 millimetres",
         ));
@@ -119,7 +118,7 @@ fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, l
             Absent::Panel(..) => "choose one of them, or leave the letter out for all",
             _ => "choose another figure or another path",
         };
-        errors::of_argument(py, "only", name, &absent.to_string(), remedy)
+        errors::of_argument(py, "only", name, &absent, remedy)
     };
     let unknown =
         |name: &str, problem: String| errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says");

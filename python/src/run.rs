@@ -50,7 +50,7 @@ pub fn run<'py>(
     let scenario = &scenario.checked;
     let goal = |text: &String| {
         let remedy = "write NAME < 0.5% or NAME < 0.01, where NAME is one of stickslip.STATISTICS";
-        text.parse::<Goal>().map_err(|error| errors::of_argument(py, "until", text, &error.to_string(), remedy))
+        text.parse::<Goal>().map_err(|error| errors::of_argument(py, "until", text, &error, remedy))
     };
     let goals = goals.iter().map(goal).collect::<PyResult<Vec<_>>>()?;
     let is_open = !goals.is_empty() && !is_bounded;
@@ -93,8 +93,8 @@ pub fn merge<'py>(
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let refused = |error: PartsError| {
-        let (problem, remedy) = (error.to_string(), "give all parts of one run, as run() returned them");
-        errors::of_argument(py, "parts", "these", &problem, remedy)
+        let remedy = "give all parts of one run, as run() returned them";
+        errors::of_argument(py, "parts", "these", error, remedy)
     };
     let states = parts.iter().map(|(name, _, state)| (PathBuf::from(name), state.clone()));
     let whole = Parts::of_bytes(states).map_err(refused)?;
@@ -145,11 +145,11 @@ fn of_run(py: Python<'_>, error: RunError) -> PyErr {
     match error {
         RunError::Sink { error, .. } => match error.downcast::<PyErr>() {
             Ok(error) => *error,
-            Err(error) => errors::of_run(py, &error.to_string(), "report it"),
+            Err(error) => errors::of_run(py, &error, "report it"),
         },
-        RunError::Threads(error) => errors::of_run(py, &error.to_string(), ThreadsError::REMEDY),
+        RunError::Threads(error) => errors::of_run(py, &error, ThreadsError::REMEDY),
         RunError::Flaw { flaw, .. } => errors::of_flaw(py, &flaw),
-        RunError::Overlap(error) => errors::of_run(py, &error.to_string(), "report it"),
+        RunError::Overlap(error) => errors::of_run(py, error, "report it"),
     }
 }
 
@@ -191,13 +191,7 @@ pub fn replay<'py>(py: Python<'py>, scenario: &Scenario, path: u64) -> PyResult<
     let paths = scenario.ensemble.paths;
     if path >= paths {
         let remedy = format!("give a number from 0 to {}", paths.saturating_sub(1));
-        return Err(errors::of_argument(
-            py,
-            "path",
-            &path.to_string(),
-            &format!("the ensemble has {paths} paths"),
-            &remedy,
-        ));
+        return Err(errors::of_argument(py, "path", path, format!("the ensemble has {paths} paths"), &remedy));
     }
     let (dataset, _) = watched(py, None, |_| Dataset::of_replay(&Replay::of(scenario, path)))?;
     to_python(py, dataset)

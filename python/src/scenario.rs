@@ -131,7 +131,7 @@ pub fn parse(
     let series = |(name, times, values): (String, PyReadonlyArray1<'_, f64>, PyReadonlyArray1<'_, f64>)| {
         let series = Series::new(times.as_array().to_vec(), values.as_array().to_vec()).map_err(|error| {
             let remedy = "give finite values at ascending times, at least two of them";
-            errors::of_argument(py, &name, "the samples", &error.to_string(), remedy)
+            errors::of_argument(py, &name, "the samples", error, remedy)
         })?;
         Ok(NamedSeries { name, series: series.into() })
     };

@@ -30,12 +30,12 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
 
     fn extract(given: Borrowed<'_, 'py, PyAny>) -> PyResult<Self> {
         let cores = || std::thread::available_parallelism().map_or(1, usize::from).min(MOST_THREADS);
-        let wrong = |problem: &str| errors::of_argument(given.py(), "threads", &given.to_string(), problem, REMEDY);
+        let wrong = |problem: String| errors::of_argument(given.py(), "threads", given.to_string(), problem, REMEDY);
         let number = match given.is_none() {
             true => cores(),
-            false => given.extract().map_err(|_| wrong("it is no number of threads"))?,
+            false => given.extract().map_err(|_| wrong("it is no number of threads".into()))?,
         };
-        check_threads(number).map_err(|error| wrong(&error.to_string()))?;
+        check_threads(number).map_err(|error| wrong(error.to_string()))?;
         Ok(Threads(number))
     }
 }
@@ -83,7 +83,7 @@ pub fn choose(
         return Err(PyKeyboardInterrupt::new_err("interrupted while choosing how to run it"));
     }
     let remedy = "ask for less, give more time, or name fewer statistics; trade() says more";
-    let (decision, _) = chosen.map_err(|error| errors::of_run(py, &format!("accuracy: {error}"), remedy))?;
+    let (decision, _) = chosen.map_err(|error| errors::of_run(py, format!("accuracy: {error}"), remedy))?;
     let accuracy_goal: AccuracyGoal = decision.accuracy_goal();
     Ok((scenario.replaced(decision.scenario), accuracy_goal.to_string()))
 }
@@ -117,8 +117,7 @@ pub fn sweep<'py>(
         };
         let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
         let remedy = "give other names, as many values where they are zipped, or fewer";
-        let refused =
-            |error: DesignError| errors::of_argument(py, "vary", &vary.join(", "), &error.to_string(), remedy);
+        let refused = |error: DesignError| errors::of_argument(py, "vary", vary.join(", "), &error, remedy);
         Design::of(axes, zip).map_err(refused)?
     } else {
         star(py, scenario, elasticity, relative_step)?
@@ -143,7 +142,7 @@ pub fn sweep<'py>(
             SweepSimulation { threads: workers.0, stop: &watch.stop, progress: &mut WatchedProgress(watch) };
         simulation.run(&mut swept, |_| Ok::<(), Infallible>(()))
     })?;
-    ended.map_err(|error| errors::of_run(py, &error.to_string(), "report it"))?;
+    ended.map_err(|error| errors::of_run(py, &error, "report it"))?;
     if swept.done() == 0 {
         return Err(PyKeyboardInterrupt::new_err("interrupted before the first point was done"));
     }
@@ -152,9 +151,8 @@ pub fn sweep<'py>(
 
 fn star(py: Python<'_>, scenario: &Scenario, keys: Vec<String>, relative_step: f64) -> PyResult<Design> {
     if !RELATIVE_STEPS.contains(&relative_step) {
-        let value = relative_step.to_string();
         let problem = "no difference over it says something";
-        return Err(errors::of_argument(py, "relative_step", &value, problem, "give a share from 1e-6 to 0.5"));
+        return Err(errors::of_argument(py, "relative_step", relative_step, problem, "give a share from 1e-6 to 0.5"));
     }
     let star = Design::star(&keys, relative_step, |key| scenario.checked.number_at(key));
     star.map_err(|(key, error)| {
@@ -163,7 +161,7 @@ fn star(py: Python<'_>, scenario: &Scenario, keys: Vec<String>, relative_step: f
             StarError::Zero => "give it a value with `set`",
             StarError::Twice => "name it once",
         };
-        errors::of_argument(py, "elasticity", &key, &error.to_string(), remedy)
+        errors::of_argument(py, "elasticity", &key, &error, remedy)
     })
 }
 
@@ -178,11 +176,10 @@ pub fn trade<'py>(
 ) -> PyResult<(Variables<'py>, bool)> {
     let scenario = &scenario.checked;
     if !(1.0..=604_800.0).contains(&budget) {
-        let value = budget.to_string();
         return Err(errors::of_argument(
             py,
             "budget",
-            &value,
+            budget,
             "it is no time to measure for",
             "give 1 to 604800 seconds",
         ));
@@ -192,7 +189,6 @@ pub fn trade<'py>(
         let limits = Limits { stop: Some(&watch.stop), ..Limits::default() };
         measure_within(scenario, Duration::from_secs_f64(budget), workers.0, limits)
     })?;
-    let measured =
-        measured.map_err(|error| errors::of_run(py, &error.to_string(), "a larger budget, or a shorter time.end"))?;
+    let measured = measured.map_err(|error| errors::of_run(py, &error, "a larger budget, or a shorter time.end"))?;
     Ok((to_python(py, Dataset::of_trade(scenario, &measured))?, is_interrupted))
 }
