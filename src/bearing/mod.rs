@@ -7,7 +7,7 @@
 //! weather      harmonics and one or two noise processes fitted to a measured temperature
 //! forecast     displacements, forces and slips of coming years, from a calibration and a weather
 //! linear       small systems of linear equations
-//! moments      mean and variance of a sample
+//! moments      mean, variance and correlation of samples
 //! ```
 
 pub mod calibration;

@@ -230,18 +230,6 @@ pub fn stretches(starts: &[usize], end: usize) -> impl Iterator<Item = Range<usi
     starts.iter().zip(ends).map(|(start, end)| *start..end)
 }
 
-/// The correlation of pairs of values.
-pub fn correlation(pairs: &[[f64; 2]]) -> f64 {
-    let n = pairs.len() as f64;
-    let mean = |k: usize| pairs.iter().map(|pair| pair[k]).sum::<f64>() / n;
-    let (of_a, of_b) = (mean(0), mean(1));
-    let [ab, aa, bb] = pairs.iter().fold([0.0; 3], |[ab, aa, bb], [a, b]| {
-        let (a, b) = (a - of_a, b - of_b);
-        [ab + a * b, aa + a * a, bb + b * b]
-    });
-    ab / (aa * bb).sqrt()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;

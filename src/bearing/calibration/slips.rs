@@ -63,7 +63,6 @@ pub struct Evidence {
     /// The level at the start of the record, if a gap lies between it and the first slip that was
     /// seen.
     pub beginning: Option<Level>,
-    start: f64,
 }
 
 /// Largest number of repeated searches for slips.
@@ -108,7 +107,8 @@ impl Evidence {
             .map(|i| 0.5 * (samples.times[i - 1] + samples.times[i]))
             .collect();
         for _ in 0..ROUNDS {
-            let zero = ZeroColumns::asked_by(&evidence.middles(&evidence.unweighted()), &candidates, evidence.start);
+            let zero =
+                ZeroColumns::asked_by(&evidence.middles(&evidence.unweighted()), &candidates, evidence.zero.start);
             evidence.zero = zero;
             let set = evidence.jumps_of_zero();
             if set.is_empty() {
@@ -175,7 +175,6 @@ impl Evidence {
             zero: ZeroColumns { start, ..ZeroColumns::default() },
             set,
             beginning,
-            start,
         })
     }
 
@@ -240,7 +239,7 @@ impl Evidence {
 
     /// The index of the block of a time.
     pub fn block(&self, time: f64) -> usize {
-        block(self.start, time)
+        block(self.zero.start, time)
     }
 
     /// A weight of 1 for each block.

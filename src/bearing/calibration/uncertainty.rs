@@ -7,9 +7,9 @@
 use super::level::LevelSums;
 use super::quantity::{Quantity, Values, response_of, values};
 use super::question::CalibrationQuestion;
-use super::samples::{MeasuredRecord, correlation};
+use super::samples::MeasuredRecord;
 use super::slips::Evidence;
-use crate::bearing::moments::variance;
+use crate::bearing::moments::{correlation, variance};
 use crate::noise::Stream;
 
 /// Number of times that everything is estimated again.
@@ -104,8 +104,7 @@ impl Replicates {
     /// The correlations of the quantities, one row for each.
     pub fn correlations(&self) -> Vec<Values> {
         let columns: Vec<Vec<f64>> = (0..Quantity::ALL.len()).map(|i| self.column(i)).collect();
-        let between = |a: &[f64], b: &[f64]| correlation(&a.iter().zip(b).map(|(a, b)| [*a, *b]).collect::<Vec<_>>());
-        columns.iter().map(|a| std::array::from_fn(|j| between(a, &columns[j]))).collect()
+        columns.iter().map(|a| std::array::from_fn(|j| correlation(a, &columns[j]))).collect()
     }
 
     /// The regression coefficient of each quantity on this one.
@@ -114,8 +113,7 @@ impl Replicates {
         let spread = deviation(&other);
         std::array::from_fn(|i| {
             let own = self.column(i);
-            let pairs: Vec<[f64; 2]> = own.iter().zip(&other).map(|(a, b)| [*a, *b]).collect();
-            let gain = correlation(&pairs) * deviation(&own) / spread;
+            let gain = correlation(&own, &other) * deviation(&own) / spread;
             if gain.is_finite() { gain } else { 0.0 }
         })
     }
