@@ -1,8 +1,8 @@
 //! Quantities that follow from a scenario.
 
 use super::amplitude::expected_amplitude;
-use super::size::{output_bytes, run_bytes, thread_bytes};
-use crate::model::{Model, Noise, Oscillator};
+use super::size::{output_bytes, thread_bytes};
+use crate::model::{Model, Noise};
 use crate::scenario::{Period, Scenario};
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
 
@@ -113,18 +113,14 @@ impl Derived {
 }
 
 impl Scenario {
-    /// Estimated memory of a run of so many paths on so many threads, in bytes.
-    pub fn run_bytes(&self, paths: u64, threads: usize) -> f64 {
-        run_bytes(self, paths, threads)
-    }
-
     /// The quantities that follow from the scenario before it is run.
     pub fn derived(&self) -> Derived {
         let Model { oscillator, friction, temperature, .. } = &self.model;
         let w0 = oscillator.natural_frequency();
+        let force_per_kelvin = oscillator.force_per_temperature().abs();
         // Variances of independent noises add up.
         let both = |of: fn(&Noise) -> f64| {
-            let forces = temperature.noises().map(|noise| force_per_v(oscillator, &noise) * of(&noise));
+            let forces = temperature.noises().map(|noise| force_per_kelvin * noise.intensity * of(&noise));
             forces.reduce(f64::hypot)
         };
         let noise_force = both(Noise::stationary_sd);
@@ -157,9 +153,4 @@ impl Scenario {
             output_bytes: output_bytes(self),
         }
     }
-}
-
-/// K |beta| rho: the force that corresponds to one unit of v.
-fn force_per_v(oscillator: &Oscillator, noise: &Noise) -> f64 {
-    oscillator.force_per_temperature().abs() * noise.intensity
 }

@@ -37,20 +37,16 @@ pub(super) fn thread_bytes(scenario: &Scenario) -> f64 {
     scenario.timeline().rows() as f64 * THREAD_ROW_BYTES
 }
 
-/// Estimated memory of a run of so many paths on so many threads, in bytes.
-pub(super) fn run_bytes(scenario: &Scenario, paths: u64, threads: usize) -> f64 {
-    let rows = scenario.timeline().rows() as f64;
-    let block = rows * BLOCK_ROW_BYTES + block_bytes(scenario);
-    PROGRAM_BYTES
-        + rows * SUMS_ROW_BYTES
-        + threads as f64 * TABLES_BYTES
-        + Plan { paths, ..scenario.plan() }.blocks_held(threads) as f64 * block
-}
-
-/// Estimated memory for what is recorded of the single paths of a block, in bytes.
-fn block_bytes(scenario: &Scenario) -> f64 {
-    let paths = BLOCK_SIZE.min(scenario.ensemble.paths) as f64;
-    rows_bytes(scenario, paths)
+impl Scenario {
+    /// Estimated memory of a run of so many paths on so many threads, in bytes.
+    pub fn run_bytes(&self, paths: u64, threads: usize) -> f64 {
+        let rows = self.timeline().rows() as f64;
+        let block = rows * BLOCK_ROW_BYTES + rows_bytes(self, BLOCK_SIZE.min(self.ensemble.paths) as f64);
+        PROGRAM_BYTES
+            + rows * SUMS_ROW_BYTES
+            + threads as f64 * TABLES_BYTES
+            + Plan { paths, ..self.plan() }.blocks_held(threads) as f64 * block
+    }
 }
 
 /// Bytes of what is recorded of this many single paths.
