@@ -1,5 +1,6 @@
 //! The column of times: stamps with their time zones, dates as numbers, or plain numbers.
 
+use super::column::LARGEST_MEASURED;
 use super::error::ProblemAndRemedy;
 use super::query::{DateOrder, Layout, Wording};
 use super::stamp::{self, PARSER, Stamp};
@@ -178,6 +179,14 @@ impl Clock {
 
     /// The time of a cell since the first cell.
     pub fn read(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
+        let when = self.time(cell)?;
+        if when.abs() > LARGEST_MEASURED {
+            return wrong("is too large for a time", "mend the cell, or give another column of times");
+        }
+        Ok(when)
+    }
+
+    fn time(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         let as_before = |what: &str| (format!("is not {what}, as the times before it are"), "mend the row".to_string());
         let number = || number(cell).filter(|time| time.is_finite());
         if self.kind == Kind::Stamps && !self.is_in_form(cell) {

@@ -1,7 +1,7 @@
 //! The rows of a file in order of time, checked and repaired.
 
 use super::clock::{Clock, Start};
-use super::column::{Column, DataColumn, LARGEST_MEASURED, sorted};
+use super::column::{Column, DataColumn, sorted};
 use super::decimals::{Decimals, THOUSANDS};
 use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
@@ -98,7 +98,11 @@ pub(super) fn table(
             };
             time_elsewhere = (0..names.len()).find(elsewhere).filter(|_| !cell.contains(':'));
         }
-        let when = instant(&mut clock, &time_name, unit_below.as_deref(), layout, order, &cell);
+        let known = match &mut clock {
+            Some(clock) => Ok(clock),
+            none => Clock::new(&time_name, unit_below.as_deref(), layout, order, &cell).map(|new| none.insert(new)),
+        };
+        let when = known.and_then(|clock| clock.read(&cell));
         let when = when.map_err(|wrong| errors.push(at(header.times[0], wrong))).unwrap_or_default();
         if let Some(error) = DataError::of_all(errors) {
             return Err(error);
@@ -212,25 +216,4 @@ fn told_order(rows: &mut CsvRows<'_>, header: &Header) -> Result<Option<(DateOrd
         orders.take(&cell);
     }
     Ok(orders.told().filter(|_| is_needed))
-}
-
-/// The time of a row, from its cell in the column of times. The first cell decides what the others
-/// are.
-fn instant(
-    clock: &mut Option<Clock>,
-    name: &str,
-    unit_below: Option<&str>,
-    layout: &Layout,
-    order: Option<DateOrder>,
-    cell: &str,
-) -> Result<f64, ProblemAndRemedy> {
-    let clock = match clock {
-        Some(clock) => clock,
-        none => none.insert(Clock::new(name, unit_below, layout, order, cell)?),
-    };
-    let when = clock.read(cell)?;
-    if when.abs() > LARGEST_MEASURED {
-        return Err(("is too large for a time".into(), "mend the cell, or give another column of times".into()));
-    }
-    Ok(when)
 }
