@@ -169,7 +169,8 @@ impl<'a> Fields<'a> {
         Fields { sources, path, place, entries, is_misread }
     }
 
-    fn dotted(&self, name: &str) -> String {
+    /// The dotted name of a key of this table.
+    pub fn dotted(&self, name: &str) -> String {
         if self.path.is_empty() { name.to_string() } else { format!("{}.{name}", self.path) }
     }
 

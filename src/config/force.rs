@@ -20,12 +20,6 @@ pub(super) struct Forced {
     pub unused: Vec<(String, Box<Fault>)>,
 }
 
-/// The names that an expression may contain.
-struct Known<'a> {
-    parameters: &'a [Parameter],
-    inputs: &'a [(NamedSeries, Option<Place>)],
-}
-
 /// A number in a table whose keys are free: its name, value and place.
 type Parameter = (String, f64, Option<Place>);
 
@@ -47,27 +41,22 @@ pub(super) fn force(
         Some((NamedSeries { name: of.input()?.to_string(), series: of.series.clone() }, *place))
     };
     let inputs: Vec<_> = inputs.iter().filter_map(named).collect();
-    let known = |parameters| Known { parameters, inputs: &inputs };
-    let load = has_load.then(|| expression(sources, &dry, (keys::LOAD, "friction.load"), known(&all))).flatten();
+    let load = expression(sources, &dry, keys::LOAD, &all, &inputs);
     let own = table.as_ref().and_then(|table| {
         if table.place_of(keys::EXPRESSION.name).is_none() {
             let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), which is added to b";
             sources.report(table.missing_text(keys::EXPRESSION, remedy));
         }
-        expression(sources, table, (keys::EXPRESSION, "force.expression"), known(&of_force))
+        expression(sources, table, keys::EXPRESSION, &of_force, &inputs)
     });
     let uses = |of: &Option<Expression>, name: &str| of.as_ref().is_some_and(|of| of.unused_names().all(|n| n != name));
     let (is_in_load, is_used) = (|name: &str| uses(&load, name), |name: &str| uses(&own, name) || uses(&load, name));
     let mut unused = Vec::new();
-    if own.is_some() {
-        let place = table.as_ref().and_then(|table| table.place_of(keys::EXPRESSION.name));
-        let names = of_force.iter().filter(|(name, ..)| !is_used(name));
-        unused.extend(names.map(|(name, ..)| unused_parameter(sources, ("force.expression", place), name, &of_force)));
+    if let Some(table) = table.as_ref().filter(|_| own.is_some()) {
+        unused.extend(unused_parameters(sources, table, keys::EXPRESSION, &of_force, is_used));
     }
-    if load.is_some() || !has_load {
-        let place = dry.place_of(keys::LOAD.name);
-        let names = of_load.iter().filter(|(name, ..)| !is_in_load(name));
-        let faults = names.map(|(name, ..)| unused_parameter(sources, ("friction.load", place), name, &of_load));
+    if load.is_some() == has_load {
+        let faults = unused_parameters(sources, &dry, keys::LOAD, &of_load, is_in_load);
         // Without a load, there is no expression beside which they would be kept.
         if has_load { unused.extend(faults) } else { faults.for_each(|(_, fault)| sources.report(fault)) }
     }
@@ -97,12 +86,13 @@ fn by_direction(expression: Expression) -> [Force; 2] {
     [expression, backwards].map(Force::new)
 }
 
-/// The expression at a key with this dotted name, if it is there and sound.
+/// The expression at a key, if it is there and sound, which may contain these parameters and inputs.
 fn expression(
     sources: &Sources<'_>,
     table: &Fields<'_>,
-    (key, name): (Key, &'static str),
-    Known { parameters, inputs }: Known<'_>,
+    key: Key,
+    parameters: &[Parameter],
+    inputs: &[(NamedSeries, Option<Place>)],
 ) -> Option<Expression> {
     let place = table.place_of(key.name)?;
     let text = table.lines_if_sound(key)?;
@@ -114,43 +104,38 @@ fn expression(
         Ok(expression) => Some(expression),
         Err(ExpressionError { parameter: Some(wrong), problem, remedy, .. }) => {
             let input = inputs.iter().find(|(input, _)| input.name == wrong);
-            let parameter = || (place_of(&wrong, parameters), format!("{}.parameters", home(name)));
+            let parameter = || (place_of(&wrong, parameters), table.dotted(keys::PARAMETERS.name));
             let (place, key) = input.map_or_else(parameter, |(_, place)| (*place, keys::INPUT.name.to_string()));
             sources.report(sources.fault(place, problem, remedy).of(&key));
             None
         }
         Err(error) => {
-            sources.report(fault(sources, place, &text, error).of(name));
+            sources.report(fault(sources, place, &text, error).of(&table.dotted(key.name)));
             None
         }
     }
-}
-
-/// The table of a dotted key.
-fn home(key: &str) -> &str {
-    key.split('.').next().unwrap_or_default()
 }
 
 fn place_of(name: &str, parameters: &[Parameter]) -> Option<Place> {
     parameters.iter().rev().find(|(other, ..)| other == name).and_then(|(_, _, place)| *place)
 }
 
-/// The fault for a parameter that the expression of this key at this place does not contain.
-fn unused_parameter(
-    sources: &Sources<'_>,
-    (key, place): (&str, Option<Place>),
-    name: &str,
-    parameters: &[Parameter],
-) -> (String, Box<Fault>) {
-    let home = home(key);
-    let all = if sources.is_override(place) {
-        format!(", or all with `--set '{home}.parameters={{}}'`")
-    } else {
-        String::new()
-    };
-    let problem = format!("`{home}.parameters.{name}` is not in the expression");
-    let remedy = format!("write `{name}` in `{key}`, or remove it{all}");
-    (name.to_string(), sources.fault(place_of(name, parameters), problem, remedy))
+/// The parameters that are not used by the expression at this key, each with its fault.
+fn unused_parameters<'a>(
+    sources: &'a Sources<'_>,
+    table: &Fields<'_>,
+    key: Key,
+    parameters: &'a [Parameter],
+    is_used: impl Fn(&str) -> bool + 'a,
+) -> impl Iterator<Item = (String, Box<Fault>)> + 'a {
+    let (home, expression) = (table.dotted(keys::PARAMETERS.name), table.dotted(key.name));
+    let is_override = sources.is_override(table.place_of(key.name));
+    let all = if is_override { format!(", or all with `--set '{home}={{}}'`") } else { String::new() };
+    parameters.iter().filter(move |(name, ..)| !is_used(name)).map(move |(name, ..)| {
+        let problem = format!("`{home}.{name}` is not in the expression");
+        let remedy = format!("write `{name}` in `{expression}`, or remove it{all}");
+        (name.clone(), sources.fault(place_of(name, parameters), problem, remedy))
+    })
 }
 
 /// The body with a linear force in its stiffness and its damping; none if the stiffness would be
