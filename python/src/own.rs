@@ -13,7 +13,6 @@ use stick_slip::sums::{Measurement, Tree, Unit};
 /// A statistic of the caller's own.
 pub struct Own {
     pub name: String,
-    pub estimate: Measurement,
     function: Py<PyAny>,
     /// The means of what the function returns and of what these numbers are divided by, summed
     /// along the tree of the run.
@@ -38,16 +37,15 @@ type Numbers<'py> = (PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f6
 
 impl Kept {
     pub fn new(scenario: &Scenario, own: Vec<(String, Py<PyAny>)>) -> Self {
-        let nothing = Measurement { estimate: f64::NAN, standard_error: f64::NAN, low: f64::NAN, high: f64::NAN };
-        let own = own.into_iter().map(|(name, function)| Own {
-            name,
-            estimate: nothing,
-            function,
-            tree: Tree::default(),
-            is_ratio: false,
-        });
+        let of = |(name, function)| Own { name, function, tree: Tree::default(), is_ratio: false };
         let unit = if scenario.ensemble.antithetic { Unit::Pair } else { Unit::Path };
-        Kept { recorder: Recorder::default(), own: own.collect(), record: scenario.record, unit, blocks: 0 }
+        Kept {
+            recorder: Recorder::default(),
+            own: own.into_iter().map(of).collect(),
+            record: scenario.record,
+            unit,
+            blocks: 0,
+        }
     }
 
     /// The scenario with events recorded, if there are statistics of the caller's own that need
@@ -86,7 +84,8 @@ impl Own {
         self.function.bind(py).call1(shown)?.extract()
     }
 
-    fn estimated(&self) -> Option<Measurement> {
+    /// The estimate from the blocks so far, if there are any.
+    pub fn estimated(&self) -> Option<Measurement> {
         let means = self.tree.total(|means| means)?;
         Some(if self.is_ratio { means.ratio(0, 1) } else { means.mean(0) })
     }
@@ -116,11 +115,6 @@ impl Sink for Kept {
     }
 
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        for own in &mut self.own {
-            if let Some(estimate) = own.estimated() {
-                own.estimate = estimate;
-            }
-        }
         self.recorder.finish(outcome)
     }
 }

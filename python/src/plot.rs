@@ -97,11 +97,7 @@ fn damaged(py: Python<'_>, problem: &str) -> PyErr {
     errors::of_argument(py, "subject", "a data set", problem, remedy)
 }
 
-fn draw(py: Python<'_>, subject: &Subject, drawn: Drawn) -> PyResult<Picture> {
-    errors::guarded(py, || drawn_as(py, subject, drawn))
-}
-
-fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, labels): Drawn) -> PyResult<Picture> {
+fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, labels): Drawn) -> PyResult<Picture> {
     if !(60.0..=400.0).contains(&width) {
         return Err(errors::of_argument(
             py,
@@ -123,13 +119,15 @@ fn drawn_as(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, l
     let unknown =
         |name: &str, problem: String| errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says");
     let only = only.map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem))).transpose()?;
-    let scene = figure::draw(only, subject, &style).map_err(|no| match no {
-        NoPage::Without(figure, absent) => refused(figure.name, absent),
-        NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
-        NoPage::Label(name, known) => {
-            let remedy = format!("name a statistic, or one of {known}");
-            errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)
-        }
-    })?;
-    Ok(Picture(scene))
+    let drawn = || {
+        figure::draw(only, subject, &style).map_err(|no| match no {
+            NoPage::Without(figure, absent) => refused(figure.name, absent),
+            NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
+            NoPage::Label(name, known) => {
+                let remedy = format!("name a statistic, or one of {known}");
+                errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)
+            }
+        })
+    };
+    Ok(Picture(errors::guarded(py, drawn)?))
 }

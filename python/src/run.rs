@@ -74,11 +74,11 @@ pub fn run<'py>(
     let outcome = outcome.map_err(|error| of_run(py, error))?;
     let remarks = remarks(py, scenario, &outcome, is_interrupted)?;
     let Kept { recorder, own, .. } = kept;
-    let named = |Own { name, estimate, .. }: &Own| {
-        let Measurement { estimate, standard_error, low, high } = *estimate;
-        (name.clone(), estimate, standard_error, low, high)
+    let named = |own: &Own| {
+        let Measurement { estimate, standard_error, low, high } = own.estimated()?;
+        Some((own.name.clone(), estimate, standard_error, low, high))
     };
-    Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().map(named).collect(), part.into_state()))
+    Ok((to_python(py, recorder.into_dataset())?, remarks, own.iter().filter_map(named).collect(), part.into_state()))
 }
 
 /// Joins the parts of a run, given the name, the data set and the state of each, with the checks of

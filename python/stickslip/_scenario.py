@@ -62,18 +62,17 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
             # A text has no quotation marks.
             bare = value if isinstance(value, str) else _toml.value(key, value)
             laid.append((f"{argument} =", key, bare))
-    measured, dated, has_dates = [], "temperature", False
+    measured, dated = [], None
     for argument, table, quantity, given in _measurements(arguments):
         times, values, first = samples(given, argument)
         times, values, remarks = _native.repaired(argument, quantity, times, values, None)
         warn(remarks, level=4)
         measured.append((table, times, values))
         dated = dated if first is None else argument
-        has_dates = has_dates or first is not None
     parsed = _native.parse(name, text, laid, measured)
     require(
-        not has_dates or parsed.time_unit in _SECONDS,
-        dated,
+        dated is None or parsed.time_unit in _SECONDS,
+        dated or "temperature",
         "a series with dates",
         f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
         'write the whole scenario in seconds, and `time = "s"` under [units]',

@@ -15,7 +15,7 @@ def _is_text(given: Any) -> bool:
 
 
 def _are_texts(given: Any) -> bool:
-    return _is_text(given) or isinstance(given, Iterable) and all(_is_text(one) for one in given)
+    return _is_text(given) or isinstance(given, Iterable) and all(map(_is_text, given))
 
 
 def _is_number(given: Any) -> bool:
@@ -23,39 +23,19 @@ def _is_number(given: Any) -> bool:
 
 
 def _is_whole(given: Any) -> bool:
-    return isinstance(given, Integral) and not isinstance(given, bool) and 0 <= int(given) < 2**64
+    return isinstance(given, Integral) and _is_number(given) and 0 <= int(given) < 2**64
 
 
 def _is_truth(given: Any) -> bool:
     return isinstance(given, bool) or type(given).__name__ in ("bool_", "bool")
 
 
-def _is_time(given: Any) -> bool:
-    return _is_number(given) or isinstance(given, (str, timedelta))
-
-
 def _is_table(given: Any) -> bool:
     return isinstance(given, Mapping)
 
 
-def _is_record(given: Any) -> bool:
-    return _is_table(given) or _are_texts(given)
-
-
-def _is_until(given: Any) -> bool:
-    return _is_number(given) or _are_texts(given)
-
-
-def _is_progress(given: Any) -> bool:
-    return given is None or isinstance(given, bool) or callable(given)
-
-
 def _is_dataset(given: Any) -> bool:
     return hasattr(given, "data_vars") and hasattr(given, "attrs")
-
-
-def _are_many(given: Any) -> bool:
-    return isinstance(given, Iterable) and not _is_dataset(given)
 
 
 #: What an annotation asks for: a test, and what to give instead.
@@ -66,23 +46,35 @@ _ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
     "float": (_is_number, "give a number"),
     "int": (_is_whole, "give a whole number, 0 or above"),
     "bool": (_is_truth, "give True or False"),
-    "Time": (_is_time, 'give a number of seconds, a text such as "10m", or a timedelta'),
+    "Time": (
+        lambda given: _is_number(given) or isinstance(given, (str, timedelta)),
+        'give a number of seconds, a text such as "10m", or a timedelta',
+    ),
     "Settings": (_is_table, 'give a dictionary, e.g. {"friction.static": 1.3}'),
     "Mapping[str, Statistic]": (_is_table, "give a dictionary of functions by name"),
     "Mapping[str, Values]": (_is_table, "give a dictionary of values by key"),
     "Mapping[str, tuple[float, float]]": (_is_table, "give a dictionary of pairs by key"),
     "Mapping[str, Any]": (_is_table, "give a dictionary"),
     "Until": (
-        _is_until,
+        lambda given: _is_number(given) or _are_texts(given),
         'give a number, or a goal such as "stick_duration_mean < 0.5%", or a list of goals',
     ),
-    "Record": (_is_record, 'give "paths", "events", a list of both, or a dictionary'),
-    "Progress": (_is_progress, "give True, or a callable f(done, expected)"),
+    "Record": (
+        lambda given: _is_table(given) or _are_texts(given),
+        'give "paths", "events", a list of both, or a dictionary',
+    ),
+    "Progress": (
+        lambda given: given is None or isinstance(given, bool) or callable(given),
+        "give True, or a callable f(done, expected)",
+    ),
     "xr.Dataset": (
         _is_dataset,
         "give what a function of this package returned, or load() of its file",
     ),
-    "Sequence[xr.Dataset]": (_are_many, "give a list of data sets"),
+    "Sequence[xr.Dataset]": (
+        lambda given: isinstance(given, Iterable) and not _is_dataset(given),
+        "give a list of data sets",
+    ),
 }
 
 #: Arguments that the engine checks, because they replace keys of a scenario or have messages of
