@@ -27,21 +27,16 @@ use stick_slip::scenario::{BridgeScene, Scenario as Checked};
 /// overrides as pairs of a key and a value in TOML.
 type Given = (String, Option<String>, Vec<(String, String)>);
 
-struct Read {
-    scene: BridgeScene,
-    name: String,
-    overrides: Vec<Override>,
-}
-
-fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<Read> {
-    let parsed = || -> Result<Read, ScenarioError> {
+/// The bearing of a scenario, the name of the scenario, and its overrides.
+fn read(py: Python<'_>, (name, text, overrides): Given) -> PyResult<(BridgeScene, String, Vec<Override>)> {
+    let parsed = || -> Result<_, ScenarioError> {
         let laid = |(key, value): &(String, String)| Override::flag(&format!("set {key} ="), key, value);
         let overrides: Vec<_> = overrides.iter().map(laid).collect();
         let (name, text) = match &text {
             Some(text) => (name.clone(), text.clone()),
             None => config::text_of(Path::new(&name))?,
         };
-        Ok(Read { scene: BridgeScene::parse(&name, &text, &overrides)?, name, overrides })
+        Ok((BridgeScene::parse(&name, &text, &overrides)?, name, overrides))
     };
     parsed().map_err(|error| errors::of_scenario(py, &error))
 }
@@ -205,7 +200,7 @@ pub fn calibrate<'py>(
     interval: f64,
     workers: Threads,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
-    let scene = read(py, scenario)?.scene;
+    let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
     let quantity = |key: &str| {
         let remedy = format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", "));
@@ -263,7 +258,7 @@ pub fn forecast<'py>(
     processes: usize,
     workers: Threads,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
-    let scene = read(py, scenario)?.scene;
+    let (scene, ..) = read(py, scenario)?;
     let (record, mut remarks) = measured.record(py, &scene)?;
     let asked = Asked { draws, years, seed, level: interval, share };
     let (ended, is_interrupted) =
@@ -336,14 +331,11 @@ pub fn fit_temperature<'py>(
             (times, values, measured.layout.averaged.unwrap_or_default(), None, Vec::new())
         }
         None => {
-            let origin = measured.origin();
-            let source = measured.temperature_column(&ColumnSource::default());
             let layout = measured.layout.over(py, &Layout::default())?;
-            let table = origin.read_in_seconds(&layout, &[source.wanted(ColumnQuantity::Temperature)]);
-            let mut table = table.map_err(|error| measured.wrong(py, &error))?;
-            let column = table.columns.swap_remove(0);
-            let repairs = table.repairs.of_file(origin.name());
-            let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
+            let source = ColumnSource { layout, ..measured.temperature_column(&ColumnSource::default()) };
+            let read = source.read(measured.origin(), ColumnQuantity::Temperature);
+            let (column, start, repairs) = read.map_err(|error| measured.wrong(py, &error))?;
+            let start = start.and_then(|start| start.after(-0.5 * column.averaged));
             (column.times, column.values, column.averaged, start.map(|start| start.to_string()), repairs)
         }
     };
@@ -385,7 +377,7 @@ pub fn twin<'py>(
     every: f64,
 ) -> PyResult<(Variables<'py>, Vec<String>)> {
     let text = scenario.1.clone();
-    let Read { scene, name, overrides } = read(py, scenario)?;
+    let (scene, name, overrides) = read(py, scenario)?;
     let mut remarks = Vec::new();
     let given = start.as_deref().map(|date| {
         let remedy = "write a date such as 2024-06-01, also with a time and a zone";
@@ -401,16 +393,13 @@ pub fn twin<'py>(
         (Some([times, values]), _) => Air::measured(times.as_array().to_vec(), values.as_array().to_vec()),
         (None, Some(file)) => {
             let path = Path::new(&name).parent().unwrap_or(Path::new("")).join(file);
-            let source = &scene.temperature_source;
             let shipped = text.as_deref().and_then(|text| config::shipped(&name).filter(|known| known.text == text));
             let built_in = shipped.and_then(|shipped| shipped.file(file));
             let origin = built_in.map_or(Origin::File(&path), |text| Origin::Text(file, text));
-            let table = origin.read_in_seconds(&source.layout, &[source.wanted(ColumnQuantity::Temperature)]);
-            let mut table =
-                table.map_err(|error| errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy))?;
-            remarks.extend(table.repairs.of_file(origin.name()));
-            start = table.start;
-            let column = table.columns.swap_remove(0);
+            let read = scene.temperature_source.read(origin, ColumnQuantity::Temperature);
+            let (column, begin, repairs) =
+                read.map_err(|error| errors::of_argument(py, "scenario", origin.name(), &error, &error.remedy))?;
+            (start, remarks) = (begin, repairs);
             Air::measured(column.times, column.values)
         }
         (None, None) => {

@@ -3,7 +3,7 @@
 use super::document::document;
 use super::measurements::MeasuredFlags;
 use super::report::{bearing, text};
-use super::{Failure, measurements, note, print, warn, writable};
+use super::{Failure, note, print, warn, writable};
 use serde_json::json;
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::weather::{WeatherFit, fit, usual};
@@ -49,10 +49,8 @@ impl Arguments {
         }
         let mut source = config::temperature_source(&self.flags.overrides(&["temperature"]))?;
         source.layout.wording = Wording::Flag;
-        let wanted = [source.wanted(ColumnQuantity::Temperature)];
-        let table = Origin::File(&self.data).read_in_seconds(&source.layout, &wanted)?;
-        measurements::note_repairs(&self.data, &table.repairs);
-        let column = &table.columns[0];
+        let (column, start, repairs) = source.read(Origin::File(&self.data), ColumnQuantity::Temperature)?;
+        repairs.iter().for_each(|repair| note(repair));
         let (usual, remarks) = usual(&column.times);
         let periods = if self.periods.is_empty() {
             remarks.iter().for_each(|remark| note(remark));
@@ -64,7 +62,7 @@ impl Arguments {
             .map_err(|error| Failure::run_of(&self.data, error, error.remedy()))?;
         found.warnings().iter().for_each(warn);
         if let Some(output) = &self.output {
-            let start = table.start.and_then(|start| start.after(-0.5 * column.averaged));
+            let start = start.and_then(|start| start.after(-0.5 * column.averaged));
             let start = start.map_or_else(|| "the first sample".to_string(), |start| start.to_string());
             let part = part(&found, &self.data, &start);
             store::write_whole(output, part.as_bytes(), self.force)?;

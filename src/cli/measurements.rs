@@ -6,13 +6,8 @@ use super::{Failure, Threads, note};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::MeasuredRecord;
 use stick_slip::config::{Override, ScenarioError, input_files};
-use stick_slip::data::{BearingData, ColumnSource, DataError, Origin, Repairs, Wording};
+use stick_slip::data::{BearingData, ColumnSource, DataError, Origin, Wording};
 use stick_slip::scenario::BridgeScene;
-
-/// Says on standard error what was repaired in a file.
-pub fn note_repairs(path: &Path, repairs: &Repairs) {
-    repairs.of_file(path.display()).iter().for_each(|sentence| note(sentence));
-}
 
 /// What flags say of measured temperatures, and of how a file is laid out, as far as it does not say
 /// so itself: they are keys of a scenario under names of their own.

@@ -3,7 +3,7 @@
 use super::numbers::{grouped, parse_duration, parse_number_in, parse_share_in};
 use super::overrides::Settings;
 use super::report::{bearing, text};
-use super::{Failure, measurements, note, print, writable};
+use super::{Failure, note, print, writable};
 use std::path::{Path, PathBuf};
 use stick_slip::bearing::calibration::{Air, Flaws, Response, Twin, twin, values};
 use stick_slip::config::{Override, input_files, shipped_at};
@@ -124,16 +124,13 @@ impl Arguments {
 /// The measured temperature that a scenario names, and the time of its first sample if it is known.
 fn measured(scenario: &Path, file: &str, scene: &BridgeScene) -> Result<(Option<Start>, Air), Failure> {
     let path = scenario.parent().unwrap_or(Path::new("")).join(file);
-    let source = &scene.temperature_source;
-    let wanted = [source.wanted(ColumnQuantity::Temperature)];
     let origin = match shipped_at(scenario).and_then(|shipped| shipped.file(file)) {
         Some(text) => Origin::Text(file, text),
         None => Origin::File(&path),
     };
-    let mut table = origin.read_in_seconds(&source.layout, &wanted)?;
-    measurements::note_repairs(&path, &table.repairs);
-    let column = table.columns.swap_remove(0);
-    Ok((table.start, Air::measured(column.times, column.values)))
+    let (column, start, repairs) = scene.temperature_source.read(origin, ColumnQuantity::Temperature)?;
+    repairs.iter().for_each(|repair| note(repair));
+    Ok((start, Air::measured(column.times, column.values)))
 }
 
 /// The measurements as CSV: times, temperatures in degrees Celsius and displacements in

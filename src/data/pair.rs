@@ -70,6 +70,18 @@ impl ColumnSource {
     pub fn wanted(&self, quantity: ColumnQuantity) -> Wanted<'_> {
         Wanted { averaged: self.layout.averaged, ..Wanted::of(quantity, self.column.as_deref(), self.unit.as_deref()) }
     }
+
+    /// Read the column alone: its samples, the instant from which the times count if they are dates,
+    /// and what was repaired, in sentences that begin with the name of the file.
+    pub fn read(
+        &self,
+        from: Origin<'_>,
+        quantity: ColumnQuantity,
+    ) -> Result<(DataColumn, Option<Start>, Vec<String>), DataError> {
+        let mut table = from.read_in_seconds(&self.layout, &[self.wanted(quantity)])?;
+        let repairs = table.repairs.of_file(from.name());
+        Ok((table.columns.swap_remove(0), table.start, repairs))
+    }
 }
 
 /// The temperatures and displacements measured at a bearing.
@@ -95,32 +107,30 @@ impl BearingData {
         temperature: &ColumnSource,
         displacement: &ColumnSource,
     ) -> Result<BearingData, DataError> {
-        let air = temperature.wanted(ColumnQuantity::Temperature);
-        let sensor = displacement.wanted(ColumnQuantity::Displacement);
         let Some(other) = temperatures else {
-            let mut table = data.read_in_seconds(&displacement.layout, &[air, sensor])?;
+            let both =
+                [temperature.wanted(ColumnQuantity::Temperature), displacement.wanted(ColumnQuantity::Displacement)];
+            let mut table = data.read_in_seconds(&displacement.layout, &both)?;
             let displacement = table.columns.swap_remove(1);
             let temperature = table.columns.swap_remove(0);
             let repairs = table.repairs.of_file(data.name());
             return Ok(BearingData { temperature, displacement, start: table.start, repairs });
         };
-        let air = other.read_in_seconds(&temperature.layout, &[air]);
-        let sensor = data.read_in_seconds(&displacement.layout, &[sensor]);
-        let (mut air, mut sensor) = match (air, sensor) {
+        let air = temperature.read(other, ColumnQuantity::Temperature);
+        let sensor = displacement.read(data, ColumnQuantity::Displacement);
+        let ((temperature, start, repairs), (mut displacement, later, more)) = match (air, sensor) {
             (Ok(air), Ok(sensor)) => (air, sensor),
             (Err(air), Err(sensor)) => return Err(air.and(sensor)),
             (Err(error), _) | (_, Err(error)) => return Err(error),
         };
-        let (Some(first), Some(later)) = (&air.start, &sensor.start) else {
-            let numbered = if sensor.start.is_none() { &data } else { &other };
+        let (Some(first), Some(later)) = (&start, &later) else {
+            let numbered = if later.is_none() { &data } else { &other };
             let problem = "its times are numbers, which cannot be placed beside those of a second file".to_string();
             let remedy = "give dates as times in both files, such as 2015-08-13T00:10:00Z, or both columns in one file";
             return Err(DataError::file(&numbered.name(), problem, remedy));
         };
         let later = later.since(first);
-        let repairs = [air.repairs.of_file(other.name()), sensor.repairs.of_file(data.name())].concat();
-        let mut displacement = sensor.columns.swap_remove(0);
         displacement.times.iter_mut().for_each(|time| *time += later);
-        Ok(BearingData { temperature: air.columns.swap_remove(0), displacement, start: air.start, repairs })
+        Ok(BearingData { temperature, displacement, start, repairs: [repairs, more].concat() })
     }
 }
