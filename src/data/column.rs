@@ -48,9 +48,8 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
 pub(super) struct Column<'a> {
     name: String,
     wanted: &'a Wanted<'a>,
-    /// The unit, and whether it is known.
-    unit: InputUnit,
-    is_known: bool,
+    /// The unit, if it is known.
+    unit: Option<InputUnit>,
     /// Time, value in the unit of the cells, and the place of the row.
     pub samples: Vec<(f64, f64, u32)>,
     averaged: f64,
@@ -67,38 +66,27 @@ impl<'a> Column<'a> {
             None => unit::of_name(wanted.quantity, name)?,
         };
         let said = ColumnRepairs { name: name.to_string(), ..ColumnRepairs::default() };
-        let is_known = unit.is_some();
-        Ok(Column {
-            name: name.to_string(),
-            wanted,
-            unit: unit.unwrap_or(InputUnit::AS_GIVEN),
-            is_known,
-            samples: Vec::new(),
-            averaged: 0.0,
-            said,
-        })
+        Ok(Column { name: name.to_string(), wanted, unit, samples: Vec::new(), averaged: 0.0, said })
     }
 
     /// Take the unit from a row of units.
     pub fn take_unit(&mut self, cell: &str) -> Result<(), ProblemAndRemedy> {
         let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let Some(unit) = self.wanted.quantity.unit(inside) else { return Ok(()) };
-        if self.is_known && self.wanted.unit.is_none() && unit != self.unit {
+        if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
             return Err((
                 "is another unit than the name of the column says".into(),
                 "say in both the unit that the column has".into(),
             ));
         }
-        if !self.is_known {
-            (self.unit, self.is_known) = (unit, true);
-        }
+        self.unit = self.unit.or(Some(unit));
         Ok(())
     }
 
     /// Decide on the unit before the first value.
     pub fn settle_unit(&mut self, wording: Wording) -> Result<(), ProblemAndRemedy> {
         match self.wanted.quantity {
-            _ if self.is_known => Ok(()),
+            _ if self.unit.is_some() => Ok(()),
             ColumnQuantity::Input => Ok(()),
             ColumnQuantity::Temperature => {
                 self.said.assumed_unit = Some("degrees Celsius or kelvin");
@@ -147,7 +135,7 @@ impl<'a> Column<'a> {
         if value.abs() > LARGEST_MEASURED {
             return Err(("is too large for a measurement", "mend the cell; if it marks a missing value, give MARK"));
         }
-        if value < self.unit.least {
+        if self.unit.is_some_and(|unit| value < unit.least) {
             return Err(("is below absolute zero", "mend the unit; if it marks a missing value, give MARK"));
         }
         self.samples.push((when, value, place));
@@ -186,12 +174,13 @@ impl<'a> Column<'a> {
 
     /// The column, with times from this one on.
     pub fn finished(self, begin: f64) -> DataColumn {
+        let unit = self.unit.unwrap_or(InputUnit::AS_GIVEN);
         DataColumn {
             name: self.name,
             times: self.samples.iter().map(|sample| sample.0 - begin).collect(),
-            values: self.samples.iter().map(|sample| self.unit.of(sample.1)).collect(),
+            values: self.samples.iter().map(|sample| unit.of(sample.1)).collect(),
             averaged: self.averaged,
-            unit: self.unit.name,
+            unit: unit.name,
         }
     }
 }
