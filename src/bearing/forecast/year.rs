@@ -6,7 +6,7 @@
 
 use super::draw::{DrawnBearing, DrawnSteel};
 use crate::bearing::calibration::{Motion, Response, farthest};
-use crate::bearing::weather::{Passage, STATES, Square, System, root};
+use crate::bearing::weather::{Passage, Square, States, System, dot, root, times};
 use crate::model::Harmonic;
 use crate::noise::Stream;
 
@@ -93,7 +93,7 @@ pub struct SteelOfAYear {
     /// Cholesky factors of the covariances that the states have at first, and gain in a step.
     factors: [Square; 2],
     states: usize,
-    seen: [f64; STATES],
+    seen: States,
     /// The variance that the temperature gains within a step; 0 if it is smooth.
     gain: f64,
 }
@@ -143,24 +143,20 @@ pub struct YearAndRecord {
 pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, random: &mut Stream) -> YearAndRecord {
     let Response { mut motion, sensor } = bearing.response;
     let Motion { reach, jump, .. } = motion;
-    let times = |matrix: &Square, x: &[f64; STATES]| -> [f64; STATES] {
-        std::array::from_fn(|i| (0..STATES).map(|j| matrix[i][j] * x[j]).sum())
-    };
-    let normals = |random: &mut Stream| -> [f64; STATES] {
+    let normals = |random: &mut Stream| -> States {
         std::array::from_fn(|i| if i < steel.states { random.normal() } else { 0.0 })
     };
-    let seen = |x: &[f64; STATES]| -> f64 { x.iter().zip(&steel.seen).map(|(x, seen)| x * seen).sum() };
     let burnt_in = (BURN_IN / steel.step) as usize;
     let ends = ((BURN_IN + end) / steel.step) as usize;
     let mut state = times(&steel.factors[0], &normals(random));
-    let mut before = steel.mean[0] + seen(&state);
+    let mut before = steel.mean[0] + dot(&state, &steel.seen);
     motion.start = before;
     let [mut slips, mut within, mut sliding, mut farthest_off, mut loaded] = [0.0; 5];
     let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
     for (i, mean) in steel.mean.iter().enumerate() {
         let (carried, gained) = (times(&steel.passage.carry, &state), times(&steel.factors[1], &normals(random)));
         state = std::array::from_fn(|k| carried[k] + gained[k]);
-        let temperature = mean + seen(&state);
+        let temperature = mean + dot(&state, &steel.seen);
         let reached = match steel.gain {
             0.0 => temperature,
             gain => farthest([before, temperature], gain, motion.start, random),

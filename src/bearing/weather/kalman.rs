@@ -15,7 +15,7 @@
 //! Thompson, Biometrika 58, 1971). The fitted mean and harmonics absorb a part of the slow weather,
 //! and the plain likelihood would underestimate its variance by that part.
 
-use super::system::{Passage, STATES, Square, System, carried};
+use super::system::{Passage, STATES, Square, States, System, add, carried, dot, times, told};
 use crate::bearing::linear::{Matrix, cholesky, inverse, solve};
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -62,7 +62,7 @@ struct Filter {
     known: HashMap<i64, Passage>,
     variance: f64,
     log_variance: f64,
-    gain: [f64; STATES],
+    gain: States,
     has_converged: bool,
 }
 
@@ -97,8 +97,7 @@ impl Filter {
         if self.has_converged {
             return;
         }
-        let carried = carried(&self.passage.carry, &self.covariance);
-        self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| carried[i][j] + self.passage.gained[i][j]));
+        self.covariance = add(&carried(&self.passage.carry, &self.covariance), &self.passage.gained);
         let before = self.variance;
         self.update();
         self.has_converged = (self.variance - before).abs() <= CONVERGED * before;
@@ -107,12 +106,11 @@ impl Filter {
     /// Compute the variance of the innovation, and update the covariance of the states with the
     /// sample.
     fn update(&mut self) {
-        let p = self.covariance;
-        let seen = p.map(|row| row.iter().zip(&self.system.seen).map(|(p, seen)| p * seen).sum::<f64>());
-        self.variance = seen.iter().zip(&self.system.seen).map(|(p, seen)| p * seen).sum::<f64>() + self.white;
+        let seen = times(&self.covariance, &self.system.seen);
+        self.variance = dot(&seen, &self.system.seen) + self.white;
         self.log_variance = libm::log(self.variance);
         self.gain = seen.map(|seen| seen / self.variance);
-        self.covariance = std::array::from_fn(|i| std::array::from_fn(|j| p[i][j] - self.gain[i] * seen[j]));
+        self.covariance = told(&self.covariance, &self.gain, &seen);
     }
 }
 

@@ -39,4 +39,4 @@ pub use fit::{WeatherError, fit};
 pub(super) use imagined::{Imagined, imagined};
 pub use periods::{NotTold, usual};
 pub use result::{Cycle, Process, Weather, WeatherFit};
-pub(super) use system::{Passage, STATES, Square, System, root};
+pub(super) use system::{Passage, Square, States, System, dot, root, times};

@@ -238,12 +238,9 @@ impl<'a> ProcessSearch<'a> {
         };
         let from: Vec<f64> =
             free.iter().map(|i| if is_white(i) { libm::log(start[*i].max(LEAST_WHITE)) } else { start[*i] }).collect();
-        let deviance = |point: &[f64]| {
-            likelihood(self.times, columns, &self.shape(point)).map_or(f64::INFINITY, |found| found.deviance)
-        };
         let (x, deviance) = match from.is_empty() {
-            true => (from, deviance(start)),
-            false => simplex::lowest(&from, step, ENOUGH, |x| deviance(&at(x))),
+            true => (from, self.deviance(columns, start)),
+            false => simplex::lowest(&from, step, ENOUGH, |x| self.deviance(columns, &at(x))),
         };
         deviance.is_finite().then(|| Peak { point: at(&x), deviance, is_held, errors: None })
     }
@@ -285,8 +282,8 @@ impl<'a> ProcessSearch<'a> {
         likelihood(self.times, &self.columns, &self.shape(point))
     }
 
-    fn deviance(&self, point: &[f64]) -> f64 {
-        self.likelihood(point).map_or(f64::INFINITY, |found| found.deviance)
+    fn deviance(&self, columns: &[Vec<f64>], point: &[f64]) -> f64 {
+        likelihood(self.times, columns, &self.shape(point)).map_or(f64::INFINITY, |found| found.deviance)
     }
 
     /// The result at a point; `None` if the samples do not determine it.
@@ -324,7 +321,7 @@ impl<'a> ProcessSearch<'a> {
     fn step(&self, point: &[f64], i: usize, lowest: f64) -> f64 {
         let mut step = 0.02;
         for _ in 0..40 {
-            let moved = |sign: f64| self.deviance(&with(point, &[(i, sign * step)]));
+            let moved = |sign: f64| self.deviance(&self.columns, &with(point, &[(i, sign * step)]));
             let rise = 0.5 * (moved(1.0) + moved(-1.0)) - lowest;
             match rise {
                 rise if rise.is_nan() || rise > 4.0 => step *= 0.5,
@@ -348,11 +345,12 @@ impl<'a> ProcessSearch<'a> {
         let steps: Vec<f64> = free.iter().map(|i| self.step(point, *i, lowest)).collect();
         let mut bends = vec![vec![0.0; free.len()]; free.len()];
         for a in 0..free.len() {
-            let moved = |sign: f64| self.deviance(&with(point, &[(free[a], sign * steps[a])]));
+            let moved = |sign: f64| self.deviance(&self.columns, &with(point, &[(free[a], sign * steps[a])]));
             bends[a][a] = (moved(1.0) + moved(-1.0) - 2.0 * lowest) / (steps[a] * steps[a]);
             for b in 0..a {
-                let moved =
-                    |x: f64, y: f64| self.deviance(&with(point, &[(free[a], x * steps[a]), (free[b], y * steps[b])]));
+                let moved = |x: f64, y: f64| {
+                    self.deviance(&self.columns, &with(point, &[(free[a], x * steps[a]), (free[b], y * steps[b])]))
+                };
                 let mixed = moved(1.0, 1.0) + moved(-1.0, -1.0) - moved(1.0, -1.0) - moved(-1.0, 1.0);
                 bends[a][b] = mixed / (4.0 * steps[a] * steps[b]);
             }

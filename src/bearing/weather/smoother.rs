@@ -5,7 +5,7 @@
 //! difference of the samples (Durbin and Koopman, Biometrika 89, 2002).
 
 use super::kalman::Shape;
-use super::system::{Passage, STATES, Square, System, carried, root};
+use super::system::{Passage, STATES, Square, States, System, add, carried, dot, root, times, told};
 use crate::noise::Stream;
 use std::collections::HashMap;
 
@@ -26,7 +26,7 @@ struct Step {
     factor: Square,
     /// The covariance before the sample.
     covariance: Square,
-    gain: [f64; STATES],
+    gain: States,
     /// The inverse of the variance of what a sample brings; 0 without one.
     weight: f64,
 }
@@ -34,9 +34,9 @@ struct Step {
 /// The weather at nodes, with all that does not depend on the samples.
 pub struct Smoother {
     steps: Vec<Step>,
-    seen: [f64; STATES],
+    seen: States,
     /// What an instantaneous sample would show.
-    instant: [f64; STATES],
+    instant: States,
     noise: f64,
 }
 
@@ -64,16 +64,15 @@ impl Smoother {
                 }
             };
             if k > 0 {
-                let kept = carried(&passage.carry, &covariance);
-                covariance = std::array::from_fn(|i| std::array::from_fn(|j| kept[i][j] + passage.gained[i][j]));
+                covariance = add(&carried(&passage.carry, &covariance), &passage.gained);
             }
-            let known = covariance.map(|row| dot(&row, &system.seen));
+            let known = times(&covariance, &system.seen);
             let variance = dot(&known, &system.seen) + shape.white;
             let is_told = node.sample.is_some() && variance > 0.0;
             let weight = if is_told { 1.0 / variance } else { 0.0 };
             let gain = known.map(|known| weight * known);
             steps.push(Step { carry: passage.carry, factor, covariance, gain, weight });
-            covariance = std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] - gain[i] * known[j]));
+            covariance = told(&covariance, &gain, &known);
         }
         let instant = System::new(&shape.processes, &followers, 0.0).seen;
         Smoother { steps, seen: system.seen, instant, noise: shape.white.sqrt() }
@@ -89,7 +88,7 @@ impl Smoother {
         let mut state = [0.0; STATES];
         let (mut made, mut left) = (Vec::with_capacity(nodes.len()), Vec::with_capacity(nodes.len()));
         for (step, node) in self.steps.iter().zip(nodes) {
-            let normals: [f64; STATES] = std::array::from_fn(|_| random.normal());
+            let normals: States = std::array::from_fn(|_| random.normal());
             state = std::array::from_fn(|i| dot(&step.carry[i], &state) + dot(&step.factor[i], &normals));
             made.push(dot(&self.instant, &state));
             left.push(
@@ -103,7 +102,7 @@ impl Smoother {
         let mut state = [0.0; STATES];
         let mut tracks = Vec::with_capacity(self.steps.len());
         for (step, sample) in self.steps.iter().zip(samples) {
-            let expected: [f64; STATES] = std::array::from_fn(|i| dot(&step.carry[i], &state));
+            let expected = times(&step.carry, &state);
             let innovation = sample - dot(&self.seen, &expected);
             state = std::array::from_fn(|i| expected[i] + step.gain[i] * innovation);
             tracks.push((expected, innovation));
@@ -112,14 +111,10 @@ impl Smoother {
         let mut all = vec![0.0; tracks.len()];
         for (k, (step, (expected, innovation))) in self.steps.iter().zip(tracks).enumerate().rev() {
             let brought = step.weight * innovation - dot(&step.gain, &after);
-            let adjoint: [f64; STATES] = std::array::from_fn(|i| after[i] + self.seen[i] * brought);
+            let adjoint: States = std::array::from_fn(|i| after[i] + self.seen[i] * brought);
             all[k] = (0..STATES).map(|i| self.instant[i] * (expected[i] + dot(&step.covariance[i], &adjoint))).sum();
             after = std::array::from_fn(|j| (0..STATES).map(|i| step.carry[i][j] * adjoint[i]).sum());
         }
         all
     }
-}
-
-fn dot(a: &[f64; STATES], b: &[f64; STATES]) -> f64 {
-    a.iter().zip(b).map(|(a, b)| a * b).sum()
 }

@@ -14,8 +14,11 @@
 /// Largest number of states.
 pub const STATES: usize = 4;
 
+/// A number for each state.
+pub type States = [f64; STATES];
+
 /// A matrix of the states.
-pub type Square = [[f64; STATES]; STATES];
+pub type Square = [States; STATES];
 
 /// How the states go on over some time: x(t + h) = carry x(t) + a normal with this covariance.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -28,11 +31,11 @@ pub struct Passage {
 #[derive(Clone, Debug)]
 pub struct System {
     drift: Square,
-    noise: [f64; STATES],
+    noise: States,
     /// Number of states.
     pub states: usize,
     /// The state that is seen is the sum of these.
-    pub seen: [f64; STATES],
+    pub seen: States,
     /// w; 0 if samples are instantaneous.
     window: f64,
 }
@@ -115,9 +118,8 @@ impl System {
 
     /// The flow over a time that is short against all rates.
     fn short(&self, h: f64) -> Passage {
-        let of = |i: usize, j: usize| f64::from(u8::from(i == j));
-        let mut carry: Square = std::array::from_fn(|i| std::array::from_fn(|j| of(i, j)));
-        let mut gained: Square = std::array::from_fn(|i| std::array::from_fn(|j| h * of(i, j) * self.noise[i]));
+        let mut carry: Square = std::array::from_fn(unit);
+        let mut gained: Square = std::array::from_fn(|i| unit(i).map(|x| h * x * self.noise[i]));
         let [mut power, mut term] = [carry, gained];
         for k in 1..TERMS {
             let by = |share: f64, of: &Square| of.map(|row| row.map(|x| share * x));
@@ -144,11 +146,26 @@ impl Passage {
     }
 }
 
-fn unit(i: usize) -> [f64; STATES] {
+fn unit(i: usize) -> States {
     std::array::from_fn(|j| f64::from(u8::from(i == j)))
 }
 
-fn add(a: &Square, b: &Square) -> Square {
+/// The sum of the products of what two have of each state.
+pub fn dot(a: &States, b: &States) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// A matrix times the states.
+pub fn times(a: &Square, x: &States) -> States {
+    std::array::from_fn(|i| dot(&a[i], x))
+}
+
+/// The covariance less what a sample with this gain tells, which shows the states so much.
+pub fn told(covariance: &Square, gain: &States, shown: &States) -> Square {
+    std::array::from_fn(|i| std::array::from_fn(|j| covariance[i][j] - gain[i] * shown[j]))
+}
+
+pub fn add(a: &Square, b: &Square) -> Square {
     std::array::from_fn(|i| std::array::from_fn(|j| a[i][j] + b[i][j]))
 }
 
