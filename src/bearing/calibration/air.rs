@@ -1,6 +1,5 @@
 //! The temperature that a synthetic record is made from.
 
-use super::samples::MeasuredRecord;
 use super::thermometer::Thermometer;
 use crate::model::Temperature;
 use crate::noise::{Stream, Transition};
@@ -59,10 +58,8 @@ impl Air {
 
     /// A measured temperature, which moves between samples as it moves from one to the next.
     pub fn measured(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
-        let readings = vec![f64::NAN; times.len()];
-        let record = MeasuredRecord { times, temperatures, readings, ..MeasuredRecord::default() };
-        let roughness = Thermometer::of(&record).roughness;
-        Air { times: record.times, temperatures: record.temperatures, stride: 1, roughness }
+        let Thermometer { times, temperatures, roughness, .. } = Thermometer::sampled(times, temperatures);
+        Air { times, temperatures, stride: 1, roughness }
     }
 
     /// A temperature that moves in straight lines from one sample to the next.
