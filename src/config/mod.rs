@@ -35,8 +35,9 @@ pub use bridge::temperature_source;
 pub use error::{Fault, ScenarioError};
 pub use overrides::Override;
 pub use shipped::{SHIPPED, Shipped, shipped, shipped_at};
+pub use text::temperature_part;
 
-use crate::model::{NamedSeries, Temperature};
+use crate::model::NamedSeries;
 use crate::scenario::Scenario;
 use source::{MeasuredFrom, Sources};
 use std::io::{self, Read};
@@ -74,12 +75,6 @@ pub fn keys() -> Vec<String> {
     let is_table = |key: &String| keys::TABLES.iter().any(|(table, _)| table == key);
     let all = keys::TABLES.iter().flat_map(|(table, keys)| keys.iter().map(|key| dotted(table, key.name)));
     all.filter(|key| !is_table(key)).collect()
-}
-
-/// The `[temperature.harmonics]` and `[temperature.noise]` of a scenario as TOML. A series is left
-/// out, because its samples are in a file of their own.
-pub fn temperature_part(temperature: &Temperature) -> String {
-    text::of_temperature(temperature)
 }
 
 /// Largest scenario file, in bytes. A larger file is taken for a file of another kind.
@@ -171,7 +166,7 @@ impl Shipped {
     /// The scenario with the overrides applied, checked. The data files that its text names are
     /// those that are built into the program; only a file that an override names is read.
     pub fn parse(&self, overrides: &[Override]) -> Result<Scenario, ScenarioError> {
-        parsed(&Sources::new(self.name, self.text, overrides, MeasuredFrom::Files).of_shipped(self))
+        parse::scenario(&Sources::new(self.name, self.text, overrides, MeasuredFrom::Files).of_shipped(self))
     }
 }
 
@@ -187,9 +182,7 @@ impl Scenario {
             }),
         }
     }
-}
 
-impl Scenario {
     /// Read a file, apply the overrides in order, and check the result. The name of a shipped
     /// scenario stands for its file.
     pub fn read(path: &Path, overrides: &[Override]) -> Result<Self, ScenarioError> {
@@ -204,7 +197,7 @@ impl Scenario {
     /// the stem of `name` is the default title. A data file that the text names is looked for in
     /// the folder of `name`.
     pub fn parse(name: &str, text: &str, overrides: &[Override]) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, MeasuredFrom::Files))
+        parse::scenario(&Sources::new(name, text, overrides, MeasuredFrom::Files))
     }
 
     /// The same for a text whose measured values are stored beside it, as in the file of a run, each
@@ -215,7 +208,7 @@ impl Scenario {
         overrides: &[Override],
         stored: &[NamedSeries],
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, MeasuredFrom::Stored(stored)))
+        parse::scenario(&Sources::new(name, text, overrides, MeasuredFrom::Stored(stored)))
     }
 
     /// The same with given values in place of the tables by whose names they are called, such as
@@ -227,7 +220,7 @@ impl Scenario {
         overrides: &[Override],
         samples: &[NamedSeries],
     ) -> Result<Self, ScenarioError> {
-        parsed(&Sources::new(name, text, overrides, MeasuredFrom::Given(samples)))
+        parse::scenario(&Sources::new(name, text, overrides, MeasuredFrom::Given(samples)))
     }
 
     /// The number at a dotted key of the resolved scenario, if there is one.
@@ -260,23 +253,4 @@ impl Scenario {
             Some(found) => number(found),
         }
     }
-
-    /// The whole scenario as TOML that is meant to be edited: every default is written, every key
-    /// has a comment, and tables that the scenario does not use are added as comments. Reading it
-    /// gives the same scenario again.
-    pub fn to_template(&self) -> String {
-        text::template(self)
-    }
-
-    /// The whole scenario as TOML with every default; reading it gives the same scenario again.
-    pub fn to_toml(&self) -> String {
-        text::resolved(self)
-    }
-}
-
-/// Read a scenario; the stem of the source's name is its default title.
-fn parsed(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
-    let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
-    let title: String = stem.chars().filter(|c| !c.is_control()).collect();
-    parse::scenario(sources, &title)
 }

@@ -10,6 +10,7 @@ use super::time::scheme_and_time;
 use super::tree;
 use crate::scenario::{Ensemble, MAX_PATHS, MAX_TRAJECTORIES, Scenario, Statistics, Time, Units};
 use crate::stats::{PassageLevels, Record};
+use std::path::Path;
 
 /// Number of paths if a scenario does not give it.
 const DEFAULT_PATHS: u64 = 10_000;
@@ -17,8 +18,10 @@ const DEFAULT_PATHS: u64 = 10_000;
 /// The default seed is fixed, so that a scenario without a seed is still reproducible.
 const DEFAULT_SEED: u64 = 1;
 
-/// Read the whole tree, key by key.
-pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Scenario, ScenarioError> {
+/// Read the whole tree, key by key; the stem of the source's name is the default title.
+pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
+    let stem = Path::new(sources.name).file_stem().unwrap_or_default().to_string_lossy();
+    let default_title: String = stem.chars().filter(|c| !c.is_control()).collect();
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
@@ -46,7 +49,7 @@ pub(super) fn scenario(sources: &Sources<'_>, default_title: &str) -> Result<Sce
     let record = root.table("record");
     let units = root.table("units");
     let mut scenario = Scenario {
-        title: root.line_or(keys::TITLE, default_title),
+        title: root.line_or(keys::TITLE, &default_title),
         model,
         measured,
         named: Vec::new(),

@@ -5,7 +5,7 @@ use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
 use crate::excerpt::{short, underlined};
 use crate::model::NamedSeries;
-use std::cell::RefCell;
+use std::cell::{Cell, RefCell};
 
 /// A range of bytes in one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -31,19 +31,14 @@ pub(super) struct Sources<'a> {
     /// The shipped scenario whose text this is, with the data files that are built into the
     /// program. None for the text of a user, whose data files are read from the disk.
     shipped: Option<&'a Shipped>,
-    faults: RefCell<Faults>,
+    /// The faults found so far.
+    faults: RefCell<Vec<Fault>>,
+    /// Whether some value could not be used and was replaced by a valid one.
+    has_stand_in: Cell<bool>,
     /// The parameters of all expressions, which numbers may name.
     parameters: RefCell<Vec<(String, f64)>>,
     /// The keys whose numbers name a parameter, with its name.
     named: RefCell<Vec<(String, String)>>,
-}
-
-/// The faults found so far.
-#[derive(Default)]
-struct Faults {
-    found: Vec<Fault>,
-    /// Whether some value could not be used and was replaced by a valid one.
-    has_stand_in: bool,
 }
 
 /// Where measured values come from, each by the name of the table that describes it.
@@ -59,8 +54,8 @@ pub(super) enum MeasuredFrom<'a> {
 
 impl<'a> Sources<'a> {
     pub fn new(name: &'a str, text: &'a str, overrides: &'a [Override], measured_from: MeasuredFrom<'a>) -> Self {
-        let (faults, parameters, named) = Default::default();
-        Sources { name, text, overrides, measured_from, shipped: None, faults, parameters, named }
+        let (faults, has_stand_in, parameters, named) = Default::default();
+        Sources { name, text, overrides, measured_from, shipped: None, faults, has_stand_in, parameters, named }
     }
 
     /// The same with the data files of a shipped scenario.
@@ -100,11 +95,11 @@ impl<'a> Sources<'a> {
 
     /// Record that a value is missing or cannot be used; the reader goes on with another value.
     pub fn report(&self, fault: Box<Fault>) {
+        self.has_stand_in.set(true);
         let mut faults = self.faults.borrow_mut();
-        faults.has_stand_in = true;
         // A table may be opened more than once, so the same fault may be reported again.
-        if !faults.found.contains(&fault) {
-            faults.found.push(*fault);
+        if !faults.contains(&fault) {
+            faults.push(*fault);
         }
     }
 
@@ -116,16 +111,15 @@ impl<'a> Sources<'a> {
     /// Record that values do not go together. This is ignored after some value was replaced by a
     /// valid one, because the check is then meaningless.
     pub fn report_misfit(&self, fault: Fault) {
-        let mut faults = self.faults.borrow_mut();
-        if !faults.has_stand_in {
-            faults.found.push(fault);
+        if !self.has_stand_in.get() {
+            self.faults.borrow_mut().push(fault);
         }
     }
 
     /// The value that was read if no fault was found; otherwise all faults, in the order of the
     /// file.
     pub fn outcome<T>(&self, read: T) -> Result<T, ScenarioError> {
-        let mut found = std::mem::take(&mut self.faults.borrow_mut().found);
+        let mut found = self.faults.take();
         found.sort_by_key(|fault| (fault.line.is_none(), fault.line, fault.column));
         if found.is_empty() { Ok(read) } else { Err(ScenarioError::Invalid(found)) }
     }

@@ -69,104 +69,109 @@ impl Written<'_> {
     }
 }
 
-/// The text of a scenario. Each number is the shortest decimal that reads back as the same double.
-pub(super) fn resolved(scenario: &Scenario) -> String {
-    let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, named, .. } = scenario;
-    let load = load(&scenario.model);
-    let force = scenario.written_force.as_ref().map(|force| &force.expression);
-    // Those of the load contain those of the force.
-    let parameters = load.or(force).map_or(&[][..], Expression::parameters);
-    let mut text = Written { lines: format!("title = {}\n", string(title)), named, parameters, ..Written::default() };
-    physics(&mut text, scenario);
-    if let Some(SensorBearing { stiffness, offset }) = *bearing {
-        text.table("bearing");
-        match stiffness {
-            Some(stiffness) => text.number(keys::BEARING_STIFFNESS, stiffness),
-            None => text.plain("# no stiffness: the bearing is rigid"),
+impl Scenario {
+    /// The whole scenario as TOML with every default; reading it gives the same scenario again. Each
+    /// number is the shortest decimal that reads back as the same double.
+    pub fn to_toml(&self) -> String {
+        let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, named, .. } = self;
+        let load = load(&self.model);
+        let force = self.written_force.as_ref().map(|force| &force.expression);
+        // Those of the load contain those of the force.
+        let parameters = load.or(force).map_or(&[][..], Expression::parameters);
+        let mut text =
+            Written { lines: format!("title = {}\n", string(title)), named, parameters, ..Written::default() };
+        physics(&mut text, self);
+        if let Some(SensorBearing { stiffness, offset }) = *bearing {
+            text.table("bearing");
+            match stiffness {
+                Some(stiffness) => text.number(keys::BEARING_STIFFNESS, stiffness),
+                None => text.plain("# no stiffness: the bearing is rigid"),
+            }
+            text.number(keys::OFFSET, offset);
         }
-        text.number(keys::OFFSET, offset);
-    }
-    let Time { end, output_step } = *time;
-    text.table("time");
-    text.number(keys::END, end);
-    match scheme.step() {
-        Some(step) => text.number(keys::STEP, step),
-        // What a scheme without a step ignores is kept, so that the parameter stays in use.
-        None => match text.name_at("time.step").map(string) {
-            Some(name) => text.other(keys::STEP, name),
-            None => text.plain(format!("# no step: the {} scheme has none", scheme.name())),
-        },
-    }
-    text.number(keys::OUTPUT_STEP, output_step);
-    text.table("scheme");
-    let is_followed = scenario.model.force.is_some() && !scheme.kind().has_step();
-    let meaning =
-        if is_followed { "from event to event, your force to the tolerance" } else { scheme.kind().meaning() };
-    text.line(keys::KIND.name, string(scheme.name()), meaning);
-    if let Some(tolerance) = scheme.tolerance() {
-        text.number(keys::TOLERANCE, tolerance);
-    }
-    text.table("statistics");
-    let Statistics { after, period } = *statistics;
-    text.number(keys::AFTER, after);
-    if !record.levels.is_empty() {
-        let levels: Vec<String> = record.levels.iter().map(|level| format!("{level:?}")).collect();
-        text.other(keys::LEVELS, format!("[{}]", levels.join(", ")));
-    }
-    match (period, scenario.period()) {
-        (Some(period), _) => text.number(keys::COMPARED, period),
-        (None, Some(Period { length, source })) => {
-            text.plain(format!("# no period, so P is {}, {length:?}", source.words()));
+        let Time { end, output_step } = *time;
+        text.table("time");
+        text.number(keys::END, end);
+        match scheme.step() {
+            Some(step) => text.number(keys::STEP, step),
+            // What a scheme without a step ignores is kept, so that the parameter stays in use.
+            None => match text.name_at("time.step").map(string) {
+                Some(name) => text.other(keys::STEP, name),
+                None => text.plain(format!("# no step: the {} scheme has none", scheme.name())),
+            },
         }
-        (None, None) => {}
+        text.number(keys::OUTPUT_STEP, output_step);
+        text.table("scheme");
+        let is_followed = self.model.force.is_some() && !scheme.kind().has_step();
+        let meaning =
+            if is_followed { "from event to event, your force to the tolerance" } else { scheme.kind().meaning() };
+        text.line(keys::KIND.name, string(scheme.name()), meaning);
+        if let Some(tolerance) = scheme.tolerance() {
+            text.number(keys::TOLERANCE, tolerance);
+        }
+        text.table("statistics");
+        let Statistics { after, period } = *statistics;
+        text.number(keys::AFTER, after);
+        if !record.levels.is_empty() {
+            let levels: Vec<String> = record.levels.iter().map(|level| format!("{level:?}")).collect();
+            text.other(keys::LEVELS, format!("[{}]", levels.join(", ")));
+        }
+        match (period, self.period()) {
+            (Some(period), _) => text.number(keys::COMPARED, period),
+            (None, Some(Period { length, source })) => {
+                text.plain(format!("# no period, so P is {}, {length:?}", source.words()));
+            }
+            (None, None) => {}
+        }
+        text.table("ensemble");
+        text.other(keys::PATHS, ensemble.paths);
+        text.other(keys::SEED, ensemble.seed);
+        text.other(keys::ANTITHETIC, ensemble.antithetic);
+        let Record { paths, events, trajectories, laws, density, spectrum, energy, levels: _ } = *record;
+        text.table("record");
+        text.other(keys::RECORD_PATHS, paths);
+        text.other(keys::EVENTS, events);
+        text.other(keys::TRAJECTORIES, trajectories);
+        for (key, is_asked) in
+            [(keys::LAWS, laws), (keys::DENSITY, density), (keys::SPECTRUM, spectrum), (keys::ENERGY, energy)]
+        {
+            text.other(key, is_asked);
+        }
+        let Units { time, length, force, temperature } = units;
+        text.table("units");
+        let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];
+        for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
+            text.other(key, string(label));
+        }
+        text.lines
     }
-    text.table("ensemble");
-    text.other(keys::PATHS, ensemble.paths);
-    text.other(keys::SEED, ensemble.seed);
-    text.other(keys::ANTITHETIC, ensemble.antithetic);
-    let Record { paths, events, trajectories, laws, density, spectrum, energy, levels: _ } = *record;
-    text.table("record");
-    text.other(keys::RECORD_PATHS, paths);
-    text.other(keys::EVENTS, events);
-    text.other(keys::TRAJECTORIES, trajectories);
-    for (key, is_asked) in
-        [(keys::LAWS, laws), (keys::DENSITY, density), (keys::SPECTRUM, spectrum), (keys::ENERGY, energy)]
-    {
-        text.other(key, is_asked);
-    }
-    let Units { time, length, force, temperature } = units;
-    text.table("units");
-    let labels = [keys::TIME_LABEL, keys::LENGTH_LABEL, keys::FORCE_LABEL, keys::TEMPERATURE_LABEL];
-    for (key, label) in labels.into_iter().zip([time, length, force, temperature]) {
-        text.other(key, string(label));
-    }
-    text.lines
-}
 
-/// The text of a scenario that is meant to be edited: the resolved scenario without the keys that
-/// hold only for its samples, and the tables that it does not use as comments.
-pub(super) fn template(scenario: &Scenario) -> String {
-    let is_of_samples = |line: &&str| ["start = ", "hash = "].iter().any(|key| line.starts_with(key));
-    let resolved = resolved(scenario);
-    let mut text: String =
-        resolved.lines().filter(|line| !is_of_samples(line)).map(|line| format!("{line}\n")).collect();
-    let temperature = &scenario.model.temperature;
-    let unused = [
-        (temperature.noise.is_none(), include_str!("parts/noise.toml")),
-        (temperature.series.is_none(), include_str!("parts/series.toml")),
-        (scenario.written_force.is_none(), include_str!("parts/force.toml")),
-        (scenario.measured.iter().all(|measured| measured.input().is_none()), include_str!("parts/input.toml")),
-        (scenario.bearing.is_none(), include_str!("parts/bearing.toml")),
-    ];
-    let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
-    if !unused.is_empty() {
-        text.push_str("\n# What this scenario does not use. Remove the `#` in front of a part to use it.\n");
+    /// The whole scenario as TOML that is meant to be edited: every default is written, every key
+    /// has a comment, and tables that the scenario does not use are added as comments. Reading it
+    /// gives the same scenario again. Keys that hold only for its samples are left out.
+    pub fn to_template(&self) -> String {
+        let is_of_samples = |line: &&str| ["start = ", "hash = "].iter().any(|key| line.starts_with(key));
+        let resolved = self.to_toml();
+        let mut text: String =
+            resolved.lines().filter(|line| !is_of_samples(line)).map(|line| format!("{line}\n")).collect();
+        let temperature = &self.model.temperature;
+        let unused = [
+            (temperature.noise.is_none(), include_str!("parts/noise.toml")),
+            (temperature.series.is_none(), include_str!("parts/series.toml")),
+            (self.written_force.is_none(), include_str!("parts/force.toml")),
+            (self.measured.iter().all(|measured| measured.input().is_none()), include_str!("parts/input.toml")),
+            (self.bearing.is_none(), include_str!("parts/bearing.toml")),
+        ];
+        let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
+        if !unused.is_empty() {
+            text.push_str("\n# What this scenario does not use. Remove the `#` in front of a part to use it.\n");
+        }
+        for part in unused {
+            text.push('\n');
+            text.extend(part.lines().map(|line| format!("# {line}\n")));
+        }
+        text
     }
-    for part in unused {
-        text.push('\n');
-        text.extend(part.lines().map(|line| format!("# {line}\n")));
-    }
-    text
 }
 
 fn physics(text: &mut Written, scenario: &Scenario) {
@@ -243,8 +248,9 @@ fn parameters(text: &mut Written, name: &str, all: &[(String, f64)]) {
     }
 }
 
-/// The tables of a temperature alone, harmonics and noises, to be inserted into a scenario.
-pub(super) fn of_temperature(temperature: &Temperature) -> String {
+/// The `[temperature.harmonics]` and `[temperature.noise]` of a scenario as TOML. A series is left
+/// out, because its samples are in a file of their own.
+pub fn temperature_part(temperature: &Temperature) -> String {
     let mut text = Written::default();
     self::temperature(&mut text, temperature, None, None);
     text.lines
