@@ -11,8 +11,6 @@ const LARGE_OVERSHOOT: f64 = 1.0 / 3.0;
 pub(super) struct NoisyStep {
     pub h: f64,
     pub friction: Friction,
-    /// Friction ratio f_d/f_s.
-    friction_ratio: f64,
     /// 0.5826 K beta rho sigma sqrt(h): how far the force has passed f_s on average when a step
     /// detects it.
     pub shift: f64,
@@ -30,7 +28,6 @@ impl NoisyStep {
         Some(NoisyStep {
             h,
             friction: model.friction,
-            friction_ratio,
             shift: monitoring_shift(model, h),
             crossing_time,
             return_time: crossing_time * (1.0 - friction_ratio).powi(2),
@@ -45,7 +42,7 @@ impl NoisyStep {
     /// f_s = f_d under noise: the numbers and durations of sticks are properties of the step, not
     /// of the model.
     pub fn has_equal_friction(&self) -> bool {
-        self.friction_ratio == 1.0
+        self.gap() == 0.0
     }
 
     /// The noise crosses a large part of the corridor of a stick within one step.
