@@ -8,10 +8,14 @@
 //! forecast     displacements, forces and slips of coming years, from a calibration and a weather
 //! linear       small systems of linear equations
 //! moments      mean, variance and correlation of samples
+//! unsound      samples that no study can use
 //! ```
 
 pub mod calibration;
 pub mod forecast;
 mod linear;
 mod moments;
+mod unsound;
 pub mod weather;
+
+pub use unsound::Unsound;

@@ -1,6 +1,7 @@
 //! Limits of a calibration: what cannot be known, and what is refused.
 
 use crate::bridge::{BRIDGE, Bearing, Campaign, RED_CAMPAIGN, ask, question, record, twin_of, warns};
+use stick_slip::bearing::Unsound;
 use stick_slip::bearing::calibration::{
     CalibrationError, CalibrationMethod, CalibrationQuestion, MeasuredRecord, Quantity, calibrate,
 };
@@ -58,8 +59,8 @@ fn no_record_is_refused() {
     let wave = |i: usize| (0.1 * i as f64).sin();
     assert_eq!(ask(flat(20, wave, wave)).unwrap_err(), CalibrationError::TooShort(20));
     assert_eq!(ask(flat(0, wave, wave)).unwrap_err(), CalibrationError::TooShort(0));
-    assert_eq!(ask(flat(2000, wave, |_| 20.0)).unwrap_err(), CalibrationError::Constant("temperature"));
-    assert_eq!(ask(flat(2000, |_| 0.0, wave)).unwrap_err(), CalibrationError::Constant("displacement"));
+    assert_eq!(ask(flat(2000, wave, |_| 20.0)).unwrap_err(), CalibrationError::from(Unsound::Constant("temperature")));
+    assert_eq!(ask(flat(2000, |_| 0.0, wave)).unwrap_err(), CalibrationError::from(Unsound::Constant("displacement")));
     // If the body never slips, z follows T, and nothing else can be determined.
     let still = CalibrationQuestion { starts: 1, ..question(CalibrationMethod::Both) };
     let none = calibrate(&flat(2000, wave, wave), &still, 1, &Default::default()).map(|_| ()).unwrap_err();

@@ -2,8 +2,8 @@
 
 use super::question::{CalibrationError, LEAST};
 use super::samples::MeasuredRecord;
+use crate::bearing::Unsound;
 use crate::bearing::moments::mean;
-use crate::data::{absurd, is_constant};
 
 /// Check that the record is long enough, and that its numbers are sound and not all the same.
 pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
@@ -11,18 +11,10 @@ pub fn check(record: &MeasuredRecord) -> Result<(), CalibrationError> {
     if seen.times.len() < LEAST {
         return Err(CalibrationError::TooShort(seen.times.len()));
     }
-    let columns = [("temperature", &record.times, &record.temperatures), ("displacement", &seen.times, &seen.readings)];
-    for (name, times, values) in columns {
-        if let Some((time, value)) = absurd(times, values) {
-            return Err(CalibrationError::Absurd { name, time, value });
-        }
-    }
-    for (name, values) in [("temperature", &seen.temperatures), ("displacement", &seen.readings)] {
-        if is_constant(values) {
-            return Err(CalibrationError::Constant(name));
-        }
-    }
-    Ok(())
+    Unsound::absurd("temperature", &record.times, &record.temperatures)?;
+    Unsound::absurd("displacement", &seen.times, &seen.readings)?;
+    Unsound::constant("temperature", &seen.temperatures)?;
+    Ok(Unsound::constant("displacement", &seen.readings)?)
 }
 
 /// Change the sign of the displacements if they fall as the temperature rises, because a sensor may

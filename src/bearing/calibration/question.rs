@@ -5,6 +5,7 @@ use super::motion::Motion;
 use super::possible::CONDITION;
 use super::quantity::{Held, Quantity};
 use super::samples::MeasuredRecord;
+use crate::bearing::Unsound;
 use crate::scenario::BridgeScene;
 
 /// How the parameters are found.
@@ -128,19 +129,9 @@ pub enum CalibrationError {
     /// The record has too few samples.
     #[error("{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}")]
     TooShort(usize),
-    /// The temperature or the displacement is constant.
-    #[error("the {0} is the same in all samples")]
-    Constant(&'static str),
-    /// A number or its time is not finite, or too large to compute with.
-    #[error("the {name} at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
-    Absurd {
-        /// What was measured.
-        name: &'static str,
-        /// The time of the sample.
-        time: f64,
-        /// Its value.
-        value: f64,
-    },
+    /// The temperature or the displacement cannot be used.
+    #[error(transparent)]
+    Unsound(#[from] Unsound),
     /// No slips are visible, and no other method was asked for.
     #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
     NoSlips,
@@ -188,8 +179,7 @@ impl CalibrationError {
     pub fn remedy(&self) -> &'static str {
         match self {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
-            CalibrationError::Constant(_) => "see that it is the right column, and that its sensor works",
-            CalibrationError::Absurd { .. } => "mend the sample, or remove it",
+            CalibrationError::Unsound(error) => error.remedy(),
             CalibrationError::NoSlips => {
                 "measure for longer, until tens of slips are in the record; the method `err` needs none, but beware of its \
                  estimates"

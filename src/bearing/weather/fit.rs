@@ -3,7 +3,7 @@
 use super::periods::{NotTold, told};
 use super::result::WeatherFit;
 use super::search::{Peak, ProcessSearch};
-use crate::data::{absurd, is_constant};
+use crate::bearing::unsound::{SEE_SENSOR, Unsound};
 
 /// Why a temperature has no model.
 #[derive(Clone, Copy, Debug, PartialEq, thiserror::Error)]
@@ -14,17 +14,9 @@ pub enum WeatherError {
     /// The samples cannot tell one of the harmonics.
     #[error(transparent)]
     NotTold(#[from] NotTold),
-    /// A temperature or its time is not finite, or too large to compute with.
-    #[error("the temperature at {time:?} s is {value:?}: one of them is not finite, or too large to compute with")]
-    Absurd {
-        /// The time of the sample.
-        time: f64,
-        /// Its temperature.
-        value: f64,
-    },
-    /// All temperatures are equal.
-    #[error("the temperature is the same in all samples")]
-    Constant,
+    /// The temperature cannot be used.
+    #[error(transparent)]
+    Unsound(#[from] Unsound),
     /// The samples leave nothing to fit.
     #[error("no process explains these samples: is the temperature constant, or purely periodic?")]
     NoProcess,
@@ -36,10 +28,8 @@ impl WeatherError {
         match self {
             WeatherError::TooShort(_) => "measure for longer",
             WeatherError::NotTold(error) => error.remedy(),
-            WeatherError::Absurd { .. } => "mend the sample, or remove it",
-            WeatherError::Constant | WeatherError::NoProcess => {
-                "see that it is the right column, and that its sensor works"
-            }
+            WeatherError::Unsound(error) => error.remedy(),
+            WeatherError::NoProcess => SEE_SENSOR,
         }
     }
 }
@@ -79,12 +69,8 @@ pub fn fit(
     if n < LEAST {
         return Err(WeatherError::TooShort(n));
     }
-    if let Some((time, value)) = absurd(times, temperatures) {
-        return Err(WeatherError::Absurd { time, value });
-    }
-    if is_constant(temperatures) {
-        return Err(WeatherError::Constant);
-    }
+    Unsound::absurd("temperature", times, temperatures)?;
+    Unsound::constant("temperature", temperatures)?;
     told(times, periods)?;
     let samples = [times, temperatures];
     let search = |processes: usize, smooths: bool| ProcessSearch::new(samples, periods, processes, smooths, window);
