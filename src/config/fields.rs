@@ -124,7 +124,7 @@ pub(super) struct Fields<'a> {
     path: String,
     /// The place of the table; `None` for the root and for a missing table, which is read as an
     /// empty one.
-    place: Option<Place>,
+    pub place: Option<Place>,
     entries: &'a [KeyValue],
     /// Whether a fault in this table is reported already that may be the reason why a key is
     /// missing.
@@ -231,11 +231,6 @@ impl<'a> Fields<'a> {
             (key.as_str(), Self::open(self.sources, name, format!("{name}.{key}"), node))
         };
         entries.iter().map(open).collect()
-    }
-
-    /// The place of this table.
-    pub fn place(&self) -> Option<Place> {
-        self.place
     }
 
     /// The tables of a key that may hold one table or an array of tables.

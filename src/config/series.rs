@@ -42,10 +42,10 @@ pub(super) fn inputs(sources: &Sources<'_>, root: &Fields<'_>, others: &[Measure
         if let (Some((other, table_of)), Some(start)) = (other, &measured.start) {
             let problem = format!("begins at {start}, and `{table_of}` at {other}: t = 0 would be two instants");
             sources.report(
-                sources.fault(table.place(), problem, "cut the files so that they begin together").of(&reader.name),
+                sources.fault(table.place, problem, "cut the files so that they begin together").of(&reader.name),
             );
         }
-        found.push((measured, table.place()));
+        found.push((measured, table.place));
     }
     if let MeasuredFrom::Given(given) = sources.measured_from {
         let is_new = |name: &str| name.starts_with(INPUT) && found.iter().all(|(other, _)| other.table != name);

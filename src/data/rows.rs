@@ -103,9 +103,7 @@ impl<'a> CsvRows<'a> {
             }
         }
     }
-}
 
-impl CsvRows<'_> {
     /// Whether numbers may have a decimal comma: always, as behind semicolons, or only in quoted
     /// cells, where it may also divide thousands.
     pub fn commas_are_decimal(&self) -> bool {
