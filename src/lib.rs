@@ -81,29 +81,22 @@
 //! command `mc` and includes both. These three are on by default. Without them the library needs
 //! neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
-// Some of this is used by files or the command only.
-#![cfg_attr(not(feature = "cli"), allow(dead_code, unused_imports))]
 
-pub mod advice;
-pub mod bearing;
-pub mod bias;
-pub mod config;
-pub mod data;
-pub mod dataset;
-pub mod engine;
-pub mod ensemble;
-#[cfg(feature = "figure")]
-pub mod figure;
-pub mod memory;
-#[cfg(feature = "saved")]
-pub mod saved;
-pub mod scenario;
-pub mod stats;
-#[cfg(feature = "store")]
-pub mod store;
-pub mod study;
-pub mod sums;
-
-use stick_slip_kernel::excerpt;
 #[doc(inline)]
-pub use stick_slip_kernel::{lanes, model, noise, numbers, scheme};
+pub use stick_slip_bearing::bearing;
+#[doc(inline)]
+pub use stick_slip_core::{
+    advice, bias, config, data, engine, ensemble, lanes, memory, model, noise, numbers, scenario, scheme, stats, study,
+    sums,
+};
+#[cfg(feature = "figure")]
+#[doc(inline)]
+pub use stick_slip_figure::figure;
+#[doc(inline)]
+pub use stick_slip_files::dataset;
+#[cfg(feature = "saved")]
+#[doc(inline)]
+pub use stick_slip_files::saved;
+#[cfg(feature = "store")]
+#[doc(inline)]
+pub use stick_slip_files::store;

@@ -8,7 +8,7 @@ use stick_slip::dataset::Recorder;
 use stick_slip::engine::{Asked, Moment, Outcome, Sink, SinkError};
 use stick_slip::scenario::Scenario;
 use stick_slip::stats::{BlockResult, BlockRows, EventColumns, PathMeans, Record};
-use stick_slip::sums::{Measurement, Tree, Unit};
+use stick_slip::sums::{Measurement, Replicate, Tree};
 
 /// A statistic of the caller's own.
 pub struct Own {
@@ -27,7 +27,7 @@ pub struct Kept {
     pub own: Vec<Own>,
     /// What the data set is to contain.
     record: Record,
-    unit: Unit,
+    unit: Replicate,
     blocks: u64,
 }
 
@@ -38,7 +38,7 @@ type Numbers<'py> = (PyReadonlyArray1<'py, f64>, Option<PyReadonlyArray1<'py, f6
 impl Kept {
     pub fn new(scenario: &Scenario, own: Vec<(String, Py<PyAny>)>) -> Self {
         let of = |(name, function)| Own { name, function, tree: Tree::default(), is_ratio: false };
-        let unit = if scenario.ensemble.antithetic { Unit::Pair } else { Unit::Path };
+        let unit = if scenario.ensemble.antithetic { Replicate::Pair } else { Replicate::Path };
         Kept {
             recorder: Recorder::default(),
             own: own.into_iter().map(of).collect(),

@@ -68,6 +68,10 @@ def test_means_are_told_by_an_argument(mc, tmp_path):
     assert means.estimate.sel(quantity=f_s) > 1.01 * samples.estimate.sel(quantity=f_s)
     with pytest.raises(ss.ArgumentError, match="averaged"):
         ss.calibrate(BRIDGE, TWIN, averaged="an hour")
+    mc("fit-temperature", TWIN, "--averaged", "10min", "-o", "weather.toml")
+    weather = ss.fit_temperature(TWIN, averaged="10min").toml
+    assert (tmp_path / "weather.toml").read_text().endswith(weather)
+    assert weather != ss.fit_temperature(TWIN).toml
 
 
 def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):

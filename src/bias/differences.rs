@@ -17,7 +17,7 @@ use crate::ensemble::{Flight, drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Dimension, GroupValues, Record, Statistic, Totals};
-use crate::sums::{Merge as _, Unit, jackknife};
+use crate::sums::{Merge as _, Replicate, jackknife};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -211,7 +211,7 @@ impl Differences {
         let (groups, lanes) = (self.groups as u64, width as usize);
         let first = done * groups;
         let numbers: Vec<u64> = (first..first + width * groups).collect();
-        let group = |numbers| BlockObserver::new(&self.model, &self.timeline, &self.record, numbers, Unit::Path);
+        let group = |numbers| BlockObserver::new(&self.model, &self.timeline, &self.record, numbers, Replicate::Path);
         let observers = numbers.chunks(lanes).map(group).collect();
         let mut all = (Flight { observers, lanes }, stop);
         let lost = self.levels[level].simulate(self.seed, &drawn(&numbers, self.antithetic), &mut all);

@@ -10,7 +10,7 @@ use crate::ensemble::{Plan, in_order_while};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
-use crate::sums::{Merge as _, Unit};
+use crate::sums::{Merge as _, Replicate};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -116,7 +116,7 @@ impl ReferenceRun {
             return None;
         }
         let first: Vec<u64> = (0..FIRST).collect();
-        let own = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first, Unit::Path);
+        let own = BlockObserver::new(&self.model, &self.timeline, &Record::NOTHING, &first, Replicate::Path);
         let mut observer = (own, stop);
         let limited = exact.clone().with_work_limit(evaluations / FIRST);
         let Simulated { lost, evaluations: spent, .. } = limited.simulate_counting(self.seed, &first, &mut observer);

@@ -26,8 +26,7 @@ pub struct Arguments {
 
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
-        let default = || PathBuf::from(self.file.file_stem().unwrap_or("report".as_ref())).with_extension("html");
-        let output = self.output.clone().unwrap_or_else(default);
+        let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.file, ".html"));
         writable(&output, self.force, [self.file.as_path()])?;
         super::promise::check_page(&output, &self.file)?;
         let page = self.page(files::read(&self.file, store::content)?)?;

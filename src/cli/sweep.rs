@@ -1,7 +1,7 @@
 //! `mc sweep`: computes statistics as functions of keys of the scenario, or how strongly a key
 //! affects them.
 
-use super::numbers::{bytes, duration, grouped, parse_share_in};
+use super::numbers::{bytes, counted, duration, grouped, parse_share_in};
 use super::overrides::Overrides;
 use super::promise::writable_hdf5;
 use super::report::{self, Report};
@@ -174,7 +174,7 @@ fn outlook(question: &SweepQuestion, threads: usize) -> Report {
     let remarks = vec![
         ("points", format!("{}{of}", grouped(design.points() as u64))),
         ("paths", format!("{each}{} in all", grouped(all))),
-        ("time", format!("about {time} on {threads} threads")),
+        ("time", format!("about {time} on {}", counted(threads as u64, "thread"))),
         ("disk", format!("about {}", bytes(sweep_bytes(design) as f64))),
     ];
     Report { remarks, ..Report::default() }

@@ -1,7 +1,7 @@
 //! `mc trade`: measures what accuracy costs with each scheme, and which is the cheapest for a
 //! target.
 
-use super::numbers::parse_duration;
+use super::numbers::{counted, parse_duration};
 use super::overrides::Settings;
 use super::plot;
 use super::progress::measuring;
@@ -59,7 +59,7 @@ impl Arguments {
         }
         let used = scenario.run_bytes(scenario.ensemble.paths, self.threads.number());
         let threads = self.threads.ready("a measurement of this scenario", used)?;
-        note(&format!("measuring for about {} s on {threads} threads", self.budget.as_secs()));
+        note(&format!("measuring for about {} s on {}", self.budget.as_secs(), counted(threads as u64, "thread")));
         let stop = stop_on_signals()?;
         let measure = |limits: Limits<'_>| trade::measure_within(&scenario, self.budget, threads, limits);
         let trade = measuring(self.budget, false, &stop, measure)?;

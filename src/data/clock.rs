@@ -35,8 +35,7 @@ impl Start {
     }
 
     /// The date in UTC, and the time of day there as a share of the day.
-    #[cfg(feature = "figure")]
-    pub(crate) fn date(&self) -> (jiff::civil::Date, f64) {
+    pub fn date(&self) -> (jiff::civil::Date, f64) {
         let there = self.0.to_zoned_datetime(TimeZone::UTC);
         (there.date(), there.time().duration_since(jiff::civil::Time::midnight()).as_secs_f64() / 86_400.0)
     }

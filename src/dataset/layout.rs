@@ -3,7 +3,7 @@
 //! ([`crate::stats::PathColumns`], [`crate::stats::EventColumns`],
 //! [`crate::stats::TrajectoryRows`]).
 
-pub(crate) use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
+pub use crate::stats::column::{BARE_DIMENSION, Described, Unit, Variable, variable};
 
 use crate::stats::Dimension;
 

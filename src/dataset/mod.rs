@@ -30,7 +30,7 @@ mod twin;
 mod walk;
 
 pub use crate::stats::column::Column;
-pub(crate) use crate::stats::column::{ColumnView, Element, ElementType};
+pub use crate::stats::column::{ColumnView, Element, ElementType};
 pub use calibration::StoredCalibration;
 pub use form::Attribute;
 pub(crate) use form::{

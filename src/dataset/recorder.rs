@@ -60,6 +60,7 @@ impl Sink for Recorder {
 mod tests {
     use super::*;
     use crate::engine::Run;
+    use crate::stats::{PassageLevels, Record};
 
     /// The statistics that are read back have the bits of those that were written.
     #[test]
@@ -67,7 +68,10 @@ mod tests {
         for (name, paths) in [("rho025", 300), ("shaw", 1)] {
             let mut scenario = Scenario::shipped(name).expect("shipped");
             scenario.ensemble.paths = paths;
-            scenario.record = crate::stats::Record { trajectories: 2, ..crate::stats::Record::everything() };
+            let (laws, density, spectrum, energy, levels) = (true, true, true, true, PassageLevels::of(&[1.0]));
+            let (paths_kept, events, trajectories) = (true, true, 2);
+            scenario.record =
+                Record { paths: paths_kept, events, trajectories, laws, density, spectrum, energy, levels };
             let mut recorder = Recorder::default();
             let outcome = Run::of(&scenario).into_sink(&mut recorder).simulate().expect("sound");
             let dataset = recorder.into_dataset();

@@ -5,7 +5,7 @@ use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
 use crate::scheme::Simulate as _;
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 
 /// The longest cycle that is looked for, in periods of the forcing, or in slips without a forcing.
 const LONGEST: usize = 32;
@@ -25,7 +25,7 @@ impl LimitCycle {
         let timeline = scenario.timeline();
         let plan = scenario.plan();
         let mut both =
-            (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Unit::Path), PathMotion::default());
+            (BlockObserver::new(model, &timeline, &Record::NOTHING, &[0], Replicate::Path), PathMotion::default());
         if !plan.simulation.simulate(plan.seed, &[0], &mut both).is_empty() {
             return None;
         }

@@ -80,7 +80,9 @@ fn note_places() {
             if GUARDS.get() == 0 {
                 return before(info);
             }
-            PLACE.set(info.location().map_or_else(|| "an unknown place".to_string(), ToString::to_string));
+            let place = info.location().map_or_else(|| "an unknown place".to_string(), ToString::to_string);
+            // A package names its files from its own folder on.
+            PLACE.set(place.rsplit("../").next().unwrap_or_default().to_string());
         }));
     });
 }

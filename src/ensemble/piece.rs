@@ -1,13 +1,13 @@
 //! Consecutive paths of an ensemble, of which those that diverge are left out.
 
 use crate::stats::{BlockObserver, BlockResult, Companion};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 
 /// Consecutive paths that are summed together.
 pub(super) struct PathRange {
     first: u64,
     paths: u64,
-    pub unit: Unit,
+    pub unit: Replicate,
     /// The paths that are simulated, in ascending order.
     pub kept: Vec<u64>,
     /// The paths that are left out, in ascending order.
@@ -19,7 +19,7 @@ impl PathRange {
         // If a piece contains only one path of some pair, for example because it is a single path,
         // its independent units are paths.
         let holds_pairs = antithetic && first.is_multiple_of(2) && paths.is_multiple_of(2);
-        let unit = if holds_pairs { Unit::Pair } else { Unit::Path };
+        let unit = if holds_pairs { Replicate::Pair } else { Replicate::Path };
         PathRange { first, paths, unit, kept: (first..first + paths).collect(), diverged: Vec::new() }
     }
 

@@ -247,15 +247,15 @@ fn read_text(from: &mut Reader<'_>) -> Result<String, Damaged> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::Override;
     use crate::ensemble::BLOCK_SIZE;
+    use stick_slip_core::config::Override;
 
     fn question() -> RunQuestion {
         // With a burn-in every count of the sums is above zero.
         let set =
             ["time.output_step=30", "time.end=30", "time.step=0.1", "scheme.kind=discrete-vi", "statistics.after=9"];
         let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
-        let text = crate::config::shipped("rho025").expect("shipped").text;
+        let text = stick_slip_core::config::shipped("rho025").expect("shipped").text;
         let scenario = Scenario::parse("rho025", text, &set).expect("sound");
         let asked = Asked {
             paths: 6 * BLOCK_SIZE - 7,

@@ -11,7 +11,7 @@ use crate::sums::ordered::Ordered;
 use crate::sums::range::{NORMAL, Range, Sample};
 use crate::sums::sketch::Sketch;
 use crate::sums::{Codec, Damaged, Reader};
-use crate::sums::{Merge, Unit};
+use crate::sums::{Merge, Replicate};
 use ndarray::Array2;
 use std::borrow::Cow;
 use std::sync::Arc;
@@ -55,7 +55,7 @@ impl BandSums {
 
     /// Set row `row` of the output grid from all paths of the block. A row beyond the grid is
     /// ignored.
-    pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
+    pub fn fold(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Replicate) {
         let rows = self.rows[0].len();
         if row >= rows {
             return;
@@ -63,7 +63,7 @@ impl BandSums {
         for (rows, values) in self.rows.iter_mut().zip(variables(snapshot)) {
             rows[row] = Moments::of(&unit.means(values));
         }
-        if unit == Unit::Pair {
+        if unit == Replicate::Pair {
             let within = self.within.get_or_insert_with(|| no_squares(rows));
             for (within, values) in within.iter_mut().zip(variables(snapshot)) {
                 within[row] = values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a - b) * (a - b)).sum();
@@ -249,7 +249,7 @@ pub(super) fn summary(
     counts: &BandCounts,
     timeline: &Timeline,
     certain: Certain,
-    unit: Unit,
+    unit: Replicate,
 ) -> Bands {
     let counts = counts.normalised();
     let size = unit.size() as f64;
@@ -384,9 +384,9 @@ mod tests {
             let is_static: Vec<bool> = x.iter().map(|_| uniform(&mut rng) < 0.3).collect();
             let snapshot =
                 Snapshot { time: 1.0, displacement: &x, velocity: &x, temperature: &x, is_static: &is_static };
-            part.0.fold(1, &snapshot, Unit::Path);
+            part.0.fold(1, &snapshot, Replicate::Path);
             part.1.fold(1, &snapshot);
-            let bands = summary(&part.0, &part.1, &timeline, Certain::NOTHING, Unit::Path);
+            let bands = summary(&part.0, &part.1, &timeline, Certain::NOTHING, Replicate::Path);
             let x = &bands.displacement;
             // The upper quartile of the standard normal law is 0.674490. It is the fourth level,
             // and there are two times, so its index is 3 * 2 + 1 at the second time.
@@ -420,12 +420,12 @@ mod tests {
             let v: Vec<f64> = block.iter().map(|x| x - 6.0).collect();
             let snapshot =
                 Snapshot { time: 1.0, displacement: block, velocity: &v, temperature: &v, is_static: &is_static };
-            part.0.fold(1, &snapshot, Unit::Path);
+            part.0.fold(1, &snapshot, Replicate::Path);
             part.1.fold(1, &snapshot);
             sums.merge(&part.0);
             counts.merge(&part.1);
         }
-        let bands = summary(&sums, &counts, &timeline, Certain::NOTHING, Unit::Path);
+        let bands = summary(&sums, &counts, &timeline, Certain::NOTHING, Replicate::Path);
         assert_eq!((bands.time.clone(), bands.static_probability[1]), (vec![0.0, 1.0], 0.4));
         assert!(bands.static_probability[0].is_nan() && bands.displacement.mean[0].is_nan());
         // The reference is computed in two passes over all values. Rounding is 1e-16 per value.

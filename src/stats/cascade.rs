@@ -5,7 +5,7 @@ use super::Statistic;
 use super::law::{LawSums, rare_mean, rare_ratio};
 use super::measure::{Measure, Sampled};
 use super::path::PathFold;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::{JointMoments, Moments};
@@ -69,7 +69,7 @@ sums! {
 
 impl CascadeSums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[PathFold], unit: Unit) -> Self {
+    pub fn of(paths: &[PathFold], unit: Replicate) -> Self {
         let of_paths = |of: fn(&PathFold) -> f64| paths.iter().map(of).collect::<Vec<f64>>();
         let column = |of: fn(&PathFold) -> f64| unit.column(paths, of);
         let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);

@@ -7,7 +7,7 @@ use std::fmt::Debug;
 
 /// The unit of a variable; `label` gives its text.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Unit {
+pub enum Unit {
     /// The variable has no `units` attribute: flags, names, and numbers of different dimensions in
     /// one array.
     None,
@@ -21,7 +21,8 @@ pub(crate) enum Unit {
 macro_rules! units {
     ($($dimension:ident)*) => {
         impl Unit {
-            $(pub(crate) const $dimension: Unit = Unit::Of(Dimension::$dimension);)*
+            $(#[doc = concat!("The unit of [`Dimension::", stringify!($dimension), "`].")]
+            pub const $dimension: Unit = Unit::Of(Dimension::$dimension);)*
         }
     };
 }
@@ -30,7 +31,7 @@ units! { ONE TIME LENGTH FORCE TEMPERATURE VELOCITY AREA WORK }
 
 impl Unit {
     /// The `units` attribute, if there is one.
-    pub(crate) fn label(self, units: &Units) -> Option<String> {
+    pub fn label(self, units: &Units) -> Option<String> {
         match self {
             Unit::None => None,
             Unit::Of(dimension) => Some(dimension.udunits(units)),
@@ -40,11 +41,11 @@ impl Unit {
 }
 
 /// A variable whose description is constant.
-pub(crate) type Variable = Described<'static>;
+pub type Variable = Described<'static>;
 
 /// The description of one variable of a data set.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Described<'a> {
+pub struct Described<'a> {
     /// Name of the variable. A variable with the name of its only axis is the coordinate of that
     /// dimension.
     pub name: &'a str,
@@ -61,35 +62,38 @@ pub(crate) struct Described<'a> {
 }
 
 impl<'a> Described<'a> {
-    pub(crate) const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
+    /// The same variable with these attributes.
+    pub const fn with(mut self, attributes: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.attributes = attributes;
         self
     }
 
     /// The same variable along these axes, with these attributes.
-    pub(crate) fn along<'b>(&self, axes: &'b [&'b str], attributes: &'b [(&'b str, &'b str)]) -> Described<'b>
+    pub fn along<'b>(&self, axes: &'b [&'b str], attributes: &'b [(&'b str, &'b str)]) -> Described<'b>
     where
         'a: 'b,
     {
         Described { axes, attributes, ..*self }
     }
 
-    pub(crate) const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
+    /// The same variable as one of flags, with these values and these attributes that name them.
+    pub const fn flags(mut self, values: &'a [i8], meanings: &'a [(&'a str, &'a str)]) -> Described<'a> {
         self.flags = values;
         self.with(meanings)
     }
 }
 
-pub(crate) const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
+/// A variable without further attributes.
+pub const fn variable<'a>(name: &'a str, axes: &'a [&'a str], unit: Unit, long_name: &'a str) -> Described<'a> {
     Described { name, axes, unit, long_name, attributes: &[], flags: &[] }
 }
 
 /// The phrase with which netCDF-4 marks a dimension that has no variable. The ten characters at its
 /// end hold a length that no reader uses.
-pub(crate) const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
+pub const BARE_DIMENSION: &str = "This is a netCDF dimension but not a netCDF variable.         0";
 
 /// A type that the values of a variable may have.
-pub(crate) trait Element: Clone {
+pub trait Element: Clone {
     /// Which type this is.
     const KIND: ElementType;
     /// The value that means "missing".
@@ -106,13 +110,13 @@ macro_rules! kinds {
     ($($kind:ident($type:ty), missing $missing:expr, same $same:expr, $meaning:literal;)*) => {
         /// Types of values.
         #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-        pub(crate) enum ElementType {
+        pub enum ElementType {
             $(#[doc = $meaning] $kind,)*
         }
 
         /// Values of a variable, row by row, the last axis fastest.
         #[derive(Clone, Copy, Debug)]
-        pub(crate) enum ColumnView<'a> {
+        pub enum ColumnView<'a> {
             $(#[doc = $meaning] $kind(&'a [$type]),)*
         }
 
@@ -124,7 +128,7 @@ macro_rules! kinds {
 
         impl ColumnView<'_> {
             /// The first value that differs from a computed one.
-            pub(crate) fn first_difference(self, computed: ColumnView) -> Option<FirstDifference> {
+            pub fn first_difference(self, computed: ColumnView) -> Option<FirstDifference> {
                 match (self, computed) {
                     $((ColumnView::$kind(stored), ColumnView::$kind(computed)) => first(stored, computed, $same),)*
                     _ => Some((None, "of another type".into(), "there".into())),
@@ -132,21 +136,26 @@ macro_rules! kinds {
             }
 
             /// Number of values.
-            pub(crate) fn len(&self) -> usize {
+            pub fn len(&self) -> usize {
                 match self {
                     $(ColumnView::$kind(values) => values.len(),)*
                 }
             }
 
+            /// Whether there are no values.
+            pub fn is_empty(&self) -> bool {
+                self.len() == 0
+            }
+
             /// The type of the values.
-            pub(crate) fn kind(&self) -> ElementType {
+            pub fn kind(&self) -> ElementType {
                 match self {
                     $(ColumnView::$kind(_) => ElementType::$kind,)*
                 }
             }
 
             /// A column with these values.
-            pub(crate) fn to_column(self) -> Column {
+            pub fn to_column(self) -> Column {
                 match self {
                     $(ColumnView::$kind(values) => Column::$kind(values.to_vec()),)*
                 }
@@ -155,21 +164,21 @@ macro_rules! kinds {
 
         impl Column {
             /// The values, borrowed.
-            pub(crate) fn values(&self) -> ColumnView<'_> {
+            pub fn values(&self) -> ColumnView<'_> {
                 match self {
                     $(Column::$kind(values) => ColumnView::$kind(values),)*
                 }
             }
 
             /// Some of the values; none if there are not so many.
-            pub(crate) fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
+            pub fn slice(&self, range: std::ops::Range<usize>) -> Option<Column> {
                 match self {
                     $(Column::$kind(values) => Some(Column::$kind(values.get(range)?.to_vec())),)*
                 }
             }
 
             /// Add values of the type of this column.
-            pub(crate) fn extend(&mut self, values: ColumnView) {
+            pub fn extend(&mut self, values: ColumnView) {
                 match (self, values) {
                     $((Column::$kind(column), ColumnView::$kind(values)) => column.extend_from_slice(values),)*
                     (column, values) => unreachable!("{values:?} for a column of {column:?}"),
@@ -224,13 +233,13 @@ impl Column {
 
     /// Whether the column has no values.
     pub fn is_empty(&self) -> bool {
-        self.len() == 0
+        self.values().is_empty()
     }
 }
 
 impl ColumnView<'_> {
     /// Append the bytes of the values to `out`. Texts end with a zero.
-    pub(crate) fn write(self, out: &mut Vec<u8>) {
+    pub fn write(self, out: &mut Vec<u8>) {
         match self {
             ColumnView::F64(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
             ColumnView::U64(values) => values.iter().for_each(|value| out.extend(value.to_le_bytes())),
@@ -243,7 +252,7 @@ impl ColumnView<'_> {
 }
 
 /// The index of a difference, and the stored and the computed value as text.
-pub(crate) type FirstDifference = (Option<usize>, String, String);
+pub type FirstDifference = (Option<usize>, String, String);
 
 /// Reals are compared bit for bit, except that all NaN are equal, since NaN means a missing value.
 fn is_same_real(a: &f64, b: &f64) -> bool {
@@ -271,7 +280,7 @@ impl ElementType {
     }
 
     /// Read so many values of this type that [`ColumnView::write`] wrote.
-    pub(crate) fn read(self, length: usize, from: &mut Reader<'_>) -> Result<Column, Damaged> {
+    pub fn read(self, length: usize, from: &mut Reader<'_>) -> Result<Column, Damaged> {
         let bytes = from.take(length.checked_mul(self.size()).ok_or(Damaged)?)?;
         Ok(match self {
             ElementType::F64 => Column::F64(numbers(bytes, f64::from_le_bytes)),
@@ -289,8 +298,8 @@ fn numbers<T, const N: usize>(bytes: &[u8], of: fn([u8; N]) -> T) -> Vec<T> {
 }
 
 /// A table of columns. Some of them have one value for each path and the others one for each row,
-/// which is a path, an event or a time. [`columns`] declares such tables.
-pub(crate) trait Columns: Default {
+/// which is a path, an event or a time. The macro `columns` declares such tables.
+pub trait Columns: Default {
     /// The values of a row.
     type Row;
     /// A row of which nothing is known.
@@ -326,7 +335,7 @@ pub(crate) trait Columns: Default {
 }
 
 /// Take the values of a column out of it, if they have this type.
-pub(crate) fn values_of<T: Element>(variable: &Described, column: Column) -> Result<Vec<T>, String> {
+pub fn values_of<T: Element>(variable: &Described, column: Column) -> Result<Vec<T>, String> {
     T::of(column).ok_or_else(|| format!("{} has another type than it was written with", variable.name))
 }
 
@@ -348,7 +357,7 @@ macro_rules! columns {
         }
 
         $(#[$row_doc])*
-        pub(crate) struct $row {
+        pub struct $row {
             $(pub $cell: $cell_type,)*
         }
 

@@ -37,14 +37,14 @@ pub struct Repeats {
 
 impl LimitCycle {
     /// The names of the numbers of a cycle in a data set.
-    pub(crate) const NUMBERS: [&str; 8] =
+    pub const NUMBERS: [&str; 8] =
         ["amplitude", "period", "forcing_periods", "advance", "slips", "sticks", "at_rest", "is_symmetric"];
 
     /// The length of a section in a data set.
-    pub(crate) const STATES: usize = STATES;
+    pub const STATES: usize = STATES;
 
     /// The numbers of a cycle; NaN where there is none.
-    pub(crate) fn numbers(&self) -> [f64; 8] {
+    pub fn numbers(&self) -> [f64; 8] {
         let Some(of) = self.repeats else {
             return std::array::from_fn(|i| if i == 0 { self.amplitude } else { f64::NAN });
         };
@@ -55,7 +55,7 @@ impl LimitCycle {
     }
 
     /// The cycle with these numbers and this section, which may end with NaN.
-    pub(crate) fn of_numbers(
+    pub fn of_numbers(
         [amplitude, period, forcing_periods, advance, slips, sticks, at_rest, symmetric]: [f64; 8],
         section: &[f64],
     ) -> Self {

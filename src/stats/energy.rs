@@ -3,7 +3,7 @@
 use super::Statistic;
 use super::measure::{Measure, Sampled};
 use super::motion::{MotionFold, Works};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
@@ -26,7 +26,7 @@ sums! {
 
 impl EnergySums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[MotionFold], unit: Unit) -> Self {
+    pub fn of(paths: &[MotionFold], unit: Replicate) -> Self {
         let moments = |of: fn(&Works) -> f64| Moments::of(&unit.column(paths, |path| of(&path.works)));
         let residuals: Vec<f64> = paths.iter().map(MotionFold::residual).collect();
         EnergySums {

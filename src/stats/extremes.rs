@@ -8,7 +8,7 @@ use crate::sums::codec::{sums, sums_of_fields};
 use crate::sums::interval::Measured;
 use crate::sums::range::Sample;
 use crate::sums::spread::SpreadMoments;
-use crate::sums::{Ends, Unit};
+use crate::sums::{Ends, Replicate};
 
 sums! {
     /// Moments over paths of the largest |x - x0| and the largest |x'|.
@@ -21,7 +21,7 @@ sums! {
 
 impl ExtremeSums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[MotionFold], unit: Unit) -> Self {
+    pub fn of(paths: &[MotionFold], unit: Replicate) -> Self {
         let column =
             |i: usize| SpreadMoments::of(&paths.iter().map(|path| path.largest[i]).collect::<Vec<f64>>(), unit);
         ExtremeSums { displacement: column(0), velocity: column(1) }

@@ -14,7 +14,7 @@ use super::periods::PeriodSums;
 use super::totals::PhaseSums;
 use crate::model::{Event, Model};
 use crate::scheme::{Glide, Instant, Snapshot, Timeline};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use std::borrow::Cow;
 
 /// The folds of some paths, one of each kind a path.
@@ -77,7 +77,7 @@ impl PathFolds {
     }
 
     /// The sums over the paths in these lanes, or over all.
-    pub fn sums(&self, lanes: Option<&[usize]>, periods: PeriodSums, unit: Unit) -> PhaseSums {
+    pub fn sums(&self, lanes: Option<&[usize]>, periods: PeriodSums, unit: Replicate) -> PhaseSums {
         fn of<'a, T: Copy>(all: &'a [T], lanes: Option<&[usize]>) -> Cow<'a, [T]> {
             lanes.map_or(Cow::Borrowed(all), |lanes| lanes.iter().map(|&lane| all[lane]).collect())
         }

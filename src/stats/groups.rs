@@ -17,7 +17,7 @@ use super::{Companion, Record, Statistic, Totals};
 use crate::model::{Event, Model};
 use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
 use crate::sums::Merge;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::batches::{BATCHES, batch_of};
 use crate::sums::jackknife::leaving_one_out;
 
@@ -32,7 +32,7 @@ pub type GroupValues = [f64; Statistic::ALL.len()];
 #[derive(Clone, Debug)]
 pub struct Grouping {
     timeline: Timeline,
-    unit: Unit,
+    unit: Replicate,
     model: Model,
     record: Record,
 }
@@ -73,7 +73,7 @@ impl Groups {
 impl Grouping {
     /// A grouping for runs of this model on this timeline, whose independent units are paths or
     /// pairs, and which measure what `record` asks for.
-    pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Unit) -> Self {
+    pub fn new(model: &Model, timeline: &Timeline, record: &Record, unit: Replicate) -> Self {
         Grouping { timeline: *timeline, unit, model: model.clone(), record: *record }
     }
 }
@@ -100,7 +100,7 @@ impl Companion for Grouping {
         GroupObserver { folds, groups: lanes.into_iter().map(group).collect() }
     }
 
-    fn finish(&self, GroupObserver { folds, groups }: GroupObserver, _: Unit) -> Groups {
+    fn finish(&self, GroupObserver { folds, groups }: GroupObserver, _: Replicate) -> Groups {
         let sums = |group: Group| folds.sums(Some(&group.lanes), group.periods.finish(), self.unit);
         Groups(groups.into_iter().map(sums).collect())
     }

@@ -11,7 +11,7 @@
 //! The path is the independent unit, because the phases of a path depend on each other.
 
 use super::Dimension;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
@@ -129,7 +129,7 @@ const SUM: usize = 1;
 
 impl LawSums {
     /// The sums over the paths of a block, of each of which `of` gives the values.
-    pub fn of<P>(paths: &[P], of: impl Fn(&P) -> Folded, unit: Unit) -> Self {
+    pub fn of<P>(paths: &[P], of: impl Fn(&P) -> Folded, unit: Replicate) -> Self {
         let column = |of_one: &dyn Fn(Folded) -> f64| unit.column(paths, |path| of_one(of(path)));
         let numbers = column(&|folded| folded.count.into());
         let sums = column(&|folded| folded.sum);
@@ -142,8 +142,8 @@ impl LawSums {
             folded.squares - 2.0 * mean * folded.sum + (mean * mean - variance) * f64::from(folded.count)
         };
         let sd_tails = match unit {
-            Unit::Path => Tails::of(paths.iter().map(&of).filter(|folded| folded.count > 0).map(influence)),
-            Unit::Pair => Tails::of(column(&influence).into_iter()),
+            Replicate::Path => Tails::of(paths.iter().map(&of).filter(|folded| folded.count > 0).map(influence)),
+            Replicate::Pair => Tails::of(column(&influence).into_iter()),
         };
         LawSums {
             mean_tails: Fourths::of(&sums, &numbers),
@@ -171,7 +171,7 @@ impl LawSums {
 
     /// The standard deviation of the values, sqrt(q/n - (s/n)^2). One below 1e-7 of the root mean
     /// square is lost in rounding, and the result is zero.
-    pub fn sd(&self, unit: Unit) -> Measured {
+    pub fn sd(&self, unit: Replicate) -> Measured {
         self.spread(unit, |[n, s, q], sd| {
             let (mean, mean_square) = (s / n, q / n);
             let gradient = [2.0 * mean * mean - mean_square, -2.0 * mean, 1.0].map(|g| g / (2.0 * sd * n));
@@ -180,7 +180,7 @@ impl LawSums {
     }
 
     /// The coefficient of variation, sqrt(q n/s^2 - 1), of values that cannot be negative.
-    pub fn coefficient_of_variation(&self, unit: Unit) -> Measured {
+    pub fn coefficient_of_variation(&self, unit: Replicate) -> Measured {
         self.spread(unit, |[n, s, q], sd| {
             let cv = sd * n / s;
             let gradient = [q / (s * s), -2.0 * q * n / (s * s * s), n / (s * s)].map(|g| g / (2.0 * cv));
@@ -190,7 +190,7 @@ impl LawSums {
 
     /// A measure of spread, of which `of` gives the value and the gradient in n, s and q from the
     /// standard deviation.
-    fn spread(&self, unit: Unit, of: impl Fn([f64; 3], f64) -> (f64, [f64; 3])) -> Measured {
+    fn spread(&self, unit: Replicate, of: impl Fn([f64; 3], f64) -> (f64, [f64; 3])) -> Measured {
         let LawSums { units, contributing, .. } = self;
         let [n, s, q] = units.mean;
         // A single value has no spread.

@@ -5,7 +5,7 @@ use super::Statistic;
 use super::law::{Folded, LawSums, PhaseLaw};
 use super::measure::{Measure, Sampled};
 use crate::model::{Event, EventKind};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 
@@ -96,7 +96,7 @@ sums! {
 
 impl LawsSums {
     /// The sums over the paths of a block.
-    pub fn of(paths: &[LawFold], unit: Unit) -> Self {
+    pub fn of(paths: &[LawFold], unit: Replicate) -> Self {
         LawsSums {
             laws: std::array::from_fn(|law| LawSums::of(paths, |path| path.folded[law], unit)),
             signed_jumps: LawSums::of(paths, |path| path.signed_jumps, unit),

@@ -9,7 +9,7 @@
 
 use super::Statistic;
 use crate::scheme::Timeline;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::interval::Measured;
 
 /// Sums over paths from which some of the statistics follow.
@@ -22,5 +22,5 @@ pub(super) trait Measure {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Sampled<'a> {
     pub timeline: &'a Timeline,
-    pub unit: Unit,
+    pub unit: Replicate,
 }

@@ -12,7 +12,7 @@ use super::spectrum::SpectrumFold;
 use super::{BlockResult, BlockRows, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
 use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 
 const STICK: usize = PhaseLaw::Stick as usize;
 
@@ -21,7 +21,7 @@ pub struct BlockObserver {
     /// Number of the path in each lane, and of its independent unit.
     path_numbers: Vec<u64>,
     units: Vec<u64>,
-    unit: Unit,
+    unit: Replicate,
     folds: PathFolds,
     totals: Totals,
     periods: PeriodFold,
@@ -45,7 +45,7 @@ impl BlockObserver {
     /// An observer of these paths, whose numbers must ascend. Lane i is path `paths[i]`. Each path
     /// is at rest at x0, in its first static phase. The two paths of a pair must follow one another
     /// in the list.
-    pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64], unit: Unit) -> Self {
+    pub fn new(model: &Model, timeline: &Timeline, record: &Record, paths: &[u64], unit: Replicate) -> Self {
         let (rows, x0) = (timeline.rows(), model.initial_displacement);
         let units: Vec<u64> = paths.iter().map(|number| unit.of(*number)).collect();
         let mut totals = Totals::empty(model, timeline, record);
@@ -376,7 +376,7 @@ mod tests {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: None, after: 0.0 };
         let record = Record { trajectories: 103, ..Record::everything() };
         // The block has paths 100 to 104, of which 101 and 104 diverged.
-        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103], Unit::Path);
+        let mut observer = BlockObserver::new(&model(), &timeline, &record, &[100, 102, 103], Replicate::Path);
         observer.event(1, slip(0.5, 6.0));
         observer.event(1, stick(1.5, 7.0));
         observer.event(2, slip(1.0, 6.0));
@@ -435,7 +435,7 @@ mod tests {
     fn a_block_of_diverged_paths_alone_adds_nothing_but_their_numbers() {
         let timeline = Timeline { end: 2.0, output_step: 1.0, period: Some(1.0), after: 0.0 };
         let record = Record { trajectories: 2, ..Record::everything() };
-        let result = BlockObserver::new(&model(), &timeline, &record, &[], Unit::Path).finish(0, 2, vec![0, 1]);
+        let result = BlockObserver::new(&model(), &timeline, &record, &[], Replicate::Path).finish(0, 2, vec![0, 1]);
         let summary = result.totals.summary();
         assert_eq!((summary.completed_paths, summary.diverged.len()), (2, 2));
         assert!(summary.estimates.iter().all(|e| e.estimate.is_nan()));

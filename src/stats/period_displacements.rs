@@ -14,7 +14,7 @@
 //! it. Errors follow from the scatter of a to e from path to path.
 
 use crate::scheme::Timeline;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
@@ -56,7 +56,7 @@ impl PeriodDisplacements {
 
     /// Standard deviation of u_n. A value below 1e-8 of the root mean square is lost in rounding,
     /// and the result is zero.
-    pub fn sd(&self, unit: Unit) -> Measured {
+    pub fn sd(&self, unit: Replicate) -> Measured {
         // A single number has no spread.
         if self.displacements as u64 * self.paths.count * unit.size() < 2 {
             return Measured::NOTHING;
@@ -145,7 +145,7 @@ impl PeriodDisplacementsFold {
         }
     }
 
-    pub fn finish(self, unit: Unit) -> PeriodDisplacements {
+    pub fn finish(self, unit: Replicate) -> PeriodDisplacements {
         if self.paths.is_empty() {
             return self.empty;
         }
@@ -193,7 +193,7 @@ mod tests {
                     x.iter_mut().zip(paths).for_each(|(x, u)| *x += u[n] + constant);
                     fold.fold(&x);
                 }
-                fold.finish(Unit::Path)
+                fold.finish(Replicate::Path)
             };
             let mut all = part(&u[..1]);
             all.merge(&part(&u[1..]));
@@ -204,7 +204,7 @@ mod tests {
                 .map(|[c, d, e]: [f64; 3]| c - 1.5 - (1.0 - r) / 3.0 * (d - 1.0 / 6.0) - r * (e - 3.0));
             let on_r = (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
             for (measured, value, error) in
-                [(all.mean(), constant, 1.0), (all.sd(Unit::Path), sd, on_sd), (all.correlation(), r, on_r)]
+                [(all.mean(), constant, 1.0), (all.sd(Replicate::Path), sd, on_sd), (all.correlation(), r, on_r)]
             {
                 let e = measured.measurement();
                 // Three numbers about their mean always have two degrees of freedom.
@@ -222,8 +222,8 @@ mod tests {
             let timeline = Timeline { end: ends, output_step: ends, period: Some(1.0), after: 0.0 };
             let mut fold = PeriodDisplacementsFold::new(&timeline, paths);
             (0..ends as usize).for_each(|n| fold.fold(&vec![0.1 * n as f64; paths]));
-            let fold = fold.finish(Unit::Path);
-            [fold.mean(), fold.sd(Unit::Path), fold.correlation()].map(|measured| measured.estimate())
+            let fold = fold.finish(Replicate::Path);
+            [fold.mean(), fold.sd(Replicate::Path), fold.correlation()].map(|measured| measured.estimate())
         };
         let near = |a: f64, b: f64| (a - b).abs() < 1e-12;
         assert!(of(1.0, 3).iter().all(|e| e.is_nan()));

@@ -15,7 +15,7 @@ use super::period_displacements::{PeriodDisplacements, PeriodDisplacementsFold};
 use super::{PeriodMoments, Statistic};
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::Ends;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::Moments;
@@ -148,11 +148,11 @@ pub(super) struct PeriodFold {
     /// The contribution of each path to S^2, summed up to the present period.
     spread: Vec<f64>,
     period_displacements: PeriodDisplacementsFold,
-    unit: Unit,
+    unit: Replicate,
 }
 
 impl PeriodFold {
-    pub fn new(timeline: &Timeline, x0: f64, paths: usize, unit: Unit) -> Self {
+    pub fn new(timeline: &Timeline, x0: f64, paths: usize, unit: Replicate) -> Self {
         let slope = Slope::over(timeline);
         let numbers = |are_there: bool| vec![0.0; if are_there { paths } else { 0 }];
         PeriodFold {
@@ -262,7 +262,7 @@ mod tests {
         for _ in 0..ensembles {
             let mut totals = PeriodSums::empty(&timeline);
             for _ in 0..2 {
-                let mut fold = PeriodFold::new(&timeline, x0, 200, Unit::Path);
+                let mut fold = PeriodFold::new(&timeline, x0, 200, Replicate::Path);
                 let mut x = vec![x0; 200];
                 for n in 1..=6 {
                     for x in &mut x {
@@ -275,7 +275,7 @@ mod tests {
             }
             let v = totals.drift_velocity(&timeline).measurement();
             let d = totals.diffusion_coefficient(&timeline).measurement();
-            let sd = totals.period_displacements.sd(Unit::Path).measurement();
+            let sd = totals.period_displacements.sd(Replicate::Path).measurement();
             let r = totals.period_displacements.correlation().measurement();
             let step = totals.period_displacements.mean().measurement();
             step_held.count(step.low <= 2.5 * drift && 2.5 * drift <= step.high);
@@ -314,7 +314,7 @@ mod tests {
     #[test]
     fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
-        let mut fold = PeriodFold::new(&timeline, 6.0, 3, Unit::Path);
+        let mut fold = PeriodFold::new(&timeline, 6.0, 3, Replicate::Path);
         fold.fold(1, &[6.0, 7.0, 8.0]);
         fold.fold(2, &[-20.0, 30.0, 5.0]); // the middle period, where the weight is zero
         fold.fold(3, &[10.0, 6.0, 5.0]);
@@ -338,7 +338,7 @@ mod tests {
     fn x_is_told_at_the_end_of_a_period_that_the_grid_misses() {
         let period = 0.314_9;
         let timeline = Timeline { end: 1.0, output_step: 1.0, period: Some(period), after: 0.0 };
-        let mut fold = PeriodFold::new(&timeline, 0.3, 1, Unit::Path);
+        let mut fold = PeriodFold::new(&timeline, 0.3, 1, Replicate::Path);
         let x = |t: f64| 2.0 * t - 0.7 * t * t;
         for n in 1..=3 {
             let time = (n as f64 * period / 0.01).round() * 0.01;
@@ -359,7 +359,7 @@ mod tests {
     #[test]
     fn the_spread_at_one_phase_and_its_error_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 1.5 };
-        let mut fold = PeriodFold::new(&timeline, 6.0, 3, Unit::Path);
+        let mut fold = PeriodFold::new(&timeline, 6.0, 3, Replicate::Path);
         fold.fold(1, &[100.0, -20.0, 3.0]);
         fold.fold(2, &[6.0, 7.0, 11.0]);
         fold.fold(3, &[9.0, 9.0, 6.0]);
@@ -386,14 +386,14 @@ mod tests {
     fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
         let n = 40.0;
         let x: Vec<f64> = (0..40).map(|i| 6.0 - 3.0 * ((f64::from(i) + 0.5) / n).ln()).collect();
-        let plain = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
+        let plain = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
         let reported = |after: f64| {
             let timeline = Timeline { end: 2.0, output_step: 2.0, period: Some(1.0), after };
-            let mut fold = PeriodFold::new(&timeline, 6.0, 40, Unit::Path);
+            let mut fold = PeriodFold::new(&timeline, 6.0, 40, Replicate::Path);
             fold.fold(1, &[8.0; 40]);
             fold.fold(2, &x);
             let sums = fold.finish();
-            (sums.period_displacements.sd(Unit::Path).measurement(), sums.spread_at_phase(&timeline).measurement())
+            (sums.period_displacements.sd(Replicate::Path).measurement(), sums.spread_at_phase(&timeline).measurement())
         };
         let relative_width = |low: f64, estimate: f64| estimate / low - 1.0;
         let wanted = relative_width(plain.low, plain.estimate) * n / (n - 1.0);
@@ -408,7 +408,7 @@ mod tests {
     #[test]
     fn a_slope_takes_two_periods() {
         let timeline = Timeline { end: 4.0, output_step: 4.0, period: Some(2.5), after: 0.0 };
-        let mut fold = PeriodFold::new(&timeline, 0.0, 3, Unit::Path);
+        let mut fold = PeriodFold::new(&timeline, 0.0, 3, Replicate::Path);
         fold.fold(1, &[1.0, 2.0, 6.0]);
         let totals = fold.finish();
         assert!(totals.drift_velocity(&timeline).measurement().estimate.is_nan());

@@ -38,7 +38,7 @@ columns! {
 }
 
 /// The number of events of each path.
-pub(crate) const EVENT_COUNT: Variable = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
+pub const EVENT_COUNT: Variable = variable("event_count", &["path"], Unit::ONE, "number of events of the path")
     .with(&[("sample_dimension", "event")]);
 
 columns! {
@@ -88,7 +88,7 @@ fn number(sign: Sign) -> i8 {
 }
 
 /// The axes of what is kept of a path on the output grid.
-pub(crate) const ON_THE_GRID: &[&str] = &["trajectory", "time"];
+pub const ON_THE_GRID: &[&str] = &["trajectory", "time"];
 
 columns! {
     /// Paths on the output grid. Each matrix is row-major with shape (paths, rows of the output

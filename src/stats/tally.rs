@@ -12,7 +12,7 @@ use crate::noise::AddressedDraws;
 use crate::scheme::{Instant, Observer, Snapshot};
 use crate::sums::Measurement;
 use crate::sums::Merge;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use crate::sums::codec::sums_of_fields;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
@@ -122,7 +122,7 @@ impl<const N: usize> Default for PathMeans<N> {
 
 impl<const N: usize> PathMeans<N> {
     /// The means of the numbers of consecutive paths, without diverged ones.
-    pub fn of(paths: &[[f64; N]], unit: Unit) -> Self {
+    pub fn of(paths: &[[f64; N]], unit: Replicate) -> Self {
         let columns: [Vec<f64>; N] = std::array::from_fn(|i| unit.column(paths, |numbers| numbers[i]));
         let count = |is: &dyn Fn(&[f64; N]) -> bool| paths.iter().filter(|numbers| is(numbers)).count() as u64;
         PathMeans {
@@ -170,7 +170,7 @@ pub trait Companion: Sync {
     fn observer(&self, paths: &[u64]) -> Self::Observer;
 
     /// The sums of the block, once its paths have reached t_end.
-    fn finish(&self, observer: Self::Observer, unit: Unit) -> Self::Sums;
+    fn finish(&self, observer: Self::Observer, unit: Replicate) -> Self::Sums;
 }
 
 impl Companion for () {
@@ -181,7 +181,7 @@ impl Companion for () {
 
     fn observer(&self, _: &[u64]) {}
 
-    fn finish(&self, (): (), _: Unit) {}
+    fn finish(&self, (): (), _: Replicate) {}
 }
 
 /// A tally as the companion of every block.
@@ -205,7 +205,7 @@ impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
         TallyObserver { tally: self.tally, paths: paths.iter().map(start).collect(), numbers: Vec::new() }
     }
 
-    fn finish(&self, observer: Self::Observer, unit: Unit) -> PathMeans<N> {
+    fn finish(&self, observer: Self::Observer, unit: Replicate) -> PathMeans<N> {
         PathMeans::of(&observer.numbers, unit)
     }
 }
@@ -248,7 +248,7 @@ mod tests {
     /// degrees of freedom. The mean of y is over all five paths.
     #[test]
     fn paths_with_nothing_to_say_of_a_ratio_are_not_counted_in_its_interval() {
-        let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]], Unit::Path);
+        let paths = PathMeans::of(&[[2.0, 1.0], [0.0, 0.0], [5.0, 2.0], [0.0, 0.0], [5.0, 3.0]], Replicate::Path);
         let ratio = paths.ratio(0, 1);
         assert!((ratio.estimate - 2.0).abs() < 1e-15 && (ratio.standard_error - 3f64.sqrt() / 6.0).abs() < 1e-15);
         assert!((ratio.high - 2.0 - 4.302_652_729_9 * 3f64.sqrt() / 6.0).abs() < 1e-9, "{ratio:?}");

@@ -22,7 +22,7 @@ use crate::sums::batches::BATCHES;
 use crate::sums::codec::{Codec, Damaged, Reader, sums, sums_of_fields};
 use crate::sums::interval::Measured;
 use crate::sums::range::{Range, Sample};
-use crate::sums::{Merge, Unit};
+use crate::sums::{Merge, Replicate};
 
 /// All sums and counts of one or more blocks. Their size does not grow with the number of paths
 /// (except for the numbers of the diverged ones).
@@ -190,8 +190,8 @@ impl Counts {
         Sample { paths: self.paths, units: self.units, is_random: !self.certain.everything }
     }
 
-    fn unit(&self) -> Unit {
-        if self.units < self.paths { Unit::Pair } else { Unit::Path }
+    fn unit(&self) -> Replicate {
+        if self.units < self.paths { Replicate::Pair } else { Replicate::Path }
     }
 }
 
@@ -206,13 +206,13 @@ impl Totals {
     }
 
     /// Set row `row` of the output grid from all paths of the block.
-    pub(super) fn row(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Unit) {
+    pub(super) fn row(&mut self, row: usize, snapshot: &Snapshot<'_>, unit: Replicate) {
         self.sums.bands.fold(row, snapshot, unit);
         self.counts.bands.fold(row, snapshot);
     }
 
     /// Set the counts of the paths of one block, once these have reached t_end.
-    pub(super) fn end(&mut self, paths: &[PathFold], diverged: &[u64], unit: Unit) {
+    pub(super) fn end(&mut self, paths: &[PathFold], diverged: &[u64], unit: Replicate) {
         self.counts.paths = paths.len() as u64;
         self.counts.units = self.counts.paths / unit.size();
         self.counts.early_sticks = paths.iter().map(|path| u64::from(path.early_sticks)).sum();

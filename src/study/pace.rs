@@ -5,7 +5,7 @@ use crate::ensemble::{BLOCK_SIZE, drawn};
 use crate::scenario::Scenario;
 use crate::scheme::{Instant, Observer, Simulate as _, Snapshot};
 use crate::stats::BlockObserver;
-use crate::sums::Unit;
+use crate::sums::Replicate;
 use std::time::Duration;
 
 /// An observer that ends a simulation at a given time and records how far it came.
@@ -40,7 +40,7 @@ pub fn seconds_per_path(scenario: &Scenario, limit: Duration) -> Option<f64> {
     let plan = scenario.plan();
     let paths: Vec<u64> = (0..BLOCK_SIZE.min(scenario.ensemble.paths)).collect();
     let begun = thread_seconds();
-    let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths, Unit::Path);
+    let block = BlockObserver::new(plan.model(), plan.timeline(), &plan.record, &paths, Replicate::Path);
     let mut watching = (block, TimeLimit::of(limit));
     plan.simulation.simulate(plan.seed, &drawn(&paths, plan.antithetic), &mut watching);
     let spent = thread_seconds() - begun;

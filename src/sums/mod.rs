@@ -32,15 +32,15 @@ pub(crate) mod ordered;
 pub(crate) mod quantile;
 pub(crate) mod range;
 pub(crate) mod rare;
+mod replicate;
 pub(crate) mod sketch;
 pub(crate) mod spread;
 pub(crate) mod steps;
 mod tree;
-mod unit;
 
 pub use codec::{Codec, Damaged, Reader};
 pub use measurement::{Ends, Measurement};
 pub use merge::Merge;
 pub use moments::Moments;
+pub use replicate::Replicate;
 pub use tree::{Overlap, Tree};
-pub use unit::Unit;

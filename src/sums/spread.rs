@@ -17,7 +17,7 @@
 use super::codec::sums;
 use super::interval::Measured;
 use super::moments::{FourMoments, Moments};
-use super::unit::Unit;
+use super::replicate::Replicate;
 
 sums! {
     /// Sums over paths of the second and fourth powers of their influences on a standard deviation.
@@ -72,10 +72,10 @@ sums! {
 
 impl SpreadMoments {
     /// The moments of the values of a block.
-    pub fn of(values: &[f64], unit: Unit) -> Self {
+    pub fn of(values: &[f64], unit: Replicate) -> Self {
         let four = FourMoments::of(values);
         let (mean, square) = (four.two.mean, four.two.m2 / values.len() as f64);
-        let units = if unit == Unit::Path { four.two } else { Moments::of(&unit.means(values)) };
+        let units = if unit == Replicate::Path { four.two } else { Moments::of(&unit.means(values)) };
         let influences: Vec<f64> = values.iter().map(|v| (v - mean) * (v - mean) - square).collect();
         SpreadMoments { four, units, tails: Tails::of(unit.means(&influences).iter().copied()) }
     }
@@ -117,7 +117,7 @@ mod tests {
         let mut moments = SpreadMoments::default();
         for _ in 0..100 {
             let block: Vec<f64> = (0..1000).map(|_| normal.sample(&mut rng)).collect();
-            moments.merge(&SpreadMoments::of(&block, Unit::Path));
+            moments.merge(&SpreadMoments::of(&block, Replicate::Path));
         }
         let sd = moments.standard_deviation().measurement();
         let expected = 3.0 / 200_000f64.sqrt();
@@ -132,10 +132,10 @@ mod tests {
     #[test]
     fn one_value_has_no_spread_and_equal_ones_have_the_freedom_of_their_number() {
         // The file must hold the same bytes on every processor, whichever sign 0/0 has there.
-        let one = SpreadMoments::of(&[3.0], Unit::Path).standard_deviation().measurement();
+        let one = SpreadMoments::of(&[3.0], Replicate::Path).standard_deviation().measurement();
         let numbers = [one.estimate, one.standard_error, one.low, one.high];
         assert!(numbers.iter().all(|x| x.to_bits() == f64::NAN.to_bits()), "{one:?}");
-        assert_eq!(SpreadMoments::of(&[2.0; 7], Unit::Path).tails.freedom(7), 6.0);
+        assert_eq!(SpreadMoments::of(&[2.0; 7], Replicate::Path).tails.freedom(7), 6.0);
     }
 
     /// Null: the interval of a standard deviation covers the truth in 95 % of all ensembles, both
@@ -148,10 +148,10 @@ mod tests {
             (Coverage::default(), Coverage::default(), Coverage::default());
         for _ in 0..4000 {
             let x: Vec<f64> = (0..50).map(|_| StandardNormal.sample(&mut rng)).collect();
-            let sd = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
+            let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
             normal.count(sd.low <= 1.0 && 1.0 <= sd.high);
             let x: Vec<f64> = (0..200).map(|_| Exp1.sample(&mut rng)).collect();
-            let sd = SpreadMoments::of(&x, Unit::Path).standard_deviation().measurement();
+            let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
             exponential.count(sd.low <= 1.0 && 1.0 <= sd.high);
             straight.count((sd.estimate - 1.0).abs() <= 1.96 * sd.standard_error);
         }

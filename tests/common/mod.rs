@@ -9,7 +9,7 @@ use stick_slip::model::*;
 use stick_slip::scenario::Scenario;
 use stick_slip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
 use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
-use stick_slip::sums::{Merge as _, Unit};
+use stick_slip::sums::{Merge as _, Replicate};
 
 /// The model of a shipped scenario.
 pub fn shipped_model(name: &str) -> Model {
@@ -77,7 +77,7 @@ where
         for block in (thread..paths.div_ceil(BLOCK_SIZE)).step_by(THREADS as usize) {
             let (first, count) = (block * BLOCK_SIZE, BLOCK_SIZE.min(paths - block * BLOCK_SIZE));
             let numbers: Vec<u64> = (first..first + count).collect();
-            let mut observer = BlockObserver::new(model, timeline, &record, &numbers, Unit::Path);
+            let mut observer = BlockObserver::new(model, timeline, &record, &numbers, Replicate::Path);
             assert!(simulate(&numbers, &mut observer).is_empty(), "no path is given up");
             totals.merge(&observer.finish(first, count, Vec::new()).totals);
         }

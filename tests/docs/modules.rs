@@ -76,7 +76,7 @@ impl Modules {
         let names: BTreeSet<Segments> = files.iter().map(|(place, _)| place.clone()).collect();
         let mut modules: BTreeMap<Segments, Module> = BTreeMap::new();
         for (place, code) in files {
-            // The roots of the packages have the same path.
+            // main.rs and lib.rs have the same path.
             modules.entry(place.clone()).or_default().add(&place, &code, &names);
         }
         Modules(modules)
@@ -159,7 +159,7 @@ pub fn compiled() -> Vec<(Segments, String)> {
         .map(|(path, text)| {
             let place = path.strip_prefix(&source).expect("below src").with_extension("");
             let mut place: Segments = place.iter().map(|part| part.to_string_lossy().into_owned()).collect();
-            place.pop_if(|last| ["mod", "kernel", "lib", "main"].contains(&last.as_str()));
+            place.pop_if(|last| ["mod", "lib", "main"].contains(&last.as_str()));
             (place, code(&text))
         })
         .collect();

@@ -144,10 +144,10 @@ fn many_kills(seeds: [u64; 2], kills: u32) {
     println!("kills, sittings, finished runs: {counts:?}");
 }
 
-/// 40 kills take about a minute on two cores; the test below makes a thousand.
+/// The test below makes a thousand kills.
 #[test]
 fn killed_at_random_moments_a_run_comes_to_the_same_file() {
-    many_kills([1, 2], 40);
+    many_kills([1, 2], 20);
 }
 
 /// The same with more kills. In the last measurement, 41 runs with 1009 kills in 1050 sittings all
@@ -158,12 +158,11 @@ fn killed_a_thousand_times_a_run_comes_to_the_same_file() {
     many_kills([3, 4], 1000);
 }
 
-/// A run is killed at every write (which then has reached the file by half), sync, rename, link and
-/// removal that it makes, including those of its final file.
-#[test]
-fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
+/// Kills a run at every `apart`-th write (which then has reached the file by half), sync, rename,
+/// link and removal that it makes, including those of its final file. Returns the number of kills.
+fn kill_a_run(apart: usize) -> usize {
     let mut kills = 0;
-    for kill_at in 1.. {
+    for kill_at in (1..).step_by(apart) {
         let (_outer, here) = folders();
         let (output, _) = shimmed(&here, SHORT, kill_at);
         if output.status.success() {
@@ -175,19 +174,17 @@ fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
         assert!(again.status.success(), "killed at {kill_at}: {}", text(&again.stderr));
         assert_finished(&here, &SHORT_FILE, &format!("killed at {kill_at}"));
     }
-    println!("{kills} kills");
-    assert!(kills > 40, "{kills}");
+    kills
 }
 
 /// The same for a sitting that continues a run that was killed in the middle.
-#[test]
-fn a_sitting_that_continues_a_run_is_killed_at_every_change_of_the_disk() {
+fn kill_a_sitting(apart: usize) -> usize {
     let (_outer, begun) = folders();
     let run = [&RUN[..3], &["20000"], &RUN[4..]].concat();
     let file = undisturbed(&run);
     assert_eq!(interrupted(&begun, &run, "KILL").status.code(), None);
     let mut kills = 0;
-    for kill_at in (1..).step_by(5) {
+    for kill_at in (1..).step_by(apart) {
         let (_outer, here) = folders();
         let partial = here.join("a.h5.partial");
         fs::create_dir(&partial).expect("made");
@@ -203,8 +200,24 @@ fn a_sitting_that_continues_a_run_is_killed_at_every_change_of_the_disk() {
         assert!(again.status.success(), "killed at {kill_at}: {}", text(&again.stderr));
         assert_finished(&here, &file, &format!("killed at {kill_at}"));
     }
-    println!("{kills} kills");
-    assert!(kills > 15, "{kills}");
+    kills
+}
+
+#[test]
+fn killed_at_changes_of_the_disk_a_run_comes_to_the_same_file() {
+    let kills = [kill_a_run(5), kill_a_sitting(17)];
+    println!("{kills:?} kills");
+    assert!(kills[0] > 8 && kills[1] > 4, "{kills:?}");
+}
+
+/// The same at more changes. In the last measurement, RUNS kills of a run and SITTINGS of a sitting
+/// that continued one all gave the same file.
+#[test]
+#[ignore = "four minutes"]
+fn killed_at_every_change_of_the_disk_a_run_comes_to_the_same_file() {
+    let kills = [kill_a_run(1), kill_a_sitting(5)];
+    println!("{kills:?} kills");
+    assert!(kills[0] > 40 && kills[1] > 15, "{kills:?}");
 }
 
 /// A loss of power preserves what was synced, and any part of the rest. So everything that a state

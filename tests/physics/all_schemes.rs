@@ -15,7 +15,7 @@ use stick_slip::scheme::{
     DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _, Snapshot, Timeline,
 };
 use stick_slip::stats::{BlockObserver, Record};
-use stick_slip::sums::Unit;
+use stick_slip::sums::Replicate;
 
 /// All schemes; those that have a step get this one.
 fn schemes(step: f64) -> impl Iterator<Item = Scheme> {
@@ -246,7 +246,7 @@ fn a_burn_in_leaves_out_the_same_of_every_scheme() {
     for scheme in schemes(0.02) {
         let mut both = (
             Keep::lanes(paths.len()),
-            BlockObserver::new(&model, &line, &Record { paths: true, ..Record::NOTHING }, &paths, Unit::Path),
+            BlockObserver::new(&model, &line, &Record { paths: true, ..Record::NOTHING }, &paths, Replicate::Path),
         );
         assert!(scheme.simulation(&model, &line).simulate(9, &paths, &mut both).is_empty());
         let columns = both.1.finish(0, 300, Vec::new()).rows.path_columns.expect("asked for");

@@ -151,7 +151,7 @@ impl<'a> Verification<'a> {
             let width = shape[1..].iter().product::<usize>();
             let along = RowAxis::of(entry);
             let start = if along == Some(RowAxis::Event) { first_event } else { first };
-            if self.against.difference.is_some() || values.len() == 0 {
+            if self.against.difference.is_some() || values.is_empty() {
                 continue;
             }
             self.against.values += values.len() as u64;

@@ -4,7 +4,7 @@ use super::certain::Certain;
 use super::{BlockObserver, BlockResult, Estimate, PassageLevels, Record, Statistic, Summary};
 use crate::model::{Drive, Event, EventKind, Friction, Model, Oscillator, Sign, Temperature};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
-use crate::sums::Unit;
+use crate::sums::Replicate;
 
 impl Record {
     /// Everything is kept of one path, and everything is measured.
@@ -68,7 +68,7 @@ pub fn observe(
     periods: &[Vec<f64>],
 ) -> BlockResult {
     let numbers: Vec<u64> = (first..first + paths.len() as u64).collect();
-    let mut observer = BlockObserver::new(&model(), timeline, record, &numbers, Unit::Path);
+    let mut observer = BlockObserver::new(&model(), timeline, record, &numbers, Replicate::Path);
     for (lane, path) in paths.iter().enumerate() {
         path.events.iter().for_each(|&event| observer.event(lane, event));
     }

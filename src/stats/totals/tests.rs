@@ -402,7 +402,7 @@ fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
     let timeline = Timeline { end: 100.0, output_step: 100.0, period: None, after: 4.5 };
     let paths = unequal();
     let numbers: Vec<u64> = (0..5).collect();
-    let mut observer = BlockObserver::new(&model(), &timeline, &Record::NOTHING, &numbers, Unit::Path);
+    let mut observer = BlockObserver::new(&model(), &timeline, &Record::NOTHING, &numbers, Replicate::Path);
     let show = |observer: &mut BlockObserver, instant, x: &[f64]| {
         let is_static = [false; 5];
         let snapshot = Snapshot { time: 0.0, displacement: x, velocity: x, temperature: x, is_static: &is_static };
@@ -468,7 +468,7 @@ fn every_statistic_after_a_burn_in_is_the_one_computed_by_hand() {
 fn the_sticks_of_pairs_are_counted_one_by_one() {
     let sd = |durations: [&[f64]; 4]| {
         let numbers: Vec<u64> = (0..4).collect();
-        let mut observer = BlockObserver::new(&model(), &TIMELINE, &Record::NOTHING, &numbers, Unit::Pair);
+        let mut observer = BlockObserver::new(&model(), &TIMELINE, &Record::NOTHING, &numbers, Replicate::Pair);
         for (lane, durations) in durations.into_iter().enumerate() {
             path_of(durations).events.into_iter().for_each(|event| observer.event(lane, event));
         }

@@ -13,7 +13,7 @@ use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::Simulate as _;
 use crate::stats::{Companion as _, Grouping, Groups, LimitCycle, RunTotals};
 use crate::study::clock::thread_seconds;
-use crate::sums::{Overlap, Unit};
+use crate::sums::{Overlap, Replicate};
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
@@ -105,7 +105,7 @@ impl PointSetup {
         let timeline = scenario.timeline().without_rows();
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline);
         let Ensemble { paths, seed, antithetic } = scenario.ensemble;
-        let unit = if antithetic { Unit::Pair } else { Unit::Path };
+        let unit = if antithetic { Replicate::Pair } else { Replicate::Path };
         let record = scenario.record.of_no_path();
         let grouping = Grouping::new(simulation.model(), simulation.timeline(), &record, unit);
         PointSetup { plan: Plan { simulation, record, seed, paths, antithetic }, grouping }

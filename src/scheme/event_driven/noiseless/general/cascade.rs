@@ -70,7 +70,7 @@ pub struct GeneralNoiseless {
 
 /// A static phase, or one step of a slip. At the end of a step, its cut, the motion is known, and
 /// the length of the step to try next.
-type Part = Stretch<PartStart, (Kinematics, f64)>;
+type GeneralPart = Stretch<PartStart, (Kinematics, f64)>;
 
 /// The start of a part.
 pub struct PartStart {
@@ -118,7 +118,13 @@ impl GeneralNoiseless {
 
     /// A static phase and its exit, the first time at which |b| > f_s. `force` is b at the start,
     /// if it is known exactly.
-    fn stick(&self, start: ExactTime, displacement: f64, force: Option<f64>, work: &mut WorkLeft) -> Resolved<Part> {
+    fn stick(
+        &self,
+        start: ExactTime,
+        displacement: f64,
+        force: Option<f64>,
+        work: &mut WorkLeft,
+    ) -> Resolved<GeneralPart> {
         let (temperature, f_s, has_load) =
             (self.forces.near(start), self.model.friction.static_force, self.forces.own.has_load());
         let [held, limit] = self.held(&temperature, displacement, work)?;
@@ -157,7 +163,7 @@ impl GeneralNoiseless {
             None
         };
         let motion = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(Part { start, phase: Phase::Static, from: PartStart { temperature, motion }, end })
+        Ok(GeneralPart { start, phase: Phase::Static, from: PartStart { temperature, motion }, end })
     }
 
     fn search_steps(&self) -> SearchSteps {
@@ -173,7 +179,7 @@ impl GeneralNoiseless {
         direction: Sign,
         step: f64,
         work: &mut WorkLeft,
-    ) -> Resolved<Part> {
+    ) -> Resolved<GeneralPart> {
         let temperature = self.forces.near(start);
         let slip = self.motion(&temperature, direction, displacement);
         let from = slip.with(displacement, velocity, 0.0, work)?;
@@ -196,7 +202,7 @@ impl GeneralNoiseless {
             }
         };
         let from = PartStart { temperature, motion: from };
-        Ok(Part { start, phase: Phase::Slip(direction), from, end })
+        Ok(GeneralPart { start, phase: Phase::Slip(direction), from, end })
     }
 
     /// The equation of motion of a sub-phase that begins at x.
@@ -233,7 +239,7 @@ impl Stretches for GeneralNoiseless {
         self.work_limit
     }
 
-    fn first(&self, work: &mut WorkLeft) -> Resolved<Part> {
+    fn first(&self, work: &mut WorkLeft) -> Resolved<GeneralPart> {
         let displacement = self.model.initial_displacement;
         let velocity = self.model.initial_velocity;
         if velocity == 0.0 {
@@ -245,10 +251,15 @@ impl Stretches for GeneralNoiseless {
         let kind = EventKind::SlipStarted(Sign::of(velocity));
         let end = Some((0.0, End::Event(Event { kind, time: 0.0, displacement, force })));
         let motion = Kinematics { after: 0.0, displacement, velocity: 0.0, acceleration: 0.0 };
-        Ok(Part { start: ExactTime::ZERO, phase: Phase::Static, from: PartStart { temperature, motion }, end })
+        Ok(GeneralPart { start: ExactTime::ZERO, phase: Phase::Static, from: PartStart { temperature, motion }, end })
     }
 
-    fn next(&self, part: &Part, (duration, end): (f64, End<Self::Cut>), work: &mut WorkLeft) -> Resolved<Part> {
+    fn next(
+        &self,
+        part: &GeneralPart,
+        (duration, end): (f64, End<Self::Cut>),
+        work: &mut WorkLeft,
+    ) -> Resolved<GeneralPart> {
         let start = part.start.after(duration);
         match (end, part.phase) {
             (End::Event(event), _) => match event.kind.phase() {
@@ -267,7 +278,7 @@ impl Stretches for GeneralNoiseless {
 
     /// The pieces do not count as work of the path, which is the same whether it is followed or
     /// not.
-    fn glides(&self, part: &Part, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
+    fn glides(&self, part: &GeneralPart, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else { return Ok(()) };
         let (motion, mut work) = (
             self.motion(&part.from.temperature, direction, part.from.motion.displacement),
@@ -289,7 +300,7 @@ impl Stretches for GeneralNoiseless {
         Ok(())
     }
 
-    fn state(&self, part: &Part, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {
+    fn state(&self, part: &GeneralPart, t: f64, work: &mut WorkLeft) -> Resolved<Seen> {
         let temperature = self.model.temperature.mean(t);
         let Kinematics { displacement, .. } = part.from.motion;
         let Phase::Slip(direction) = part.phase else { return Ok((displacement, 0.0, temperature, true)) };

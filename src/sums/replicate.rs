@@ -8,9 +8,9 @@
 
 use std::borrow::Cow;
 
-/// The independent unit of an ensemble.
+/// What is independent in an ensemble.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Unit {
+pub enum Replicate {
     /// A path.
     #[default]
     Path,
@@ -18,12 +18,12 @@ pub enum Unit {
     Pair,
 }
 
-impl Unit {
+impl Replicate {
     /// Number of paths in a unit.
     pub fn size(self) -> u64 {
         match self {
-            Unit::Path => 1,
-            Unit::Pair => 2,
+            Replicate::Path => 1,
+            Replicate::Pair => 2,
         }
     }
 
@@ -31,16 +31,16 @@ impl Unit {
     #[inline]
     pub fn of(self, path: u64) -> u64 {
         match self {
-            Unit::Path => path,
-            Unit::Pair => path / 2,
+            Replicate::Path => path,
+            Replicate::Pair => path / 2,
         }
     }
 
     /// The mean of each unit, from one value per path.
     pub fn means(self, values: &[f64]) -> Cow<'_, [f64]> {
         match self {
-            Unit::Path => Cow::Borrowed(values),
-            Unit::Pair => values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a + b)).collect(),
+            Replicate::Path => Cow::Borrowed(values),
+            Replicate::Pair => values.as_chunks().0.iter().map(|[a, b]| 0.5 * (a + b)).collect(),
         }
     }
 
@@ -52,8 +52,8 @@ impl Unit {
     /// Number of units in which at least one path satisfies `is`.
     pub fn count<T>(self, paths: &[T], is: impl Fn(&T) -> bool) -> u64 {
         match self {
-            Unit::Path => paths.iter().filter(|path| is(path)).count() as u64,
-            Unit::Pair => paths.as_chunks().0.iter().filter(|[a, b]| is(a) || is(b)).count() as u64,
+            Replicate::Path => paths.iter().filter(|path| is(path)).count() as u64,
+            Replicate::Pair => paths.as_chunks().0.iter().filter(|[a, b]| is(a) || is(b)).count() as u64,
         }
     }
 }
