@@ -425,7 +425,7 @@ fn a_goal_that_cannot_be_reached_ends_the_run_with_the_reason_and_keeps_the_file
 #[test]
 fn a_time_limit_ends_a_run_at_a_block_and_that_many_paths_are_the_same_run() {
     let here = folder();
-    let common = ["run", RHO025, "--json", "--force", "--set", "record.paths=false"];
+    let common = ["run", RHO025, "--json", "--force", "--no-bias", "--set", "record.paths=false"];
     let limited = json(&mc(&here, &[&common[..], &["--paths", "100000000", "--max-time", "0.3s"]].concat()));
     assert_eq!(limited["status"], "ended");
     assert!(limited["ended_by"].as_str().expect("said").starts_with("time limit, after block "));
