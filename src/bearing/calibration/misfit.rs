@@ -32,7 +32,8 @@ pub struct FitObjective {
     temperatures: Vec<f64>,
     overlooked: f64,
     before: Vec<CumulativeSums>,
-    /// Lowest and highest temperatures of a sample, of 16 samples, of 16 times 16 samples, and so on.
+    /// Lowest and highest temperatures of 16 samples, of 16 times 16 samples, and so on. Samples
+    /// themselves are looked at as they are: as pairs, a calibration takes a tenth longer.
     extremes: Vec<Vec<[f64; 2]>>,
     /// The means of temperature and reading. All sums are of deviations from them, to avoid
     /// rounding errors.
@@ -63,12 +64,14 @@ impl FitObjective {
                 *product += w * value;
             }
         }
-        let widest = |part: &[[f64; 2]]| {
-            part.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [l, h]| [low.min(*l), high.max(*h)])
-        };
-        let mut extremes = vec![temperatures.iter().map(|t| [*t, *t]).collect::<Vec<_>>()];
-        while let Some(level) = extremes.last().filter(|level| level.len() > RADIX) {
-            extremes.push(level.chunks(RADIX).map(widest).collect());
+        let mut level: Vec<[f64; 2]> = temperatures.iter().map(|t| [*t, *t]).collect();
+        let mut extremes = Vec::new();
+        while level.len() > RADIX {
+            let widest = |part: &[[f64; 2]]| {
+                part.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], [l, h]| [low.min(*l), high.max(*h)])
+            };
+            level = level.chunks(RADIX).map(widest).collect();
+            extremes.push(level.clone());
         }
         FitObjective { temperatures: temperatures.clone(), overlooked, before, extremes, centre, products }
     }
@@ -77,29 +80,52 @@ impl FitObjective {
     /// `high`.
     #[inline(always)]
     fn first_beyond(&self, from: usize, low: f64, high: f64) -> usize {
+        let n = self.temperatures.len();
         let is_beyond = |[l, h]: [f64; 2]| l < low || h > high;
-        let (mut i, mut height) = (from, 0);
+        let mut i = from;
         // Go up to larger blocks as long as whole blocks are inside.
+        let mut height = 0;
         loop {
-            let level = &self.extremes[height];
-            let end = ((i / RADIX + 1) * RADIX).min(level.len());
-            while i < end && !is_beyond(level[i]) {
-                i += 1;
+            if height == 0 {
+                let end = (i / RADIX + 1) * RADIX;
+                while i < end.min(n) {
+                    if is_beyond([self.temperatures[i]; 2]) {
+                        return i;
+                    }
+                    i += 1;
+                }
+                if i >= n {
+                    return n;
+                }
+                i /= RADIX;
+            } else {
+                let level = &self.extremes[height - 1];
+                let end = ((i / RADIX + 1) * RADIX).min(level.len());
+                while i < end && !is_beyond(level[i]) {
+                    i += 1;
+                }
+                if i < end {
+                    break;
+                }
+                if i >= level.len() {
+                    return n;
+                }
+                i /= RADIX;
             }
-            if i < end {
-                break;
-            }
-            if i >= level.len() {
-                return self.temperatures.len();
-            }
-            i /= RADIX;
             height += 1;
+            if height > self.extremes.len() {
+                return n;
+            }
         }
         // Go down again within the first block that is not.
         while height > 0 {
             i *= RADIX;
             height -= 1;
-            while !is_beyond(self.extremes[height][i]) {
+            let entry = |i: usize| match height {
+                0 => [self.temperatures[i]; 2],
+                _ => self.extremes[height - 1][i],
+            };
+            while !is_beyond(entry(i)) {
                 i += 1;
             }
         }
