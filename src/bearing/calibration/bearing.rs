@@ -21,6 +21,11 @@ pub struct Sensor {
 }
 
 impl Sensor {
+    /// The sensor at a bearing of this beta, of which shearing shows the share `kappa`.
+    pub fn sheared(offset: f64, dilatation: f64, kappa: f64) -> Self {
+        Sensor { offset, moving: (1.0 - kappa) * dilatation, still: kappa * dilatation }
+    }
+
     /// The reading z at this position xi and this temperature, both in kelvin.
     #[inline(always)]
     pub fn reading(&self, xi: f64, temperature: f64) -> f64 {
@@ -53,7 +58,7 @@ impl Response {
         let start = scene.displacement.unwrap_or(dilatation * temperature) / dilatation;
         Response {
             motion: Motion { reach: f_s / slope, jump: 2.0 * (f_s - f_d) / slope, start },
-            sensor: Sensor { offset, moving: (1.0 - kappa) * dilatation, still: kappa * dilatation },
+            sensor: Sensor::sheared(offset, dilatation, kappa),
         }
     }
 }

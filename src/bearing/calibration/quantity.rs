@@ -142,7 +142,7 @@ pub fn response_of(values: &Values) -> Response {
     let (beta, kappa) = (of(Dilatation), of(Shear));
     Response {
         motion: Motion { reach: of(Reach), jump: of(Jump), start: of(Displacement) / beta },
-        sensor: Sensor { offset: of(Offset), moving: (1.0 - kappa) * beta, still: kappa * beta },
+        sensor: Sensor::sheared(of(Offset), beta, kappa),
     }
 }
 

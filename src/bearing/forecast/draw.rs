@@ -102,7 +102,7 @@ impl BearingDraws {
         DrawnBearing {
             response: Response {
                 motion: Motion { reach, jump, start: 0.0 },
-                sensor: Sensor { offset, moving: (1.0 - kappa) * beta, still: kappa * beta },
+                sensor: Sensor::sheared(offset, beta, kappa),
             },
             stiffness: self.shear_stiffness.map_or(1.0, |shear| kappa * shear),
         }
