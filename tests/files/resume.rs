@@ -158,23 +158,29 @@ fn killed_a_thousand_times_a_run_comes_to_the_same_file() {
     many_kills([3, 4], 1000);
 }
 
-/// Kills a run at every `apart`-th write (which then has reached the file by half), sync, rename,
-/// link and removal that it makes, including those of its final file. Returns the number of kills.
-fn kill_a_run(apart: usize) -> usize {
+/// Kills a command at every `apart`-th write (which then has reached the file by half), sync, rename,
+/// link and removal that it makes, including those of its final file, each time in a new folder that
+/// `prepare` fills. Then `run` or what continues it comes to this file. Returns the number of kills.
+fn kill(apart: usize, prepare: impl Fn(&Path), command: &[&str], run: &[&str], file: &[u8]) -> usize {
     let mut kills = 0;
     for kill_at in (1..).step_by(apart) {
         let (_outer, here) = folders();
-        let (output, _) = shimmed(&here, SHORT, kill_at);
+        prepare(&here);
+        let (output, _) = shimmed(&here, command, kill_at);
         if output.status.success() {
             break;
         }
         assert_eq!(output.status.code(), None, "{}", text(&output.stderr));
         kills += 1;
-        let again = command::mc(&here, next(&here, SHORT));
+        let again = crate::command::mc(&here, next(&here, run));
         assert!(again.status.success(), "killed at {kill_at}: {}", text(&again.stderr));
-        assert_finished(&here, &SHORT_FILE, &format!("killed at {kill_at}"));
+        assert_finished(&here, file, &format!("killed at {kill_at}"));
     }
     kills
+}
+
+fn kill_a_run(apart: usize) -> usize {
+    kill(apart, |_| (), SHORT, SHORT, &SHORT_FILE)
 }
 
 /// The same for a sitting that continues a run that was killed in the middle.
@@ -183,24 +189,14 @@ fn kill_a_sitting(apart: usize) -> usize {
     let run = [&RUN[..3], &["20000"], &RUN[4..]].concat();
     let file = undisturbed(&run);
     assert_eq!(interrupted(&begun, &run, "KILL").status.code(), None);
-    let mut kills = 0;
-    for kill_at in (1..).step_by(apart) {
-        let (_outer, here) = folders();
+    let continued = |here: &Path| {
         let partial = here.join("a.h5.partial");
         fs::create_dir(&partial).expect("made");
         for name in ["state", "rows"] {
             fs::copy(begun.join("a.h5.partial").join(name), partial.join(name)).expect("copied");
         }
-        let (output, _) = shimmed(&here, RESUME, kill_at);
-        if output.status.success() {
-            break;
-        }
-        kills += 1;
-        let again = command::mc(&here, next(&here, &run));
-        assert!(again.status.success(), "killed at {kill_at}: {}", text(&again.stderr));
-        assert_finished(&here, &file, &format!("killed at {kill_at}"));
-    }
-    kills
+    };
+    kill(apart, continued, RESUME, &run, &file)
 }
 
 #[test]
