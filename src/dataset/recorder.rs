@@ -68,10 +68,16 @@ mod tests {
         for (name, paths) in [("rho025", 300), ("shaw", 1)] {
             let mut scenario = Scenario::shipped(name).expect("shipped");
             scenario.ensemble.paths = paths;
-            let (laws, density, spectrum, energy, levels) = (true, true, true, true, PassageLevels::of(&[1.0]));
-            let (paths_kept, events, trajectories) = (true, true, 2);
-            scenario.record =
-                Record { paths: paths_kept, events, trajectories, laws, density, spectrum, energy, levels };
+            scenario.record = Record {
+                paths: true,
+                events: true,
+                trajectories: 2,
+                laws: true,
+                density: true,
+                spectrum: true,
+                energy: true,
+                levels: PassageLevels::of(&[1.0]),
+            };
             let mut recorder = Recorder::default();
             let outcome = Run::of(&scenario).into_sink(&mut recorder).simulate().expect("sound");
             let dataset = recorder.into_dataset();

@@ -14,7 +14,7 @@ pub struct Dimension {
     pub temperature: i32,
 }
 
-/// Replicate labels. A label is empty where the scenario is dimensionless.
+/// Unit labels. A label is empty where the scenario is dimensionless.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Units {
     /// Label of time, e.g. "s".

@@ -88,11 +88,11 @@ fn no_two_draws_see_the_same_weather() {
 
 /// Null hypothesis: the forecast number of slips in a year is right, and its intervals of 90 % hold
 /// the truth. Sample size: 12 measurements (seeds 300 to 311). A forecast scatters by 7 % from one
-/// measurement to another, so the mean of twelve by 2 %; over 40 others (`table`) it is 1.1 +- 1.2
-/// % above the truth. False-alarm rates: the mean is off by more than 8 % once in 100 times, and
-/// fewer than 8 of 12 intervals hold once in 300 times. With one process in the weather instead of
-/// two, the forecast has a third more slips than the truth, for each of four measurements, because
-/// it takes the slow weather for faster than it is.
+/// measurement to another, so the mean of twelve by 2 %; over 40 others (`table`) it is
+/// 1.1 +- 1.2 % above the truth. False-alarm rates: the mean is off by more than 8 % once in 100
+/// times, and fewer than 8 of 12 intervals hold once in 300 times. With one process in the weather
+/// instead of two, the forecast has a third more slips than the truth, for each of four
+/// measurements, because it takes the slow weather for faster than it is.
 #[test]
 #[ignore = "a minute and a half; truth 198.7 +- 2.2, two processes 199.5, 11 of 12 held, one process 260.4"]
 fn forecasts_of_slips_hold_the_truth_with_two_processes_and_not_with_one() {

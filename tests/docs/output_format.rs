@@ -256,7 +256,7 @@ fn every_variable_and_attribute_of_a_sweep_is_listed() {
             let along = if dimensions.contains("rho") { axis } else { "point" };
             format!("| `{axis}` | {along} | f64 | | value of the key |\n")
         });
-        let table = "\n| Variable | Axes | Type | Replicate | Meaning |\n|---|---|---|---|---|\n";
+        let table = "\n| Variable | Axes | Type | Unit | Meaning |\n|---|---|---|---|---|\n";
         let page = Page { text: text + table + &own.collect::<String>(), path: page.path.clone() };
         found.extend(check(file, &page));
         attributes.extend(file.attr_names().expect("attributes"));
