@@ -53,6 +53,7 @@ pub fn key_meant(word: &str) -> Option<String> {
 /// if the key has none.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::config::symbol_and_meaning;
 ///
 /// assert_eq!(symbol_and_meaning("temperature.noise.intensity"), Some(("rho", "weight of v in T")));
@@ -226,6 +227,7 @@ impl Scenario {
     /// The number at a dotted key of the resolved scenario, if there is one.
     ///
     /// ```
+    /// # use stick_slip_core as stick_slip;
     /// use stick_slip::scenario::Scenario;
     ///
     /// let scenario = Scenario::shipped("rho025")?;

@@ -6,6 +6,7 @@ use std::fmt;
 /// A key of a scenario, the value to set, and how the user wrote both.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::config::{Override, shipped};
 /// use stick_slip::scenario::Scenario;
 ///

@@ -97,6 +97,7 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
 /// Read columns of a CSV text; messages call it `name`.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::data::{ColumnQuantity, Layout, Wanted, parse};
 ///
 /// let text = "time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";

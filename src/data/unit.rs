@@ -147,6 +147,7 @@ fn input(name: &str) -> Option<(InputUnit, &'static str)> {
 /// in that.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::data::input_unit;
 ///
 /// assert_eq!(input_unit("g"), Some(("m/s2", 9.80665)));

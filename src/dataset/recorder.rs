@@ -9,6 +9,7 @@ use crate::stats::BlockResult;
 /// that a file of the run would hold.
 ///
 /// ```
+/// # mod stick_slip { pub use {stick_slip_core::*, stick_slip_files::*}; }
 /// use stick_slip::dataset::{Column, Recorder};
 /// use stick_slip::engine::Run;
 /// use stick_slip::scenario::Scenario;

@@ -60,6 +60,7 @@ impl Asked {
 /// consecutive blocks.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::engine::Part;
 ///
 /// let part: Part = "3/16".parse()?;

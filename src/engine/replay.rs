@@ -10,13 +10,15 @@ use crate::stats::{BlockResult, Record};
 /// One path of an ensemble, simulated again.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::engine::Replay;
 /// use stick_slip::scenario::Scenario;
 ///
 /// let replay = Replay::of(&Scenario::shipped("rho025")?, 4711);
-/// let events = replay.block.events.expect("a replay records them");
+/// let rows = replay.block.rows;
+/// let events = rows.events.expect("a replay records them");
 /// println!("path 4711 has {} events, the first at {}", events.time.len(), events.time[0]);
-/// # assert_eq!(replay.block.trajectories.expect("and the trajectory").displacement[0], 6.0);
+/// # assert_eq!(rows.trajectories.expect("and the trajectory").displacement[0], 6.0);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Clone, Debug)]

@@ -13,6 +13,7 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// error ends the run.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::engine::{Run, Sink, SinkError};
 /// use stick_slip::scenario::Scenario;
 /// use stick_slip::stats::BlockResult;
@@ -81,6 +82,7 @@ impl Moment<'_> {
 /// there are.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::engine::{Memory, Run};
 /// use stick_slip::scenario::Scenario;
 ///
@@ -88,7 +90,7 @@ impl Moment<'_> {
 /// scenario.record.events = true;
 /// let mut memory = Memory::default();
 /// Run::of(&scenario).into_sink(&mut memory).simulate()?;
-/// let events = memory.blocks[0].events.as_ref().expect("the scenario asks for them");
+/// let events = memory.blocks[0].rows.events.as_ref().expect("the scenario asks for them");
 /// assert!((events.time[0] - 2.574).abs() < 0.02); // the first slip of Shaw's case
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```

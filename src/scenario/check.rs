@@ -76,6 +76,7 @@ impl Scenario {
     /// scheme does not go with the rest.
     ///
     /// ```
+    /// # use stick_slip_core as stick_slip;
     /// use stick_slip::scenario::Scenario;
     /// use stick_slip::scheme::{CorrectedVi, EventDriven, Kind};
     ///

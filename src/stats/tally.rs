@@ -52,6 +52,7 @@ impl PathState {
 /// so itself.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::engine::Run;
 /// use stick_slip::model::{Event, EventKind};
 /// use stick_slip::noise::AddressedDraws;

@@ -27,6 +27,7 @@ const ONE_PART_IN: u32 = 50;
 /// killed or interrupted is continued from there ([`FileSink::go_on`]) and gives the same file.
 ///
 /// ```
+/// # mod stick_slip { pub use {stick_slip_core::*, stick_slip_files::*}; }
 /// use stick_slip::engine::Run;
 /// use stick_slip::scenario::Scenario;
 /// use stick_slip::store::{self, FileSink};

@@ -33,6 +33,7 @@ const ALTERNATIVES: [f64; 18] =
 /// The accuracy that is asked for.
 ///
 /// ```no_run
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::engine::Run;
 /// use stick_slip::scenario::Scenario;
 /// use stick_slip::stats::Statistic;

@@ -11,6 +11,7 @@ pub const MOST_POINTS: usize = 100_000;
 /// A key of the scenario with the values that it takes.
 ///
 /// ```
+/// # use stick_slip_core as stick_slip;
 /// use stick_slip::study::sweep::SweepAxis;
 ///
 /// let rho = SweepAxis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
