@@ -35,7 +35,7 @@ fn scenes(c: &mut Criterion) {
     };
     let noisy = scenario("rho025", &[STEP, END]);
     let mut plain = noisy.clone();
-    plain.model.temperature.noise = None;
+    plain.model.temperature.noises.clear();
     let two_harmonics = |of: &Scenario| {
         let mut two = of.clone();
         two.model.temperature.harmonics.push(two.model.temperature.harmonics[0]);

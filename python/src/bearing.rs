@@ -290,7 +290,7 @@ fn weather<'py>(py: Python<'py>, fit: &WeatherFit, start: Option<String>) -> PyR
         [("amplitude", wave.amplitude), ("angular_frequency", wave.angular_frequency), ("phase", wave.phase)]
             .into_py_dict(py)
     });
-    let noises = temperature.noises().map(|noise| {
+    let noises = temperature.effective_noises().map(|noise| {
         let numbers = [("intensity", noise.intensity), ("relaxation_rate", noise.relaxation_rate)];
         let numbers = numbers.into_iter().chain([("diffusion", noise.diffusion)]).into_py_dict(py)?;
         numbers.set_item("initial", "stationary")?;

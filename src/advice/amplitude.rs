@@ -45,7 +45,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
     let harmonics = temperature.harmonics.iter().map(|harmonic| {
         (Complex::unit(harmonic.phase) * harmonic.amplitude, Complex::new(0.0, harmonic.angular_frequency))
     });
-    let relaxing = temperature.noises().filter_map(|noise| match noise.initial {
+    let relaxing = temperature.effective_noises().filter_map(|noise| match noise.initial {
         InitialNoise::At(v) => {
             Some((Complex::new(noise.intensity * v, 0.0), Complex::new(-noise.relaxation_rate, 0.0)))
         }
@@ -73,7 +73,7 @@ pub(super) fn expected_amplitude(model: &Model, end: f64, step: Option<f64>) -> 
         (x, y) = (x + dilatation * temperature.offset, y + dilatation * temperature.trend / w0);
         most_y += dilatation.abs() * temperature.trend.abs() / w0;
     }
-    let noise = temperature.noises().map(|noise| noise_amplitude(model, &noise, end, step)).sum::<f64>();
+    let noise = temperature.effective_noises().map(|noise| noise_amplitude(model, &noise, end, step)).sum::<f64>();
     most_x + (x0 - x).hypot(v0 / w0 - y).max((friction.static_force / oscillator.stiffness).hypot(most_y)) + noise
 }
 

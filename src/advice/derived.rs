@@ -120,7 +120,7 @@ impl Scenario {
         let force_per_kelvin = oscillator.force_per_temperature().abs();
         // Variances of independent noises add up.
         let both = |of: fn(&Noise) -> f64| {
-            let forces = temperature.noises().map(|noise| force_per_kelvin * noise.intensity * of(&noise));
+            let forces = temperature.effective_noises().map(|noise| force_per_kelvin * noise.intensity * of(&noise));
             forces.reduce(f64::hypot)
         };
         let noise_force = both(Noise::stationary_sd);

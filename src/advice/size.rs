@@ -87,7 +87,8 @@ fn events(scenario: &Scenario) -> f64 {
     let harmonic: f64 = temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * h.angular_frequency).sum();
     let measured = temperature.series.as_ref().map_or(0.0, |series| gain * series.variation() / series.end());
     let trend = gain * temperature.trend.abs();
-    let noise = temperature.noises().map(|noise| gain * noise.intensity * noise.diffusion).fold(0.0, f64::hypot);
+    let noise =
+        temperature.effective_noises().map(|noise| gain * noise.intensity * noise.diffusion).fold(0.0, f64::hypot);
     let slips = end * (2.0 / PI * harmonic / gap + measured / gap + trend / gap + (noise / gap).powi(2));
     // Without a gap the number of slips is infinite or 0/0, and the half-cycles count. Without a
     // spring there are none.

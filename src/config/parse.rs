@@ -30,7 +30,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &measured);
     match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
         None => {}
-        Some(Ok(noise)) => model.temperature.noise = Some(noise),
+        Some(Ok(noise)) => model.temperature.noises = vec![noise],
         Some(Err(misfit)) => report_misfit(sources, &root, misfit),
     }
     // `abs` turns -0.0 into 0.0.

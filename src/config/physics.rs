@@ -46,13 +46,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     };
     let harmonics = table.tables("harmonics").iter().map(harmonic).collect();
     let noises = table.one_or_more("noise");
-    if let [_, _, third, ..] = &noises[..] {
-        let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
-        sources.report(third.fault_of_table("is one noise too many; two are simulated at most", remedy));
-    }
     let white_noise = white_noise(sources, &noises);
-    let read: Vec<Noise> = if white_noise.is_some() { Vec::new() } else { noises.iter().map(noise).collect() };
-    let (noise, second_noise) = (read.first().copied(), read.get(1).copied());
 
     // Only a calibration reads this table, but mistakes in it are reported by every command.
     series::source(&root.table("displacement").table("series"), keys::VALUE, None);
@@ -61,8 +55,9 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
     let series = measured.first().map(|measured| measured.series.clone());
     let inputs = series::inputs(sources, root, &measured);
     let is_pinned = noises.iter().fold(false, |is_pinned, of| is_pinned | of.flag_or(keys::PINNED, false));
+    let noises = if white_noise.is_some() { Vec::new() } else { noises.iter().map(noise).collect() };
     let (offset, trend) = (table.number_or(keys::TEMPERATURE_OFFSET, 0.0), table.number_or(keys::TREND, 0.0));
-    let temperature = Temperature { offset, trend, harmonics, series, is_pinned, noise, second_noise };
+    let temperature = Temperature { offset, trend, harmonics, series, is_pinned, noises };
 
     let table = root.table("initial");
     let given = table.number_or_word(keys::DISPLACEMENT, &["balanced"]);

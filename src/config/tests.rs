@@ -55,8 +55,8 @@ fn the_paper_scenes_hold_its_parameters() {
         let friction = Friction { static_force: 1.2, dynamic_force: 1.0 };
         let noise = Noise { intensity: rho, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
         let harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency: w, phase: 0.0 }];
-        let noise = (rho != 0.0).then_some(noise);
-        let temperature = Temperature { harmonics, noise, ..Temperature::default() };
+        let noises = (rho != 0.0).then_some(noise).into_iter().collect();
+        let temperature = Temperature { harmonics, noises, ..Temperature::default() };
         let [initial_displacement, initial_velocity] = [6.0, 0.0];
         let paper = Model { oscillator, friction, temperature, force: None, initial_displacement, initial_velocity };
         assert_eq!(model, paper, "{name}");
@@ -72,7 +72,7 @@ fn defaults_are_those_of_the_documentation() {
     assert_eq!(scenario.title, "minimal");
     assert_eq!(scenario.model.oscillator.damping, 0.0);
     let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial: InitialNoise::At(0.0) };
-    assert_eq!(scenario.model.temperature, Temperature { noise: Some(noise), ..Temperature::default() });
+    assert_eq!(scenario.model.temperature, Temperature { noises: vec![noise], ..Temperature::default() });
     assert_eq!(scenario.time.output_step, 0.5);
     assert_eq!(scenario.scheme, DiscreteVi { step: 0.01 }.into());
     assert_eq!(scenario.ensemble, Ensemble { paths: 10_000, seed: 1, antithetic: false });
@@ -111,7 +111,7 @@ fn an_override_reaches_every_kind_of_key() {
     assert_eq!(scenario.model.friction.static_force, 1.3);
     assert_eq!(scenario.model.temperature.harmonics[0].amplitude, 2.0);
     assert_eq!(scenario.model.temperature.harmonics[1].angular_frequency, 3.0);
-    assert_eq!(scenario.model.temperature.noise.unwrap().initial, InitialNoise::Stationary);
+    assert_eq!(scenario.model.temperature.noises[0].initial, InitialNoise::Stationary);
     assert_eq!((scenario.title.as_str(), scenario.record.events), ("a few words", true));
     assert_eq!((scenario.ensemble.seed, scenario.units.time.as_str()), (u64::MAX, "s"));
 }
@@ -449,7 +449,7 @@ fn a_noise_that_is_always_zero_moves_nothing_and_is_kept() {
     let plain =
         BASE[..BASE.find("[temperature.noise]").unwrap()].to_string() + &BASE[BASE.find("[initial]").unwrap()..];
     let without = Scenario::parse("x", &plain, &[]).unwrap();
-    assert_eq!(without.model.temperature.noise, None);
+    assert_eq!(without.model.temperature.noises, []);
     let kept = ["temperature.noise.relaxation_rate=3.5", "temperature.noise.diffusion=0.75"];
     for set in [
         &["temperature.noise.intensity=0", kept[0], kept[1], "temperature.noise.initial=2"][..],
@@ -458,7 +458,7 @@ fn a_noise_that_is_always_zero_moves_nothing_and_is_kept() {
     ] {
         let scenario = base(set).unwrap();
         let temperature = &scenario.model.temperature;
-        assert!(temperature.noise.is_some() && temperature.effective_noise().is_none(), "{set:?}");
+        assert!(!temperature.noises.is_empty() && temperature.effective_noise().is_none(), "{set:?}");
         let text = scenario.to_toml();
         assert_eq!(Scenario::parse("x", &text, &[]).unwrap(), scenario, "{text}");
         assert!(text.contains("[temperature.noise]\n"), "{text}");
@@ -732,7 +732,7 @@ fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked()
     for (tolerance, theta) in [(1e-3, 1e3), (1e-2, 1e2)] {
         let set = [event_driven, &format!("scheme.tolerance={tolerance}")];
         let scenario = read("strength = 0.25", &set).unwrap();
-        let noise = scenario.model.temperature.noise.unwrap();
+        let noise = scenario.model.temperature.noises[0];
         assert!((noise.relaxation_rate / theta - 1.0).abs() < 1e-12, "{noise:?}");
         // The integral of the covariance of rho v is rho^2 sigma^2/theta^2 = 2 D.
         let twice = (noise.intensity * noise.diffusion / noise.relaxation_rate).powi(2);
@@ -748,6 +748,6 @@ fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked()
         let message = read(noise, &[event_driven, set]).unwrap_err().to_string();
         assert!(message.contains(says) && message.contains("fix: "), "{set}: {message}");
     }
-    let theta = |set| read("strength = 1, relaxation_rate = 7", &[set]).map(|s| s.model.temperature.noise.unwrap());
+    let theta = |set| read("strength = 1, relaxation_rate = 7", &[set]).map(|s| s.model.temperature.noises[0]);
     assert_eq!(theta(event_driven).unwrap().relaxation_rate, 7.0);
 }

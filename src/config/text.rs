@@ -156,7 +156,7 @@ impl Scenario {
             resolved.lines().filter(|line| !is_of_samples(line)).map(|line| format!("{line}\n")).collect();
         let temperature = &self.model.temperature;
         let unused = [
-            (temperature.noise.is_none(), include_str!("parts/noise.toml")),
+            (temperature.noises.is_empty(), include_str!("parts/noise.toml")),
             (temperature.series.is_none(), include_str!("parts/series.toml")),
             (self.written_force.is_none(), include_str!("parts/force.toml")),
             (self.measured.iter().all(|measured| measured.input().is_none()), include_str!("parts/input.toml")),
@@ -279,9 +279,9 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
     if let Some(measured) = measured {
         series_of(text, measured, keys::VALUE);
     }
-    match (&of.noise, &of.second_noise) {
-        (None, _) => text.plain("\n# no [temperature.noise]: rho = 0"),
-        (Some(only), None) => {
+    match &of.noises[..] {
+        [] => text.plain("\n# no [temperature.noise]: rho = 0"),
+        [only] => {
             text.table("temperature.noise");
             match white {
                 Some(white) => white_noise(text, white, only),
@@ -291,8 +291,8 @@ fn temperature(text: &mut Written, of: &Temperature, measured: Option<&Measured>
                 text.other(keys::PINNED, "true");
             }
         }
-        (Some(first), Some(second)) => {
-            for (i, each) in [first, second].into_iter().enumerate() {
+        several => {
+            for (i, each) in several.iter().enumerate() {
                 text.entry("temperature.noise", i, "rho v, one of two");
                 noise(text, each);
             }

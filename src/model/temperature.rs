@@ -57,8 +57,7 @@ impl Noise {
     }
 }
 
-/// T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t), with one
-/// noise or two.
+/// T(t) = offset + trend t + sum_i a_i cos(w_i t + phi_i) + S(t) + sum_j rho_j v_j(t).
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Temperature {
     /// A constant, in units of temperature.
@@ -73,12 +72,10 @@ pub struct Temperature {
     /// Whether v is zero at every sample of the series. The noise then describes what the
     /// temperature may have done between the samples, at which it is known.
     pub is_pinned: bool,
-    /// The noise as it is given, if there is one. A noise that is zero at all times is kept here,
-    /// but not in [`Temperature::effective_noise`].
-    pub noise: Option<Noise>,
-    /// A second noise, independent of the first. With two noises, the temperature can have one
-    /// memory of hours and one of days.
-    pub second_noise: Option<Noise>,
+    /// The noises as they are given, independent of each other, two at most. With two noises, the
+    /// temperature can have one memory of hours and one of days. A noise that is zero at all times
+    /// is kept here, but not in [`Temperature::effective_noises`].
+    pub noises: Vec<Noise>,
 }
 
 /// The largest number of cycles of the slowest harmonic for which the forcing period is looked for.
@@ -92,24 +89,24 @@ impl Temperature {
     /// Whether T(t) differs from path to path, and with it the motion. If not, all paths are the
     /// same.
     pub fn is_random(&self) -> bool {
-        self.noises().any(|noise| noise.is_random())
+        self.effective_noises().any(|noise| noise.is_random())
     }
 
     /// The noises that are not zero at all times; only these are simulated. Without any, no random
     /// number is drawn.
-    pub fn noises(&self) -> impl Iterator<Item = Noise> {
-        [self.noise, self.second_noise].into_iter().flatten().filter(|noise| !noise.is_silent())
+    pub fn effective_noises(&self) -> impl Iterator<Item = Noise> {
+        self.noises.iter().copied().filter(|noise| !noise.is_silent())
     }
 
-    /// The first of [`Temperature::noises`]. It is the only one unless
+    /// The first of [`Temperature::effective_noises`]. It is the only one unless
     /// [`Temperature::has_two_noises`].
     pub fn effective_noise(&self) -> Option<Noise> {
-        self.noises().next()
+        self.effective_noises().next()
     }
 
     /// Whether two noises are simulated.
     pub fn has_two_noises(&self) -> bool {
-        self.noises().count() == 2
+        self.effective_noises().count() == 2
     }
 
     /// Whether there is a constant or a trend.
@@ -138,7 +135,7 @@ impl Temperature {
     /// E T(t), from its definition: the line, the harmonics, the series, and the mean of each v,
     /// which relaxes from its start.
     pub fn mean(&self, t: f64) -> f64 {
-        let relaxing = self.noises().map(|noise| match noise.initial {
+        let relaxing = self.effective_noises().map(|noise| match noise.initial {
             InitialNoise::At(v) => noise.intensity * v * libm::exp(-noise.relaxation_rate * t),
             InitialNoise::Stationary => 0.0,
         });
@@ -149,7 +146,7 @@ impl Temperature {
     /// deviations.
     pub fn bound(&self, sds: f64, end: f64) -> f64 {
         let harmonics: f64 = self.harmonics.iter().map(|harmonic| harmonic.amplitude.abs()).sum();
-        let noise = self.noises().map(|noise| {
+        let noise = self.effective_noises().map(|noise| {
             let start = if let InitialNoise::At(v0) = noise.initial { v0.abs() } else { 0.0 };
             noise.intensity * (start + sds * noise.stationary_sd())
         });

@@ -11,7 +11,7 @@ pub(crate) fn paper(w: f64, rho: f64) -> Model {
         friction: Friction { static_force: 1.2, dynamic_force: 1.0 },
         temperature: Temperature {
             harmonics: vec![Harmonic { amplitude: 1.0, angular_frequency: w, phase: 0.0 }],
-            noise: (rho != 0.0).then_some(noise),
+            noises: (rho != 0.0).then_some(noise).into_iter().collect(),
             ..Temperature::default()
         },
         force: None,

@@ -17,10 +17,10 @@ impl Scenario {
     /// All values that do not go together, so far as each can be judged beside the others.
     pub(crate) fn misfits(&self) -> Vec<Misfit> {
         let Scenario { model, time, scheme, statistics, ensemble, .. } = self;
-        let Temperature { noise: first, second_noise: second, .. } = &model.temperature;
         let mut found: Vec<Misfit> = Vec::new();
         found.extend(friction(model));
-        found.extend([first, second].into_iter().flatten().filter_map(noise));
+        found.extend(model.temperature.noises.iter().filter_map(noise));
+        found.extend(third_noise(&model.temperature));
         found.extend(self.white_noise.and_then(|noise| noise.misfit(model)));
         found.extend(pinned(&model.temperature));
         if found.is_empty() {
@@ -148,6 +148,14 @@ fn noise(noise: &Noise) -> Option<Misfit> {
     Some(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
 }
 
+/// There are two noises at most.
+fn third_noise(temperature: &Temperature) -> Option<Misfit> {
+    let third = temperature.noises.get(2)?;
+    let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
+    let problem = "is of one noise too many; two are simulated at most";
+    Some(Misfit::new(&[("temperature.noise.2.intensity", third.intensity)], problem, remedy))
+}
+
 /// K/m, alpha/m, b and b/m are neither too small nor too large for a double.
 fn forces(model: &Model, end: f64) -> Option<Misfit> {
     let Model { oscillator, initial_displacement, .. } = model;
@@ -229,10 +237,10 @@ pub(crate) fn reduced(phase: f64) -> f64 {
 /// Pinned noise needs a series of samples, has no second noise beside it, and is zero at the first
 /// sample.
 fn pinned(temperature: &Temperature) -> Option<Misfit> {
-    let noise = temperature.noise.filter(|_| temperature.is_pinned)?;
+    let noise = temperature.noises.first().filter(|_| temperature.is_pinned)?;
     let (problem, remedy) = if temperature.series.is_none() {
         ("and there is no [temperature.series] to pin the noise to", "remove it, or give a series")
-    } else if temperature.second_noise.is_some() {
+    } else if temperature.noises.len() > 1 {
         ("and there are two noises", "keep the faster one: between samples the other hardly moves")
     } else if !matches!(noise.initial, InitialNoise::At(0.0)) {
         let problem = "so v is zero at the first sample, and `temperature.noise.initial` is not";

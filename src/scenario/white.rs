@@ -56,7 +56,7 @@ impl WhiteNoise {
     /// The memory of the noise as a share of the body's, which is how far statistics are from those
     /// under white noise, in order of magnitude.
     pub fn share(&self, model: &Model) -> Option<f64> {
-        Some(1.0 / (model.temperature.noise?.relaxation_rate * self.memory_of_body(model)))
+        Some(1.0 / (model.temperature.noises.first()?.relaxation_rate * self.memory_of_body(model)))
     }
 
     /// The shortest time in which the body forgets its velocity: by friction, c^2 D/f_d^2; by the

@@ -28,7 +28,8 @@ impl Certain {
         let Model { oscillator, friction, temperature, initial_displacement, initial_velocity, .. } = model;
         let is_given = |noise: Noise| matches!(noise.initial, InitialNoise::At(_));
         let is_thrown = *initial_velocity != 0.0;
-        let start = is_thrown || oscillator.force_per_temperature() == 0.0 || temperature.noises().all(is_given);
+        let start =
+            is_thrown || oscillator.force_per_temperature() == 0.0 || temperature.effective_noises().all(is_given);
         let [force, limit] = model.held(0.0, temperature.mean(0.0), *initial_displacement);
         let has_load = model.has_load();
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
@@ -57,7 +58,7 @@ mod tests {
         let noise = Noise { intensity: 0.25, relaxation_rate: 1.0, diffusion: 1.0, initial };
         Model {
             friction: Friction { static_force, dynamic_force },
-            temperature: Temperature { noise: Some(noise), ..Temperature::default() },
+            temperature: Temperature { noises: vec![noise], ..Temperature::default() },
             ..model()
         }
     }

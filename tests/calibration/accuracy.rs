@@ -91,13 +91,13 @@ fn widening() {
     }
 }
 
-/// On six synthetic measurements with red noise, ten starting points of the least squares end
+/// On three synthetic measurements with red noise, ten starting points of the least squares end
 /// within 0.1 % of err of each other, at A and G within 1 % of the truth, and below the err of the
 /// true parameters. That A and G are right shows that the global minimum was found; the error of K
 /// is that which red noise causes.
 #[test]
 fn starts_of_the_least_squares_agree() {
-    for seed in 300..306 {
+    for seed in 300..303 {
         let (twin, truth) = twin_of(&BRIDGE, &Campaign { between: Between::Lines, ..RED_CAMPAIGN }, seed);
         let fit = ask(&record(&twin), &question(CalibrationMethod::Both));
         assert_eq!(fit.starts.len(), 10);

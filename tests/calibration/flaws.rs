@@ -8,7 +8,9 @@
 use crate::bridge::{
     BRIDGE, Campaign, RED, RED_CAMPAIGN, ask, by_slips, covered, question, record, rmse, twin_of, warns,
 };
-use stick_slip::bearing::calibration::{CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Quantity};
+use stick_slip::bearing::calibration::{
+    Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, Quantity,
+};
 
 const FORCES: [Quantity; 3] = [Quantity::Stiffness, Quantity::Static, Quantity::Dynamic];
 
@@ -23,15 +25,15 @@ fn a_lag_is_found_and_allowed_for() {
     for seed in 500..503 {
         let (twin, truth) = twin_of(&BRIDGE, &lagging, seed);
         let with = |lag: Lag| ask(&record(&twin), &CalibrationQuestion { lag, ..question(CalibrationMethod::Slips) });
+        let [given, auto, none] = [Lag::Known(900.0), Lag::Auto, Lag::Known(0.0)].map(with);
         let off =
-            |lag: Lag| with(lag).estimate(Quantity::Stiffness).estimate / truth[Quantity::Stiffness as usize] - 1.0;
-        assert!(off(Lag::Known(900.0)).abs() < 0.05);
-        assert!(off(Lag::Auto).abs() < 0.06);
-        let (auto, none) = (with(Lag::Auto), with(Lag::Known(0.0)));
+            |fit: &Calibration| fit.estimate(Quantity::Stiffness).estimate / truth[Quantity::Stiffness as usize] - 1.0;
+        assert!(off(&given).abs() < 0.05);
+        assert!(off(&auto).abs() < 0.06);
         assert!((auto.lag.estimate - 900.0).abs() < 180.0, "{:?}", auto.lag);
         assert!(warns(&auto, "lag"));
         assert!(warns(&none, "other_lag"));
-        unaware += off(Lag::Known(0.0)) / 3.0;
+        unaware += off(&none) / 3.0;
     }
     assert!(unaware < -0.04, "{unaware}");
 }
@@ -49,14 +51,14 @@ fn the_lag_that_was_found_has_an_interval() {
     assert!(covered(&all, Quantity::Stiffness) >= 8, "{}", covered(&all, Quantity::Stiffness));
 }
 
-/// Without a lag none is found, in twelve synthetic measurements with thermometers of no, 0.5 K and
+/// Without a lag none is found, in six synthetic measurements with thermometers of no, 0.5 K and
 /// 1 K resolution. False-alarm rate: a lag is reported if it increases twice the logarithm of the
 /// likelihood by 15, which happens by chance once in 10 000 measurements.
 #[test]
 fn no_lag_is_made_up() {
     for resolution in [0.0, 0.5, 1.0] {
         let campaign = Campaign { flaws: Flaws { resolution, ..RED }, ..RED_CAMPAIGN };
-        for (fit, _) in by_slips(&campaign, 600..604) {
+        for (fit, _) in by_slips(&campaign, 600..602) {
             assert_eq!(fit.lag.estimate, 0.0, "{resolution}: {:?}", fit.lag_profile);
         }
     }
@@ -122,16 +124,16 @@ pub const MOVING_ZEROS: [Flaws; 4] = [
 
 /// A zero that moves is fitted and named, and one that does not is not.
 ///
-/// Null hypothesis: intervals of 90 % hold the truth. Sample size: 8 synthetic measurements of each
-/// kind (seeds 1100 to 1107), so 32 intervals of K and of beta each. False-alarm rate: fewer than
-/// 23 of 32 hold once in 300 times, if one in ten misses. If the zero were not fitted, a quarter of
+/// Null hypothesis: intervals of 90 % hold the truth. Sample size: 4 synthetic measurements of each
+/// kind (seeds 1100 to 1103), so 16 intervals of K and of beta each. False-alarm rate: fewer than
+/// 11 of 16 hold once in 300 times, if one in ten misses. If the zero were not fitted, a quarter of
 /// them would hold. A zero that was set is found to 0.15 mm and within two days, or fifteen where it
 /// is set by less than a slip, and a drift to 0.3 mm a year.
 #[test]
 fn a_zero_that_moves_is_found_and_does_no_harm() {
     let mut held = [0; 2];
     for flaws in MOVING_ZEROS {
-        let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 1100..1108);
+        let all = by_slips(&Campaign { flaws, ..RED_CAMPAIGN }, 1100..1104);
         for (sum, quantity) in held.iter_mut().zip([Quantity::Stiffness, Quantity::Dilatation]) {
             *sum += covered(&all, quantity);
         }
@@ -152,8 +154,8 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
             }
         }
     }
-    println!("{held:?} of 32 intervals of K and beta hold");
-    assert!(held.iter().all(|held| *held >= 23), "{held:?} of 32");
+    println!("{held:?} of 16 intervals of K and beta hold");
+    assert!(held.iter().all(|held| *held >= 11), "{held:?} of 16");
 }
 
 /// A sensor whose clock is an hour behind that of the thermometer, or an hour ahead, as in summer
@@ -161,7 +163,7 @@ fn a_zero_that_moves_is_found_and_does_no_harm() {
 /// error, nor where the steel is 15 minutes behind.
 #[test]
 fn a_clock_that_is_an_hour_off_is_asked_for() {
-    for seed in 1200..1203 {
+    for seed in 1200..1202 {
         let upright = record(&twin_of(&BRIDGE, &RED_CAMPAIGN, seed).0);
         assert!(!warns(&ask(&upright, &question(CalibrationMethod::Slips)), "clocks"));
         for hours in [1.0, -1.0] {

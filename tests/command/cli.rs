@@ -364,7 +364,7 @@ fn init_writes_a_scenario_that_passes_and_never_overwrites() {
     let changed = desk.mc(&[&["init"], &flags[..]].concat());
     let made = scene(changed.done()).unwrap();
     let temperature = &made.model.temperature;
-    assert_eq!((temperature.noise.unwrap().intensity, temperature.harmonics[0].angular_frequency), (0.4, 0.5));
+    assert_eq!((temperature.noises[0].intensity, temperature.harmonics[0].angular_frequency), (0.4, 0.5));
     assert_eq!((made.model.friction.static_force, made.title.as_str(), made.ensemble.paths), (1.4, "1.5", 20_000));
     assert!(
         changed

@@ -68,8 +68,8 @@ fn completed_points(path: &Path) -> u64 {
 fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    // The sweep takes some seconds, 6e9 steps, so that it can be interrupted.
-    let long = [&SMALL[..], &["--step", "0.00002", "-o", "parts.h5", "--threads", "2", "--no-bias"]].concat();
+    // The sweep takes a second or two, 2e9 steps, so that it can be interrupted.
+    let long = [&SMALL[..], &["--step", "0.00005", "-o", "parts.h5", "--threads", "2", "--no-bias"]].concat();
     let partial = here.join("parts.h5.partial");
     let mut first = Running::mc(here, &long);
     first.until_it_answers();
@@ -291,7 +291,7 @@ fn a_sweep_that_another_program_has_changed_is_refused() {
 fn two_processes_do_not_write_one_sweep() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    let long = [&SMALL[..], &["--step", "0.00002", "-o", "s.h5", "--no-bias"]].concat();
+    let long = [&SMALL[..], &["--step", "0.00005", "-o", "s.h5", "--no-bias"]].concat();
     let mut first = Running::mc(here, &long);
     first.until("it has its name", || here.join("s.h5.lock").exists());
     let second = mc(here, &long);

@@ -21,8 +21,8 @@ pub fn shipped_model(name: &str) -> Model {
 pub fn paper(w: f64, rho: f64) -> Model {
     let mut model = shipped_model("rho025");
     model.temperature.harmonics[0].angular_frequency = w;
-    let noise = model.temperature.noise.map(|noise| Noise { intensity: rho, ..noise });
-    model.temperature.noise = noise.filter(|_| rho != 0.0);
+    model.temperature.noises[0].intensity = rho;
+    model.temperature.noises.retain(|_| rho != 0.0);
     model
 }
 

@@ -341,7 +341,7 @@ impl Watch {
         let harmonics: f64 =
             temperature.harmonics.iter().map(|h| gain * h.amplitude.abs() * turn(h.angular_frequency)).sum();
         // Six standard deviations of a bridge, and the relaxation towards zero.
-        let noise = temperature.noise.map_or(0.0, |n| {
+        let noise = temperature.noises.first().map_or(0.0, |n| {
             let spread = n.diffusion * dt.min(0.5 / n.relaxation_rate).sqrt();
             let size = spread + n.stationary_sd() + if let InitialNoise::At(v) = n.initial { v.abs() } else { 0.0 };
             gain * n.intensity * (6.0 * spread + (n.relaxation_rate * dt).min(2.0) * size)

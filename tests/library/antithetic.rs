@@ -134,7 +134,7 @@ fn pairs_are_summed_to_the_same_bits_in_any_parts() {
 #[test]
 fn a_pair_is_left_out_as_a_whole() {
     let mut paired = scenario(of_kind(Kind::EventDriven), 60.0, 512, 2);
-    paired.model.temperature.noise.as_mut().expect("noise").intensity = 1.5;
+    paired.model.temperature.noises.first_mut().expect("noise").intensity = 1.5;
     let plan = paired.with_scheme(DiscreteVi { step: 0.3 }).expect("goes together").plan();
     let alone = Plan { antithetic: false, ..plan.clone() }.run(1).diverged;
     let summary = plan.run(1);

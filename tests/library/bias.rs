@@ -199,7 +199,7 @@ fn the_truth_is_within_its_uncertainty_where_static_and_dynamic_friction_are_clo
 #[test]
 fn the_truth_is_within_its_uncertainty_where_the_changes_from_step_to_step_mislead() {
     let mut short_memory = paper(0.25, 0.25);
-    short_memory.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 5.0;
+    short_memory.temperature.noises.first_mut().expect("it has noise").relaxation_rate = 5.0;
     let mut damped = paper(0.25, 0.5);
     (damped.oscillator.damping, damped.friction.static_force) = (1.0, 1.05);
     for (model, h, statistic, (truth, error)) in [
@@ -306,7 +306,7 @@ fn the_bias_is_covered_for_a_median_that_jumps_between_kinds_of_sticks() {
     (model.oscillator.mass, model.oscillator.stiffness) = (0.3, 0.2);
     (model.oscillator.damping, model.oscillator.drive) = (0.5, Drive::Dilatation(20.0));
     (model.friction.static_force, model.initial_displacement) = (1.02, 20.0);
-    let noise = model.temperature.noise.as_mut().expect("it has noise");
+    let noise = model.temperature.noises.first_mut().expect("it has noise");
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
     let (low, high) = (1.156, 1.167);
     let covered_and_width = |seed: &u64| {
@@ -334,7 +334,7 @@ fn the_steps_give_the_bias_where_the_reference_run_cannot() {
     assert_eq!(referenced(&model, 0.01, 10_000).map(|biases| biases.len()), Some(EXISTING));
     assert_eq!(referenced(&model, 0.04, 1000), None);
     let mut fast = model.clone();
-    fast.temperature.noise.as_mut().expect("it has noise").relaxation_rate = 1e6;
+    fast.temperature.noises.first_mut().expect("it has noise").relaxation_rate = 1e6;
     let mut close = model.clone();
     close.friction.static_force = 1.0 + 1e-9;
     for model in [fast, close] {
@@ -365,8 +365,8 @@ fn paths_without_a_step_are_not_those_of_the_run() {
     model.initial_displacement = 0.0;
     let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
     let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
-    model.temperature.noise =
-        Some(Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary });
+    model.temperature.noises =
+        vec![Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary }];
     let (end, h, paths) = (10.0, 1e-4, 128);
     let timeline = Timeline { end, output_step: end, period: None, after: 0.0 };
     let squares = (0..64).map(|seed| {

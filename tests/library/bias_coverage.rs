@@ -41,7 +41,7 @@ fn two_humps(static_force: f64, intensity: f64) -> Model {
     let oscillator = &mut model.oscillator;
     (oscillator.mass, oscillator.stiffness) = (0.3, 0.2);
     (oscillator.damping, oscillator.drive) = (0.5, Drive::Dilatation(20.0));
-    let noise = model.temperature.noise.as_mut().expect("it has noise");
+    let noise = model.temperature.noises.first_mut().expect("it has noise");
     (noise.relaxation_rate, noise.initial) = (0.5, InitialNoise::At(-1.0));
     (model.friction.static_force, model.initial_displacement) = (static_force, 20.0);
     model
@@ -63,7 +63,7 @@ fn scenes() -> Vec<(String, Model)> {
         (oscillator.mass, oscillator.stiffness) = (draw(-1.0, 1.0).exp2(), draw(-1.0, 1.0).exp2());
         (oscillator.damping, oscillator.drive) = (draw(-0.5, 0.5).max(0.0), Drive::Dilatation(draw(3.0, 12.0)));
         model.friction.static_force = 1.0 + draw(-5.0, -1.3).exp2();
-        let noise = model.temperature.noise.as_mut().expect("it has noise");
+        let noise = model.temperature.noises.first_mut().expect("it has noise");
         (noise.intensity, noise.relaxation_rate) = (draw(-3.5, -0.5).exp2(), draw(-1.0, 2.0).exp2());
         let (angular_frequency, phase) = (draw(0.15, 0.8), draw(0.0, 6.0));
         model.temperature.harmonics = vec![Harmonic { amplitude: 1.0, angular_frequency, phase }];

@@ -224,12 +224,12 @@ fn diverged_paths_are_counted_listed_and_kept_out() {
     let mut model = paper(0.25, 0.0);
     model.friction = Friction { static_force: 0.01, dynamic_force: 0.01 };
     model.temperature = Temperature {
-        noise: Some(Noise {
+        noises: vec![Noise {
             intensity: 1.0,
             relaxation_rate: 1e-9,
             diffusion: 1e-5,
             initial: InitialNoise::Stationary,
-        }),
+        }],
         ..Temperature::default()
     };
     model.initial_displacement = 0.0;

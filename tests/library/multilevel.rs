@@ -98,8 +98,8 @@ fn levels_share_no_path() {
     model.initial_displacement = 0.0;
     let (relaxation_rate, stationary_sd): (f64, f64) = (1e-9, 1.0);
     let diffusion = stationary_sd * (2.0 * relaxation_rate).sqrt();
-    model.temperature.noise =
-        Some(Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary });
+    model.temperature.noises =
+        vec![Noise { intensity: 1.0, relaxation_rate, diffusion, initial: InitialNoise::Stationary }];
     let means: Vec<[f64; 3]> = (0..400)
         .map(|seed| {
             let run = Multilevel::new(&model, 10.0, Statistic::DisplacementEndMean, seed)

@@ -35,7 +35,7 @@ fn kept(scheme: Scheme, model: &Model, timeline: &Timeline, seed: u64, paths: &[
 /// The noisy scene of the paper with this noise.
 fn with_noise(noise: Noise) -> Model {
     let mut model = paper(0.25, noise.intensity);
-    model.temperature.noise = Some(noise);
+    model.temperature.noises = vec![noise];
     model
 }
 

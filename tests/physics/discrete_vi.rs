@@ -127,7 +127,7 @@ fn the_kernel_gives_the_cascade_of_the_reference_on_the_same_normals() {
     damped.oscillator = Oscillator { mass: 2.0, stiffness: 3.0, damping: 0.3, drive: Drive::Dilatation(2.0) };
     damped.temperature.harmonics.push(Harmonic { amplitude: 0.7, angular_frequency: 1.1, phase: 0.4 });
     let mut stationary = paper(0.25, 0.6);
-    let noise = stationary.temperature.noise.as_mut().expect("has noise");
+    let noise = stationary.temperature.noises.first_mut().expect("has noise");
     (noise.relaxation_rate, noise.diffusion, noise.initial) = (2.0, 0.8, InitialNoise::Stationary);
     let mut equal = paper(0.25, 0.25);
     equal.friction.static_force = 1.0;
@@ -292,7 +292,7 @@ fn a_path_does_not_depend_on_its_company() {
 fn intensity_zero_is_the_deterministic_case_bit_for_bit() {
     let without = paper(0.25, 0.0);
     let mut zero = paper(0.25, 0.25);
-    zero.temperature.noise.as_mut().expect("has noise").intensity = 0.0;
+    zero.temperature.noises.first_mut().expect("has noise").intensity = 0.0;
     let run = |model: &Model, seed: u64| {
         let mut keep = Keep::lanes(3);
         DiscreteSimulation::new(model, &timeline(60.0, 0.1), 0.01).simulate(seed, &[0, 1, 2], &mut keep);
@@ -376,7 +376,7 @@ fn the_model_scales() {
     scaled.friction.dynamic_force *= force;
     scaled.initial_displacement *= length;
     scaled.temperature.harmonics[0].angular_frequency /= time;
-    let noise = scaled.temperature.noise.as_mut().expect("has noise");
+    let noise = scaled.temperature.noises.first_mut().expect("has noise");
     (noise.relaxation_rate, noise.diffusion) = (noise.relaxation_rate / time, noise.diffusion / time.sqrt());
 
     let paths: Vec<u64> = (0..64).collect();
@@ -547,7 +547,7 @@ fn a_path_that_is_no_number_when_it_is_first_looked_at_has_diverged() {
 fn steps_fed_by_finer_ones_see_the_same_noise() {
     let mut model = paper(0.25, 2.0);
     let noise = Noise { intensity: 2.0, relaxation_rate: 2.0, diffusion: 1.5, initial: InitialNoise::Stationary };
-    model.temperature.noise = Some(noise);
+    model.temperature.noises = vec![noise];
     let paths: Vec<u64> = (0..20).collect();
     let temperature = |h: f64, refinement: usize| {
         let mut keep = Keep::lanes(paths.len());

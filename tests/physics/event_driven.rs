@@ -266,7 +266,7 @@ fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
-        noise: Some(Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }),
+        noises: vec![Noise { intensity: 0.5, relaxation_rate: 0.5, diffusion: 0.0, initial: InitialNoise::At(2.0) }],
         ..Temperature::default()
     };
     let events = noiseless_events(&model, 60.0);
@@ -317,7 +317,8 @@ fn noise_that_moves_nothing_is_seen_in_the_temperature() {
         for initial in [InitialNoise::At(2.0), InitialNoise::Stationary] {
             let mut model = paper(0.25, 0.0);
             model.oscillator.drive = Drive::Dilatation(dilatation);
-            model.temperature.noise = Some(Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial });
+            model.temperature.noises =
+                vec![Noise { intensity: rho, relaxation_rate: theta, diffusion: sigma, initial }];
             let is_stationary = initial == InitialNoise::Stationary;
             let variance = |t: f64| if is_stationary { stationary } else { -stationary * (-2.0 * theta * t).exp_m1() };
             let mean = if is_stationary {
@@ -540,14 +541,14 @@ fn the_paper_s_noisy_scene_has_the_reference_statistics() {
 #[test]
 fn statistics_do_not_depend_on_the_tolerance_nor_on_being_observed() {
     // Null hypothesis: every statistic has the same value for each tolerance and output grid. All
-    // statistics exist in this scene, which has three whole forcing periods. Sample size: 1e5 paths
+    // statistics exist in this scene, which has three whole forcing periods. Sample size: 25 000 paths
     // on either side, seeds 1 to 5. False-alarm rate: 1e-4 for each of 84 comparisons.
     let line = |output_step| Timeline { end: 76.0, output_step, period: Some(8.0 * std::f64::consts::PI), after: 0.0 };
-    let standard = event_driven_summary(&paper(0.25, 0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 100_000);
+    let standard = event_driven_summary(&paper(0.25, 0.25), &line(60.0), DEFAULT_TOLERANCE, 1, 25_000);
     let others = [(0.5, 60.0, 2), (2.0, 60.0, 3), (1.0, 0.7, 4), (16.0, 0.3, 5)];
     for (factor, output_step, seed) in others {
         let other =
-            event_driven_summary(&paper(0.25, 0.25), &line(output_step), factor * DEFAULT_TOLERANCE, seed, 100_000);
+            event_driven_summary(&paper(0.25, 0.25), &line(output_step), factor * DEFAULT_TOLERANCE, seed, 25_000);
         for statistic in Statistic::asked_by(&Record::NOTHING) {
             let ((a, sa), (b, sb)) = (estimate(&standard, statistic), estimate(&other, statistic));
             let name = statistic.name();
@@ -574,19 +575,19 @@ impl Observer for EndStates {
 fn without_friction_finding_zeros_leaves_the_gaussian_law_alone() {
     // With f_s = f_d = 0 every zero of x' is an event at which the motion is cut and started again.
     // Null hypothesis: (x, x') still has the law of a linear system, the mean and covariance of one
-    // exact transition over the whole time. Sample size: 1e5 paths in each of three cases.
+    // exact transition over the whole time. Sample size: 30 000 paths in each of three cases.
     // False-alarm rate: 1e-4 for each of 5 moments in a case.
     for (case, (rho, theta, alpha)) in [(0.25, 1.0, 0.0), (2.0, 0.3, 0.1), (0.5, 4.0, 0.5)].into_iter().enumerate() {
         let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
         model.oscillator.damping = alpha;
-        if let Some(noise) = &mut model.temperature.noise {
+        for noise in &mut model.temperature.noises {
             noise.relaxation_rate = theta;
         }
         let end = 8.0;
         let scheme = EventDrivenSimulation::new(&model, &timeline(end), DEFAULT_TOLERANCE);
         let mut states = EndStates(Vec::new());
-        for first in (0..100_000).step_by(250) {
+        for first in (0..30_000).step_by(250) {
             let numbers: Vec<u64> = (first..first + 250).collect();
             assert!(scheme.simulate(case as u64, &numbers, &mut states).is_empty());
         }
@@ -940,7 +941,7 @@ fn units_do_not_matter_path_by_path() {
     scaled.friction = Friction { static_force: 1.2 * length, dynamic_force: length };
     scaled.initial_displacement *= length;
     scaled.temperature.harmonics[0].angular_frequency /= time;
-    if let Some(noise) = &mut scaled.temperature.noise {
+    for noise in &mut scaled.temperature.noises {
         (noise.relaxation_rate, noise.diffusion) = (1.0 / time, 1.0 / f64::sqrt(time));
     }
     let line = |unit: f64| Timeline { end: 60.0 * unit, output_step: 60.0 * unit, period: None, after: 0.0 };
@@ -1015,7 +1016,7 @@ fn extreme_scenes_end_in_bounded_work() {
         let mut model = paper(0.25, rho);
         model.friction = Friction { static_force: f_s, dynamic_force: f_d };
         model.oscillator.damping = alpha;
-        if let Some(noise) = &mut model.temperature.noise {
+        for noise in &mut model.temperature.noises {
             noise.relaxation_rate = theta;
         }
         let scheme = EventDrivenSimulation::new(&model, &timeline(end), DEFAULT_TOLERANCE);

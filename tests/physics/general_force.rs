@@ -312,7 +312,7 @@ fn beside_table(scene: &str, summary: &Summary) -> Vec<(&'static str, f64, f64, 
 fn noisy_scenes_have_the_statistics_of_an_independent_program() {
     for (scene, _) in SCENES {
         let scenario = noisy(scene);
-        let found = summary(&scenario, scenario.scheme, 20_000);
+        let found = summary(&scenario, scenario.scheme, 6000);
         for (name, value, error, wanted) in beside_table(scene, &found) {
             let off = if value == wanted { 0.0 } else { (value - wanted) / error };
             println!("{scene}: {name} {value} {wanted}, {off:.2} standard errors");
@@ -333,7 +333,7 @@ fn the_steps_agree_with_the_independent_program_once_their_bias_is_taken_off() {
     for (scene, _) in SCENES {
         for scheme in [Scheme::from(DiscreteVi { step: 0.005 }), CorrectedVi { step: 0.005 }.into()] {
             let scenario = noisy(scene).with_scheme(scheme).expect("goes together");
-            let found = Run::of(&scenario).paths(16_384).threads(2).simulate().expect("a run").summary;
+            let found = Run::of(&scenario).paths(4096).threads(2).simulate().expect("a run").summary;
             for (name, value, error, wanted) in beside_table(scene, &found) {
                 let Some(bias) = Statistic::from_name(name).and_then(|statistic| found.estimate(statistic).bias) else {
                     continue;
@@ -370,14 +370,14 @@ fn differences(a: &Summary, b: &Summary) -> Vec<(&'static str, f64, f64, f64)> {
         .collect()
 }
 
-/// The general steps have the statistics of the exact ones. 50 000 and 1e5 paths of different
+/// The general steps have the statistics of the exact ones. 15 000 and 30 000 paths of different
 /// seeds; 20 statistics within 4 standard errors, which a right program exceeds with a probability
 /// of 0.1 %.
 #[test]
 fn half_of_the_spring_as_a_force_of_ones_own_gives_the_same_statistics() {
     let [whole, half] = whole_and_half();
-    let exact = summary(&whole, EventDriven { tolerance: 1e-3 }.into(), 100_000);
-    let general = summary(&half, EventDriven { tolerance: 1e-3 }.into(), 50_000);
+    let exact = summary(&whole, EventDriven { tolerance: 1e-3 }.into(), 30_000);
+    let general = summary(&half, EventDriven { tolerance: 1e-3 }.into(), 15_000);
     for (name, off, error, _) in differences(&general, &exact) {
         assert!(off.abs() < 4.0 * error, "{name}");
     }
@@ -435,7 +435,7 @@ fn the_temperature_in_a_slip_is_that_of_the_noise_under_a_force_of_ones_own() {
 /// A cubic spring k3 = 0.5 with damping alpha = 1/2 under noise of temperature 1 that is nearly
 /// white, without friction: p ~ e^{-E}, so <x^2> = 0.57920477 and <v^2> = 1. The noise remembers
 /// for 1/theta, so the means are off by some 1/theta; 2 (value at theta) - (value at theta/2) is
-/// off by its square. 4000 paths, 11 times apart by more than their memory.
+/// off by its square. 2000 paths, 11 times apart by more than their memory.
 #[test]
 fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
     let moments = |theta: f64| {
@@ -452,7 +452,7 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
              scheme = {{ kind = \"event-driven\" }}"
         );
         let scenario = scenario(&text);
-        let numbers: Vec<u64> = (0..4000).collect();
+        let numbers: Vec<u64> = (0..2000).collect();
         let mut keep = Keep::lanes(numbers.len());
         let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
         assert!(simulation.simulate(1, &numbers, &mut keep).is_empty());
@@ -464,9 +464,9 @@ fn a_cubic_spring_in_noise_has_the_law_of_its_energy() {
     let [slow, fast] = [10.0, 20.0].map(moments);
     let [x, v] = [0, 1].map(|i| 2.0 * fast[i] - slow[i]);
     println!("{slow:?} {fast:?}: {x} {v}");
-    // 44 000 states, of which some 20 000 are independent: 0.02 with the factor of the
+    // 22 000 states, of which some 10 000 are independent: 0.03 with the factor of the
     // extrapolation.
-    assert!((x - 0.579_204_77).abs() < 0.03 && (v - 1.0).abs() < 0.06, "{x} {v}");
+    assert!((x - 0.579_204_77).abs() < 0.04 && (v - 1.0).abs() < 0.08, "{x} {v}");
 }
 
 /// The error of the events follows the tolerance. With noise that is too feeble to be seen, the
@@ -477,7 +477,7 @@ fn without_noise_the_error_under_a_force_of_ones_own_follows_the_tolerance() {
     let events = |expression: &str, intensity: f64, tolerance: f64| {
         let mut scenario = noisy("cubic spring");
         scenario.model.force = Some(Force::new(Expression::parse(expression, &[]).expect("an expression")));
-        if let Some(noise) = &mut scenario.model.temperature.noise {
+        for noise in &mut scenario.model.temperature.noises {
             noise.intensity = intensity;
         }
         events(&scenario.with_scheme(EventDriven { tolerance }).expect("goes together"))
@@ -494,7 +494,7 @@ fn without_noise_the_error_under_a_force_of_ones_own_follows_the_tolerance() {
     }
 }
 
-/// A stiff stop under noise gives no body more energy than it had. The largest |x| of 4000 paths is
+/// A stiff stop under noise gives no body more energy than it had. The largest |x| of 1000 paths is
 /// that of a run with a hundredth of the tolerance, within a fifth; steps that pass over a contact
 /// would throw some paths a hundred times as far. The mean end is that of the other run, within 4
 /// standard errors.
@@ -507,7 +507,7 @@ fn a_stiff_stop_throws_no_path_away() {
             scenario.model.force = Some(Force::new(Expression::parse(&stop, &[]).expect("an expression")));
             scenario.model.initial_displacement = 2.9;
             let scheme = Scheme::from(EventDriven { tolerance });
-            let numbers: Vec<u64> = (0..4000).collect();
+            let numbers: Vec<u64> = (0..1000).collect();
             let mut keep = Keep::lanes(numbers.len());
             let simulation = scheme.simulation(&scenario.model, &timeline(30.0, 30.0));
             assert!(simulation.simulate(seed, &numbers, &mut keep).is_empty());
@@ -535,7 +535,7 @@ fn stiff_forces_take_no_energy() {
             scenario.model.initial_displacement = 2.0;
             scenario.time.end = 10.0;
             scenario.time.output_step = 10.0;
-            if let Some(noise) = &mut scenario.model.temperature.noise {
+            for noise in &mut scenario.model.temperature.noises {
                 noise.intensity = intensity;
             }
             summary(&scenario, scenario.scheme, 16).estimate(Statistic::FrictionWorkMean).estimate

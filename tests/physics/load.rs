@@ -187,12 +187,12 @@ fn a_moving_threshold_is_left_when_the_equivalent_force_leaves_a_constant_one() 
 
 /// With noise, event-driven agrees with corrected-vi at h = 0.01 and half of that, extrapolated
 /// with order 1, which knows a load as its definition: f_s and f_d of each step. Null: equal means;
-/// 2000 paths of each, 3 scenes with 5 statistics, 3.9 standard errors of the difference (1e-4
+/// 600 paths of each, 3 scenes with 5 statistics, 3.9 standard errors of the difference (1e-4
 /// each) and 0.3 % for what the extrapolation and the tolerance leave; seeds 1 to 3.
 #[test]
 fn with_noise_both_kinds_of_scheme_have_the_same_statistics() {
     for name in ["load in time", "belt with patches", "clutch"] {
-        let noisy = scene(name, "temperature.noise.intensity = 0.3\nensemble.paths = 2000");
+        let noisy = scene(name, "temperature.noise.intensity = 0.3\nensemble.paths = 600");
         let run = |scheme: Scheme, seed: u64| {
             let mut scenario = noisy.with_scheme(scheme).expect("goes together");
             scenario.ensemble.seed = seed;
@@ -288,7 +288,7 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
 }
 
 /// A load, or a force, that oscillates 100 times as fast as the body is seen in sticks. Null: the
-/// means of 400 paths by event-driven and by corrected-vi at h = 5e-4 are equal but for 4 %, what
+/// means of 150 paths by event-driven and by corrected-vi at h = 5e-4 are equal but for 4 %, what
 /// the step leaves; 3.9 standard errors of the difference (1e-4 each). Sticks whose ends alone are
 /// looked at are 2 to 5 times too long. Without noise, 1000 times as fast, discrete-vi at h = 2e-6
 /// has 173 sticks of the mean 0.0226791.
@@ -296,7 +296,7 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
 fn what_oscillates_quickly_is_not_stepped_over() {
     let friction = "friction.static = 1.2\nfriction.dynamic = 1.0
                     temperature.harmonics = [{ amplitude = 3, angular_frequency = 0.5 }]";
-    let noise = "temperature.noise.intensity = 0.25\nensemble.paths = 400\ntime.end = 20";
+    let noise = "temperature.noise.intensity = 0.25\nensemble.paths = 150\ntime.end = 20";
     for quick in ["friction.load = \"1 + 0.3*cos(100*t)\"", "force.expression = \"0.36*sin(100*t)\""] {
         let noisy = scenario(friction, &format!("{noise}\n{quick}"));
         let run = |scheme: Scheme| {

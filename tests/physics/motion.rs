@@ -37,7 +37,7 @@ fn without_noise_the_balance_of_energy_closes_to_a_billionth_of_the_work_of_fric
     let mut scenes = Vec::new();
     let mut add = |name: &str, change: &dyn Fn(&mut Scenario)| {
         let mut scene = event_driven(shipped(name, 1));
-        scene.model.temperature.noise = None;
+        scene.model.temperature.noises.clear();
         change(&mut scene);
         scenes.push((format!("{name} {}", scenes.len()), scene));
     };
@@ -75,7 +75,7 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
             "noise of theta = 200",
             {
                 let mut scene = event_driven(shipped("damped", 8));
-                let noise = scene.model.temperature.noise.as_mut().expect("noisy");
+                let noise = scene.model.temperature.noises.first_mut().expect("noisy");
                 (noise.relaxation_rate, noise.diffusion) = (200.0, 200.0);
                 scene
             },

@@ -178,12 +178,12 @@ const FALSE_ALARM: f64 = 3.9;
 fn slow_noise(zeta: f64, w: f64) -> Model {
     let mut model = damped(zeta, w);
     let theta = 10.0 * w;
-    model.temperature.noise = Some(Noise {
+    model.temperature.noises = vec![Noise {
         intensity: 0.05,
         relaxation_rate: theta,
         diffusion: (2.0 * theta).sqrt(),
         initial: InitialNoise::Stationary,
-    });
+    }];
     model
 }
 
@@ -296,7 +296,7 @@ fn a_stationary_noise_starts_from_the_force_it_has() {
     let model = Model {
         oscillator: Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.0, drive: Drive::Dilatation(1.0) },
         friction: Friction { static_force: 1.0, dynamic_force: 0.5 },
-        temperature: Temperature { noise: Some(noise), ..Temperature::default() },
+        temperature: Temperature { noises: vec![noise], ..Temperature::default() },
         force: None,
         initial_displacement: 0.0,
         initial_velocity: 0.0,

@@ -40,8 +40,7 @@ fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
     model.friction = Friction { static_force: 0.0, dynamic_force: 0.0 };
     model.oscillator.damping = 0.1;
     let [fast, slow] = [noise(1.5, 0.3, InitialNoise::At(0.0)), noise(0.06, 0.1, InitialNoise::At(0.0))];
-    model.temperature.noise = Some(fast);
-    model.temperature.second_noise = Some(slow);
+    model.temperature.noises = vec![fast, slow];
     let scheme = EventDrivenSimulation::new(&model, &timeline(end, 1.0), DEFAULT_TOLERANCE);
     let mut ends = Vec::new();
     for first in (0..paths).step_by(250) {
@@ -94,8 +93,7 @@ fn still(fast: Noise, slow: Noise) -> Model {
     model.oscillator.drive = Drive::Dilatation(1.0);
     model.friction = Friction { static_force: 1.0, dynamic_force: 0.9 };
     model.temperature.harmonics.clear();
-    model.temperature.noise = Some(fast);
-    model.temperature.second_noise = Some(slow);
+    model.temperature.noises = vec![fast, slow];
     model.initial_displacement = 0.0;
     model
 }
@@ -104,10 +102,10 @@ fn still(fast: Noise, slow: Noise) -> Model {
 /// in the scheme and in a loop of small steps. The thresholds of the loop are moved by 0.5826 s
 /// sqrt(step), which corrects for crossings between steps (Broadie, Glasserman and Kou,
 /// Mathematical Finance 7, 1997). One noise has a correlation time of hours and one of days; both
-/// are stationary. Sample size: 40 000 paths of each.
+/// are stationary. Sample size: 10 000 paths of each.
 #[test]
 fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
-    let (paths, end, step) = (40_000, 60.0, 2e-3);
+    let (paths, end, step) = (10_000, 60.0, 2e-3);
     let [fast, slow] = [(2.0, 0.55), (0.07, 0.12)].map(|(theta, s)| noise(theta, s, InitialNoise::Stationary));
     let model = still(fast, slow);
     let line = timeline(end, 60.0);
@@ -182,8 +180,7 @@ fn first_exits(scheme: &impl Simulate, end: f64, paths: u64) -> Vec<f64> {
 fn two_noises_of_one_memory_are_one() {
     let one = paper(0.25, 0.25);
     let mut two = one.clone();
-    two.temperature.noise = Some(Noise { intensity: 0.15, ..one.temperature.noise.expect("noise") });
-    two.temperature.second_noise = Some(Noise { intensity: 0.2, ..one.temperature.noise.expect("noise") });
+    two.temperature.noises = [0.15, 0.2].map(|intensity| Noise { intensity, ..one.temperature.noises[0] }).to_vec();
     let [one, two] = [one, two].map(|model| {
         let scheme = EventDrivenSimulation::new(&model, &timeline(60.0, 60.0), DEFAULT_TOLERANCE);
         let mut sticks = Vec::new();

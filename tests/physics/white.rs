@@ -8,7 +8,7 @@ fn mean_speed(strength: f64, friction: f64, damping: f64, theta: &str) -> [f64; 
     let (after, end) = (10.0, 60.0);
     let more = format!(
         "temperature.noise = {{ kind = \"white\", strength = {strength:?}{theta} }}
-         ensemble = {{ paths = 400, seed = 9 }}
+         ensemble = {{ paths = 150, seed = 9 }}
          scheme = {{ kind = \"event-driven\" }}"
     );
     let scene = scenario(&body([0.0, damping], [friction; 2], [end, after, end], &more));
@@ -17,8 +17,8 @@ fn mean_speed(strength: f64, friction: f64, damping: f64, theta: &str) -> [f64; 
 }
 
 /// p(x') ~ exp(-(alpha x'^2 + f |x'|)/D), so that the mean of |x'| is D/f without damping, and by
-/// quadrature with it. Null: the scheme has this law but for the tolerance of 0.1 %. Sample size: 400
-/// paths of 50. False-alarm rate: 4 standard errors, 1 in 16 000 each; these are 0.6 %, and a strength
+/// quadrature with it. Null: the scheme has this law but for the tolerance of 0.1 %. Sample size: 150
+/// paths of 50. False-alarm rate: 4 standard errors, 1 in 16 000 each; these are 1 %, and a strength
 /// that is 2 times too large makes the mean larger by a half or more.
 #[test]
 fn a_body_in_white_noise_has_the_speed_of_its_stationary_law() {

@@ -149,7 +149,7 @@ pub(super) fn unresolved(case: &Case) -> Option<String> {
 /// White noise is simulated by a fast one.
 pub(super) fn white(case: &Case) -> Option<String> {
     let share = case.scenario.white_noise?.share(&case.scenario.model)?;
-    let theta = case.scenario.model.temperature.noise?.relaxation_rate;
+    let theta = case.scenario.model.temperature.noises.first()?.relaxation_rate;
     Some(format!(
         "white noise is simulated as one that forgets within 1/theta = {}, {} of the shortest time in which the body \
          forgets its velocity: statistics differ from those of white noise by a share of this order. A body on \

@@ -31,7 +31,7 @@ impl Slip {
         let bounds = temperature.harmonics.iter().map(|h| 2.0 * h.amplitude.abs());
         let bounds = bounds.chain(series.map(|series| series.range().1 - series.range().0)).chain([f64::INFINITY]);
         let harmonics: f64 = rates.clone().zip(bounds).map(|(rate, bound)| (rate * duration).min(bound)).sum();
-        let noise = temperature.noises().map(|noise| {
+        let noise = temperature.effective_noises().map(|noise| {
             let spread = noise.diffusion * duration.min(0.5 / noise.relaxation_rate).sqrt();
             noise.intensity * spread
         });

@@ -34,7 +34,7 @@ impl Air {
     /// harmonics plus one path of the noise, which is stationary from the first sample on. Between
     /// samples it moves as the noise does.
     pub fn drawn(temperature: &Temperature, count: usize, every: f64, seed: u64) -> Self {
-        let fastest = temperature.noises().map(|noise| noise.relaxation_rate).fold(0.0, f64::max);
+        let fastest = temperature.effective_noises().map(|noise| noise.relaxation_rate).fold(0.0, f64::max);
         let parts = (every / LONGEST.min(SHARE / fastest)).ceil().max(1.0);
         let stride = (parts as usize).min(MOST / count.max(1)).max(1);
         let step = every / stride as f64;
@@ -43,7 +43,7 @@ impl Air {
         let mut temperatures: Vec<f64> = times.iter().map(|t| temperature.deterministic(*t)).collect();
         let mut roughness = 0.0;
         // These streams are not used by the imperfections of a synthetic record.
-        for (noise, stream) in temperature.noises().zip([u64::MAX, u64::MAX - 1]) {
+        for (noise, stream) in temperature.effective_noises().zip([u64::MAX, u64::MAX - 1]) {
             let mut random = Stream::new(seed, stream);
             let transition = Transition::new(noise.relaxation_rate, noise.diffusion, step);
             let mut v = noise.stationary_sd() * random.normal();

@@ -154,8 +154,7 @@ mod tests {
         };
         Temperature {
             harmonics: vec![harmonic(12.0, 0.0, 0.0), harmonic(8.0, PERIODS[0], 0.4), harmonic(4.0, PERIODS[1], -2.0)],
-            noise: Some(noise(0.7, 7200.0)),
-            second_noise: Some(noise(3.5, 3.0 * DAY)),
+            noises: vec![noise(0.7, 7200.0), noise(3.5, 3.0 * DAY)],
             ..Temperature::default()
         }
     }

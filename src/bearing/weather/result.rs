@@ -175,12 +175,12 @@ impl WeatherFit {
     /// stationary from t = 0 on, which is the first sample.
     pub fn temperature(&self) -> Temperature {
         let Weather { harmonics, processes, .. } = self.likeliest();
-        let mut noises = processes.into_iter().map(|(rate, variance)| {
+        let noises = processes.into_iter().map(|(rate, variance)| {
             // v has the standard deviation 1, so rho is the standard deviation of the temperature.
             let (intensity, diffusion) = (variance.sqrt(), (2.0 * rate).sqrt());
             Noise { intensity, relaxation_rate: rate, diffusion, initial: InitialNoise::Stationary }
         });
-        Temperature { harmonics, noise: noises.next(), second_noise: noises.next(), ..Temperature::default() }
+        Temperature { harmonics, noises: noises.collect(), ..Temperature::default() }
     }
 
     /// The most likely weather.

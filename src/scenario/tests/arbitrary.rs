@@ -35,7 +35,7 @@ prop_compose! {
         (offset, trend) in prop_oneof![2 => Just((0.0, 0.0)), 1 => (signed(), signed())],
         (static_force, ratio) in (size(), 0.0..=1.0f64),
         harmonics in proptest::collection::vec((signed(), size(), signed()), 0..4),
-        (noise, second_noise) in (proptest::option::of(noise()), proptest::option::of(noise())),
+        noises in proptest::collection::vec(noise(), 0..3),
         initial_displacement in signed(),
         initial_velocity in prop_oneof![3 => Just(0.0), 1 => signed()],
     ) -> Model {
@@ -43,7 +43,7 @@ prop_compose! {
         Model {
             oscillator: Oscillator { mass, stiffness, damping, drive },
             friction: Friction { static_force, dynamic_force: static_force * ratio },
-            temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, second_noise: noise.and(second_noise), noise },
+            temperature: Temperature { offset, trend, harmonics: harmonics.into_iter().map(harmonic).collect(), series: None, is_pinned: false, noises },
             force: None,
             initial_displacement,
             initial_velocity,
@@ -74,10 +74,10 @@ prop_compose! {
             model.oscillator.stiffness += f64::from(u8::from(model.oscillator.stiffness == 0.0));
         }
         if kind.has_step() {
-            model.temperature.second_noise = None;
+            model.temperature.noises.truncate(1);
         }
         if kind == Kind::CorrectedVi && monitoring_shift(&model, step) >= model.friction.static_force / 2.0 {
-            model.temperature.noise = None;
+            model.temperature.noises.clear();
         }
         let mut scenario = Scenario {
             title,
@@ -103,7 +103,7 @@ prop_compose! {
         // A second noise is invalid with some of these values, for example if both noises move
         // nothing.
         if scenario.check().is_err() {
-            scenario.model.temperature.second_noise = None;
+            scenario.model.temperature.noises.truncate(1);
         }
         scenario
     }

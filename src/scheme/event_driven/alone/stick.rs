@@ -307,7 +307,7 @@ mod tests {
         // values are the survival probabilities P(T > t) of the corridor of half-width 0.8.
         let (theta, sigma) = (3.0, 0.2);
         let mut model = noise_alone(0.8 * sigma / f64::sqrt(theta), theta);
-        if let Some(noise) = &mut model.temperature.noise {
+        for noise in &mut model.temperature.noises {
             noise.diffusion = sigma;
         }
         let found = exits(&model, 0.0, kappa(), 1e4, 77, 200_000);

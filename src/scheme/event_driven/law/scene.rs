@@ -88,7 +88,7 @@ impl Scene {
         let Temperature { offset, trend, .. } = model.temperature;
         let series = model.temperature.series.clone();
         let line = model.temperature.has_line().then_some([gain * offset, gain * trend]);
-        let mut noises = model.temperature.noises();
+        let mut noises = model.temperature.effective_noises();
         let (noise, two_noises) = match (noises.next(), noises.next()) {
             (Some(first), Some(second)) => {
                 let both = TwoNoises::new([first, second], gain);

@@ -13,7 +13,7 @@ pub fn noise_alone(static_force: f64, relaxation_rate: f64) -> Model {
     model.temperature.harmonics.clear();
     model.friction.static_force = static_force;
     model.initial_displacement = 0.0;
-    if let Some(noise) = &mut model.temperature.noise {
+    for noise in &mut model.temperature.noises {
         noise.relaxation_rate = relaxation_rate;
     }
     model

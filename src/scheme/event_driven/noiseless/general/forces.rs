@@ -41,7 +41,7 @@ impl Forces {
             amplitude: Complex::unit(h.phase) * h.amplitude,
             rate: Complex::new(0.0, h.angular_frequency),
         });
-        let relaxing = model.temperature.noises().filter_map(|noise| match noise.initial {
+        let relaxing = model.temperature.effective_noises().filter_map(|noise| match noise.initial {
             InitialNoise::At(v) => Some(ForcingTerm {
                 amplitude: Complex::new(noise.intensity * v, 0.0),
                 rate: Complex::new(-noise.relaxation_rate, 0.0),

@@ -145,7 +145,7 @@ fn scenes() -> Vec<(String, Model, f64)> {
         m.temperature.harmonics[0].phase = 0.7;
         m.temperature.harmonics.push(Harmonic { amplitude: 0.3, angular_frequency: 0.0, phase: 0.4 });
         let initial = InitialNoise::At(0.8);
-        m.temperature.noise = Some(Noise { intensity: 0.5, relaxation_rate: 0.3, diffusion: 0.0, initial });
+        m.temperature.noises = vec![Noise { intensity: 0.5, relaxation_rate: 0.3, diffusion: 0.0, initial }];
     });
     add("measured", &|m| {
         let times: Vec<f64> = (0..=90).map(|i| 0.7 * f64::from(i)).collect();
