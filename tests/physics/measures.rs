@@ -126,8 +126,10 @@ fn a_body_without_a_spring_under_white_noise_has_de_gennes_spectrum_and_diffusio
 /// each of the two bins beside x' = 0. The standard error is that of 16 runs of 128 paths. Null:
 /// each bin is within 4.4 standard errors, which fails by chance in 1 of 2000 bins (Student's t).
 /// With 25 000 paths 32 bins without damping, and 20 with it, were at most 3.2 and 2.5 standard
-/// errors away for theta = 100 and 400, and 2.2 and 3.1 for 400 and 1600.
+/// errors away for theta = 100 and 400, and 2.2 and 3.1 for 400 and 1600; 16 runs of 128 paths, as
+/// here, passed on 2026-11-28.
 #[test]
+#[ignore = "a minute on two cores"]
 fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
     for (alpha, law) in [(0.0, (|v| -2.0 * v) as fn(f64) -> f64), (0.25, |v| -0.5 * v * v - 2.0 * v)] {
         let shares = |summary: &Summary| {
