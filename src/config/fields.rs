@@ -188,7 +188,8 @@ impl<'a> Fields<'a> {
     }
 
     /// The place of the value of a key, if it is there. The key may be dotted, for a table within
-    /// this one; in an array of tables it is that of the first table that has the key.
+    /// this one; in an array of tables it is that of the table with the number that the key gives,
+    /// or of the first table that has the key.
     pub fn place_of(&self, dotted: &str) -> Option<Place> {
         Some(node_at(self.entries, dotted)?.place)
     }

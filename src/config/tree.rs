@@ -36,11 +36,17 @@ pub(super) struct KeyValue {
 }
 
 impl Node {
-    /// The node at this dotted key, if there is one. In an array of tables it is that of the first
-    /// table that has the key.
+    /// The node at this dotted key, if there is one. In an array of tables it is that of the table
+    /// with this number, or without a number that of the first table that has the key.
     fn at(&self, dotted: &str) -> Option<&Node> {
         match &self.value {
-            Value::Array(items) => items.iter().find_map(|item| item.at(dotted)),
+            Value::Array(items) => {
+                let numbered = dotted.split_once('.').and_then(|(i, rest)| Some((i.parse::<usize>().ok()?, rest)));
+                match numbered {
+                    Some((i, rest)) => items.get(i)?.at(rest),
+                    None => items.iter().find_map(|item| item.at(dotted)),
+                }
+            }
             Value::Table(entries) => node_at(entries, dotted),
             _ => None,
         }

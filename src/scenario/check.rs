@@ -152,7 +152,7 @@ fn noise(noise: &Noise) -> Option<Misfit> {
 fn third_noise(temperature: &Temperature) -> Option<Misfit> {
     let third = temperature.noises.get(2)?;
     let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
-    let problem = "is of one noise too many; two are simulated at most";
+    let problem = "is one noise too many; two are simulated at most";
     Some(Misfit::new(&[("temperature.noise.2.intensity", third.intensity)], problem, remedy))
 }
 

@@ -170,7 +170,7 @@ fn a_fitted_temperature_is_a_part_of_a_scenario() {
     );
     let third = "\n[[temperature.noise]]\nintensity = 1.0\n";
     fs::write(path.join("three.toml"), year + third).expect("written");
-    refused(path, &["check", "three.toml"], 2, &["one noise too many", "three.toml:"]);
+    refused(path, &["check", "three.toml"], 2, &["one noise too many", "three.toml:", "| intensity = 1.0\n"]);
     refused(path, &["fit-temperature", DATA, "--periods", "3000d"], 1, &["half a period", "leave it out"]);
     refused(path, &["fit-temperature", DATA, "--periods", "often"], 2, &["365.25d"]);
     refused(

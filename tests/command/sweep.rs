@@ -68,7 +68,7 @@ fn completed_points(path: &Path) -> u64 {
 fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
     let folder = tempfile::tempdir().expect("a temporary folder");
     let here = folder.path();
-    // The sweep takes a second or two, 2e9 steps, so that it can be interrupted.
+    // The sweep takes a second or two, 2.5e9 steps, so that it can be interrupted.
     let long = [&SMALL[..], &["--step", "0.00005", "-o", "parts.h5", "--threads", "2", "--no-bias"]].concat();
     let partial = here.join("parts.h5.partial");
     let mut first = Running::mc(here, &long);

@@ -228,7 +228,9 @@ fn sorted(names: &[&str]) -> Vec<String> {
 
 #[track_caller]
 fn all_but_these_are_found(make: &[&str], others: &[&str], tried: &mut BTreeSet<String>) {
-    OF_PROGRAM.iter().chain(others).for_each(|name| drop(tried.take(*name)));
+    for name in OF_PROGRAM.iter().chain(others) {
+        tried.remove(*name);
+    }
     let mut missed = not_found(make, tried);
     missed.sort();
     assert_eq!(missed, sorted(&[&OF_PROGRAM[..], others].concat()));

@@ -10,8 +10,9 @@ use stick_slip::scheme::{
 };
 use stick_slip::stats::{Record, Statistic};
 
-fn run(h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f64, f64)> {
-    estimates(paper(0.25, 0.25), h, paths, corrected, statistics)
+/// The statistics of [`FOUR`] in the noisy scene of the paper.
+fn run(h: f64, paths: u64, corrected: bool) -> Vec<(f64, f64)> {
+    estimates(paper(0.25, 0.25), h, paths, corrected, &FOUR)
 }
 
 fn estimates(model: Model, h: f64, paths: u64, corrected: bool, statistics: &[Statistic]) -> Vec<(f64, f64)> {
@@ -33,7 +34,7 @@ const FOUR: [Statistic; 4] =
     [Statistic::StickDurationMean, Statistic::SticksPerPath, Statistic::SubPhasesMean, Statistic::StickingFraction];
 
 /// The corrected scheme at h = 0.00125, which two tests look at.
-static FINE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| run(0.00125, 40_000, true, &FOUR));
+static FINE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| run(0.00125, 40_000, true));
 
 /// log2 of the ratio of two relative errors, and its standard error by the delta method.
 fn order(coarse: (f64, f64), fine: (f64, f64), truth: f64) -> (f64, f64) {
@@ -50,10 +51,10 @@ fn order(coarse: (f64, f64), fine: (f64, f64), truth: f64) -> (f64, f64) {
 /// ends, fails.
 #[test]
 fn the_correction_makes_order_one_of_one_half() {
-    let coarse = run(0.005, 40_000, true, &FOUR)[0];
+    let coarse = run(0.005, 40_000, true)[0];
     let (slope, se) = order(coarse, FINE[0], truth(Statistic::StickDurationMean));
     assert!(slope / 2.0 > 0.9, "corrected: order {} +- {}", slope / 2.0, se / 2.0);
-    let [coarse, fine] = [0.005, 0.00125].map(|h| run(h, 10_000, false, &FOUR)[0]);
+    let [coarse, fine] = [0.005, 0.00125].map(|h| run(h, 10_000, false)[0]);
     let (slope, se) = order(coarse, fine, truth(Statistic::StickDurationMean));
     assert!((0.3..0.6).contains(&(slope / 2.0)), "plain: order {} +- {}", slope / 2.0, se / 2.0);
 }
