@@ -12,15 +12,15 @@ use rand_distr::{Distribution, StandardNormal};
 use rand_pcg::{Pcg64, rand_core::SeedableRng};
 use std::path::Path;
 use std::time::Duration;
-use stick_slip::engine::{Provenance, Run, Status};
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
-use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
-use stick_slip::noise::LaneStreams;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{DiscreteSimulation, EventDriven, Simulate as _};
-use stick_slip::stats::{BlockResult, Totals};
-use stick_slip::store::{FileSink, Writer};
-use stick_slip::sums::Merge as _;
+use stickslip::engine::{Provenance, Run, Status};
+use stickslip::ensemble::{BLOCK_SIZE, Plan};
+use stickslip::lanes::{InstructionSet, LaneProgram, Lanes};
+use stickslip::noise::LaneStreams;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{DiscreteSimulation, EventDriven, Simulate as _};
+use stickslip::stats::{BlockResult, Totals};
+use stickslip::sums::Merge as _;
+use stickslip_files::store::{FileSink, Writer};
 
 /// The straightforward loop: one path at a time, `rand_pcg` and the ziggurat of `rand_distr`,
 /// forcing from a table, sticks counted and their durations summed. The parameters are those of set

@@ -5,12 +5,12 @@
 //! `cargo run --release --no-default-features --example own_chance`
 
 use rand_distr::{Distribution as _, Exp};
-use stick_slip::engine::Run;
-use stick_slip::model::{Event, EventKind};
-use stick_slip::noise::AddressedDraws;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::{PathMeans, PathState, Statistic, Tally};
-use stick_slip::sums::Measurement;
+use stickslip::engine::Run;
+use stickslip::model::{Event, EventKind};
+use stickslip::noise::AddressedDraws;
+use stickslip::scenario::Scenario;
+use stickslip::stats::{PathMeans, PathState, Statistic, Tally};
+use stickslip::sums::Measurement;
 
 /// The time between two inspections.
 struct Inspections(Exp<f64>);

@@ -2,12 +2,12 @@
 //!
 //! `cargo run --release --no-default-features --example own_force`
 
-use stick_slip::engine::Run;
-use stick_slip::lanes::Lanes;
-use stick_slip::model::{Force, ForceLaw};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::EventDriven;
-use stick_slip::stats::Statistic;
+use stickslip::engine::Run;
+use stickslip::lanes::Lanes;
+use stickslip::model::{Force, ForceLaw};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::EventDriven;
+use stickslip::stats::Statistic;
 
 /// g = -k3 x^3.
 #[derive(Debug)]

@@ -2,12 +2,12 @@
 //!
 //! `cargo run --release --no-default-features --example own_statistic`
 
-use stick_slip::engine::Run;
-use stick_slip::model::{Event, EventKind};
-use stick_slip::noise::AddressedDraws;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::{PathMeans, PathState, Tally};
-use stick_slip::sums::Measurement;
+use stickslip::engine::Run;
+use stickslip::model::{Event, EventKind};
+use stickslip::noise::AddressedDraws;
+use stickslip::scenario::Scenario;
+use stickslip::stats::{PathMeans, PathState, Tally};
+use stickslip::sums::Measurement;
 
 /// The share of sticks that last longer than this. The first stick of each path is left out.
 struct LongSticks(f64);

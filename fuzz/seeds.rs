@@ -4,11 +4,11 @@
 use std::fs;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stick_slip::config::SHIPPED;
-use stick_slip::engine::{Run, Sink, SinkError};
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::BlockResult;
-use stick_slip::store::{FileSink, partial_path};
+use stickslip::config::SHIPPED;
+use stickslip::engine::{Run, Sink, SinkError};
+use stickslip::scenario::Scenario;
+use stickslip::stats::BlockResult;
+use stickslip_files::store::{FileSink, partial_path};
 
 type Done<T = ()> = Result<T, Box<dyn std::error::Error>>;
 

@@ -14,9 +14,9 @@
 //! # An estimate
 //!
 //! ```
-//! use stick_slip::engine::Run;
-//! use stick_slip::scenario::Scenario;
-//! use stick_slip::stats::Statistic;
+//! use crate::engine::Run;
+//! use crate::scenario::Scenario;
+//! use crate::stats::Statistic;
 //!
 //! let mut scenario = Scenario::shipped("rho025")?;
 //! scenario.ensemble.paths = 1_000;
@@ -33,7 +33,8 @@
 //! A scene of your own is a TOML file, such as `mc init` writes, with changes of single keys:
 //!
 //! ```no_run
-//! # use stick_slip::{config::Override, scenario::Scenario};
+//! # use crate::config::Override;
+//! # use crate::scenario::Scenario;
 //! let scenario = Scenario::read("mine.toml".as_ref(), &[Override::set("friction.static=1.3")?])?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
@@ -44,7 +45,6 @@
 //!
 //! | module | purpose |
 //! |---|---|
-//! | [`numbers`] | numbers in the form in which people read them |
 //! | [`memory`] | what memory a process needs, and what the system gives it |
 //! | [`lanes`] | several numbers in one processor register |
 //! | [`model`] | oscillator, friction, temperature, and the vocabulary of phases; pure functions |
@@ -54,16 +54,11 @@
 //! | [`stats`] | statistics of the cascade with their intervals |
 //! | [`ensemble`] | blocks of paths on threads, delivered in order |
 //! | [`bias`] | the bias of the time step |
-//! | [`data`] | measured data: columns of a CSV or HDF5 file, checked and repaired |
 //! | [`scenario`] | one physical question as checked data, and the ensemble that it asks for |
 //! | [`config`] | scenarios as TOML, with overrides of single keys |
 //! | [`advice`] | what follows from a scenario before it is run: derived numbers and warnings |
 //! | [`engine`] | a run from its scenario to its outcome |
 //! | [`study`] | many runs for one question: the cost of accuracy, sweeps |
-//! | [`bearing`] | a bridge's bearing: calibration, weather and forecast from measurements |
-//! | [`dataset`] | results as data: variables, dimensions, units |
-//! | `store` | the same data as files (feature `store`) |
-//! | `figure` | pictures (feature `figure`) |
 //!
 //! # What you can add
 //!
@@ -77,26 +72,21 @@
 //!
 //! # Features
 //!
-//! `store` writes and reads HDF5 files and needs the HDF5 library, `figure` draws, and `cli` is the
 //! command `mc` and includes both. These three are on by default. Without them the library needs
 //! neither HDF5 nor a C compiler.
 #![deny(missing_docs)]
 
-#[doc(inline)]
-pub use stick_slip_bearing::bearing;
-#[doc(inline)]
-pub use stick_slip_core::{
-    advice, bias, config, data, engine, ensemble, lanes, memory, model, noise, numbers, scenario, scheme, stats, study,
-    sums,
-};
-#[cfg(feature = "figure")]
-#[doc(inline)]
-pub use stick_slip_figure::figure;
-#[doc(inline)]
-pub use stick_slip_files::dataset;
-#[cfg(feature = "saved")]
-#[doc(inline)]
-pub use stick_slip_files::saved;
-#[cfg(feature = "store")]
-#[doc(inline)]
-pub use stick_slip_files::store;
+pub mod advice;
+pub mod bias;
+pub mod config;
+pub mod engine;
+pub mod ensemble;
+pub mod lanes;
+pub mod memory;
+pub mod model;
+pub mod noise;
+pub mod scenario;
+pub mod scheme;
+pub mod stats;
+pub mod study;
+pub mod sums;

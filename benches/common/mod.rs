@@ -4,10 +4,10 @@ use criterion::{BenchmarkGroup, Criterion, Throughput, measurement::WallTime};
 use std::hint::black_box;
 use std::path::Path;
 use std::time::Duration;
-use stick_slip::config::Override;
-use stick_slip::model::Event;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{Instant, Observer, Snapshot};
+use stickslip::config::Override;
+use stickslip::model::Event;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{Instant, Observer, Snapshot};
 
 pub const STEP: &str = "time.step=0.001";
 /// Long enough for the phases of the paths to mix, and short enough for many repetitions.

@@ -14,11 +14,11 @@ use criterion::Criterion;
 use std::hint::black_box;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
-use stick_slip::lanes::InstructionSet;
-use stick_slip::model::HarmonicClock;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{DiscreteSimulation, Simulate as _};
+use stickslip::ensemble::{BLOCK_SIZE, Plan};
+use stickslip::lanes::InstructionSet;
+use stickslip::model::HarmonicClock;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{DiscreteSimulation, Simulate as _};
 use stripped::{Scene, count_sticks};
 
 /// Paths of the runs with and without an estimate of the bias: 48 times 16 groups of 14.

@@ -4,9 +4,9 @@
 //! counts the ends of sticks.
 
 use std::hint::black_box;
-use stick_slip::lanes::{InstructionSet, LaneProgram, Lanes};
-use stick_slip::model::HarmonicClock;
-use stick_slip::noise::{LaneStreams, Transition};
+use stickslip::lanes::{InstructionSet, LaneProgram, Lanes};
+use stickslip::model::HarmonicClock;
+use stickslip::noise::{LaneStreams, Transition};
 
 /// The first lane of each register in which some path turned, and the velocities of its lanes.
 type Turns = Vec<(usize, [f64; 8])>;
@@ -16,7 +16,7 @@ const RUN: usize = 256;
 /// Beyond this displacement a path is lost.
 const BOUND: f64 = 1e3;
 
-/// The parameters of the step, with the names that [`stick_slip::model::Model`] has.
+/// The parameters of the step, with the names that [`stickslip::model::Model`] has.
 #[derive(Clone, Copy)]
 pub struct Scene {
     pub h: f64,

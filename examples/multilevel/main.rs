@@ -9,8 +9,8 @@ use method::Multilevel;
 use std::error::Error;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::Statistic;
+use stickslip::scenario::Scenario;
+use stickslip::stats::Statistic;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let scenario = Scenario::read("scenarios/rho025.toml".as_ref(), &[])?;

@@ -20,11 +20,11 @@
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stick_slip::ensemble::{BLOCK_SIZE, Plan, in_order};
-use stick_slip::model::Model;
-use stick_slip::scheme::{CorrectedVi, Scheme, Simulate as _, Timeline};
-use stick_slip::stats::{BlockResult, PathColumns, Record, Statistic};
-use stick_slip::sums::{Merge as _, Moments};
+use stickslip::ensemble::{BLOCK_SIZE, Plan, in_order};
+use stickslip::model::Model;
+use stickslip::scheme::{CorrectedVi, Scheme, Simulate as _, Timeline};
+use stickslip::stats::{BlockResult, PathColumns, Record, Statistic};
+use stickslip::sums::{Merge as _, Moments};
 
 /// Blocks of a new level, simulated before anything is known of its variance.
 const PILOT_BLOCKS: u64 = 4;

@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use stick_slip::lanes::InstructionSet;
-use stick_slip::model::{Expression, Force, Scales, doubts};
+use stickslip::lanes::InstructionSet;
+use stickslip::model::{Expression, Force, Scales, doubts};
 
 fuzz_target!(|text: &str| {
     match Expression::parse(text, &[("mu".into(), 0.3), ("vs".into(), 0.1)]) {

@@ -5,8 +5,8 @@
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use stick_slip::scenario::Scenario;
-use stick_slip::store::{self, FileKind};
+use stickslip::scenario::Scenario;
+use stickslip_files::store::{self, FileKind};
 
 /// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> =

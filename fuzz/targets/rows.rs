@@ -6,11 +6,11 @@
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use stick_slip::engine::Run;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::RunTotals;
-use stick_slip::sums::Codec as _;
-use stick_slip::store::{self, FileSink, RunQuestion};
+use stickslip::engine::Run;
+use stickslip::scenario::Scenario;
+use stickslip::stats::RunTotals;
+use stickslip::sums::Codec as _;
+use stickslip_files::store::{self, FileSink, RunQuestion};
 
 /// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {

@@ -4,7 +4,7 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use stick_slip::scenario::Scenario;
+use stickslip::scenario::Scenario;
 
 fuzz_target!(|text: &str| {
     if let Ok(scenario) = Scenario::parse("fuzz", text, &[]) {

@@ -3,8 +3,8 @@
 #![no_main]
 
 use libfuzzer_sys::fuzz_target;
-use stick_slip::data::{ColumnQuantity, DateOrder, Layout, Name, Wanted, parse};
-use stick_slip::model::Series;
+use stickslip_data::{ColumnQuantity, DateOrder, Layout, Name, Wanted, parse};
+use stickslip::model::Series;
 
 fuzz_target!(|bytes: &[u8]| {
     // The first byte decides the layout and the longest gap.

@@ -5,7 +5,7 @@
 use libfuzzer_sys::fuzz_target;
 use std::path::PathBuf;
 use std::sync::LazyLock;
-use stick_slip::store;
+use stickslip_files::store;
 
 /// A folder in memory, where there is one.
 static FOLDER: LazyLock<tempfile::TempDir> = LazyLock::new(|| {

@@ -10,18 +10,16 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use std::path::Path;
-use stick_slip::bearing::calibration::{
+use stickslip::config::{self, Override, ScenarioError};
+use stickslip::scenario::{BridgeScene, Scenario as Checked};
+use stickslip_bearing::calibration::{
     Air, Calibration, CalibrationMethod, CalibrationQuestion, Flaws, Lag, MeasuredRecord, NotHeld, Quantity, Response,
     calibrate as calibrated, twin as made, values,
 };
-use stick_slip::bearing::forecast::{ForecastQuestion as Asked, Foreseen};
-use stick_slip::bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
-use stick_slip::config::{self, Override, ScenarioError};
-use stick_slip::data::{
-    self, BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording,
-};
-use stick_slip::dataset::{Dataset, StoredCalibration};
-use stick_slip::scenario::{BridgeScene, Scenario as Checked};
+use stickslip_bearing::forecast::{ForecastQuestion as Asked, Foreseen};
+use stickslip_bearing::weather::{Cycle, Process, WeatherFit, fit, usual};
+use stickslip_data::{BearingData, ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Start, Wording};
+use stickslip_files::dataset::{Dataset, StoredCalibration};
 
 /// A scenario from Python: its name in messages, its text (none if the name is that of a file), and
 /// overrides as pairs of a key and a value in TOML.
@@ -172,7 +170,7 @@ pub fn repaired<'py>(
     let quantity = quantities.into_iter().find(|known| known.word() == quantity).unwrap_or(quantities[0]);
     let (times, values) = (times.as_array().to_vec(), values.as_array().to_vec());
     let layout = Layout { outliers, ..Layout::default() };
-    let (mut columns, repairs) = data::arrays(&[(quantity, &times, &values)], &layout)
+    let (mut columns, repairs) = stickslip_data::arrays(&[(quantity, &times, &values)], &layout)
         .map_err(|error| errors::of_argument(py, argument, "the samples", &error, &error.remedy))?;
     let column = columns.swap_remove(0);
     let said = repairs.of_file(argument);

@@ -3,8 +3,8 @@
 use pyo3::prelude::*;
 use pyo3::types::{IntoPyDict as _, PyDict};
 use std::fmt::Display;
-use stick_slip::config::{Fault, ScenarioError};
-use stick_slip::ensemble::{self, Flaw};
+use stickslip::config::{Fault, ScenarioError};
+use stickslip::ensemble::{self, Flaw};
 
 /// An exception of the class `class` of `stickslip.errors`, with these attributes.
 fn exception(py: Python<'_>, class: &str, message: &str, attributes: PyResult<Bound<'_, PyDict>>) -> PyErr {

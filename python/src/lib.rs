@@ -43,11 +43,11 @@ mod _native {
     #[pymodule_init]
     fn init(module: &pyo3::Bound<'_, pyo3::types::PyModule>) -> pyo3::PyResult<()> {
         use pyo3::types::PyModuleMethods as _;
-        module.add("VERSION", stick_slip::engine::PROGRAM_VERSION)?;
-        stick_slip::engine::built_from(stick_slip_commit::commit!(".."));
-        module.add("GIT_HASH", stick_slip::engine::commit())?;
-        let statistics = stick_slip::stats::Statistic::ALL.map(stick_slip::stats::Statistic::name);
+        module.add("VERSION", stickslip::engine::PROGRAM_VERSION)?;
+        stickslip::engine::built_from(env!("STICKSLIP_COMMIT"));
+        module.add("GIT_HASH", stickslip::engine::commit())?;
+        let statistics = stickslip::stats::Statistic::ALL.map(stickslip::stats::Statistic::name);
         module.add("STATISTICS", statistics.to_vec())?;
-        module.add("SHIPPED", stick_slip::config::SHIPPED.map(|shipped| shipped.name).to_vec())
+        module.add("SHIPPED", stickslip::config::SHIPPED.map(|shipped| shipped.name).to_vec())
     }
 }

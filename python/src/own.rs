@@ -4,11 +4,11 @@
 
 use numpy::{IntoPyArray as _, PyReadonlyArray1};
 use pyo3::prelude::*;
-use stick_slip::dataset::Recorder;
-use stick_slip::engine::{Asked, Moment, Outcome, Sink, SinkError};
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::{BlockResult, BlockRows, EventColumns, PathMeans, Record};
-use stick_slip::sums::{Measurement, Replicate, Tree};
+use stickslip::engine::{Asked, Moment, Outcome, Sink, SinkError};
+use stickslip::scenario::Scenario;
+use stickslip::stats::{BlockResult, BlockRows, EventColumns, PathMeans, Record};
+use stickslip::sums::{Measurement, Replicate, Tree};
+use stickslip_files::dataset::Recorder;
 
 /// A statistic of the caller's own.
 pub struct Own {

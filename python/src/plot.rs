@@ -5,11 +5,11 @@ use crate::errors;
 use crate::scenario::Scenario;
 use crate::studies::statistic;
 use pyo3::prelude::*;
-use stick_slip::config::Override;
-use stick_slip::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
-use stick_slip::figure::{self, Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
-use stick_slip::scenario::Scenario as Checked;
-use stick_slip::study::sweep::{Setting, Sweep};
+use stickslip::config::Override;
+use stickslip::scenario::Scenario as Checked;
+use stickslip::study::sweep::{Setting, Sweep};
+use stickslip_figure::{Absent, Drawing, DrawnPath, NoPage, Only, Style, Subject, Theme};
+use stickslip_files::dataset::{Attribute, Dataset, StoredCalibration, StoredSweep};
 
 /// A picture, which can be written as SVG, PNG or PDF.
 #[pyclass(frozen)]
@@ -20,18 +20,18 @@ impl Picture {
     /// The picture as the text of an SVG file.
     #[getter]
     fn svg(&self) -> String {
-        figure::svg(&self.0)
+        stickslip_figure::svg(&self.0)
     }
 
     /// The picture as the bytes of a PNG file with this resolution.
     #[pyo3(signature = (dots_per_inch = 300.0))]
     fn png(&self, py: Python<'_>, dots_per_inch: f64) -> PyResult<Vec<u8>> {
-        figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error, "report it"))
+        stickslip_figure::png(&self.0, dots_per_inch).map_err(|error| errors::of_run(py, &error, "report it"))
     }
 
     /// The picture as the bytes of a PDF file.
     fn pdf(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
-        figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "a flaw in the program: no PDF", "report it"))
+        stickslip_figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "a flaw in the program: no PDF", "report it"))
     }
 }
 
@@ -120,7 +120,7 @@ fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, label
         |name: &str, problem: String| errors::of_argument(py, "only", name, &problem, "as `mc plot --help` says");
     let only = only.map(|name| Only::named(&name).map_err(|problem| unknown(&name, problem))).transpose()?;
     let drawn = || {
-        figure::draw(only, subject, &style).map_err(|no| match no {
+        stickslip_figure::draw(only, subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => refused(figure.name, absent),
             NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
             NoPage::Label(name, known) => {

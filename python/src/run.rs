@@ -13,13 +13,13 @@ use std::collections::HashMap;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
-use stick_slip::dataset::{Dataset, Recorder};
-use stick_slip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError};
-use stick_slip::ensemble::ThreadsError;
-use stick_slip::saved::{PartRecorder, Parts, PartsError};
-use stick_slip::scenario::Scenario as Checked;
-use stick_slip::stats::Goal;
-use stick_slip::sums::Measurement;
+use stickslip::engine::{Asked, EndedBy, MOST_PATHS, MissedGoal, Outcome, Part, Replay, Run, RunError};
+use stickslip::ensemble::ThreadsError;
+use stickslip::scenario::Scenario as Checked;
+use stickslip::stats::Goal;
+use stickslip::sums::Measurement;
+use stickslip_files::dataset::{Dataset, Recorder};
+use stickslip_files::saved::{PartRecorder, Parts, PartsError};
 
 /// The attributes and the variables of a data set.
 pub type Variables<'py> = (Bound<'py, PyDict>, Bound<'py, PyList>);

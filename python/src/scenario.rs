@@ -6,10 +6,10 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use std::path::Path;
-use stick_slip::advice::DerivedQuantity;
-use stick_slip::config::{self, Override, ScenarioError, Shipped};
-use stick_slip::model::{NamedSeries, Series};
-use stick_slip::scenario::Scenario as Checked;
+use stickslip::advice::DerivedQuantity;
+use stickslip::config::{self, Override, ScenarioError, Shipped};
+use stickslip::model::{NamedSeries, Series};
+use stickslip::scenario::Scenario as Checked;
 
 /// A checked scenario, and what it was read from.
 #[pyclass(frozen)]

@@ -9,17 +9,17 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use std::convert::Infallible;
 use std::time::Duration;
-use stick_slip::config::{Override, symbol_and_meaning};
-use stick_slip::dataset::Dataset;
-use stick_slip::ensemble::{MOST_THREADS, check_threads};
-use stick_slip::memory::{Need, Short};
-use stick_slip::scenario::Scenario as Checked;
-use stick_slip::stats::Statistic;
-use stick_slip::study::accuracy::{Accuracy, AccuracyGoal};
-use stick_slip::study::sweep::{
+use stickslip::config::{Override, symbol_and_meaning};
+use stickslip::ensemble::{MOST_THREADS, check_threads};
+use stickslip::memory::{Need, Short};
+use stickslip::scenario::Scenario as Checked;
+use stickslip::stats::Statistic;
+use stickslip::study::accuracy::{Accuracy, AccuracyGoal};
+use stickslip::study::sweep::{
     Design, DesignError, RELATIVE_STEPS, Seeds, Setting, StarError, Sweep, SweepAxis, SweepQuestion, SweepSimulation,
 };
-use stick_slip::study::trade::{Limits, measure_within};
+use stickslip::study::trade::{Limits, measure_within};
+use stickslip_files::dataset::Dataset;
 
 /// The number of threads of a call: the given one, or one for each core. The system starts so many.
 #[derive(Clone, Copy)]

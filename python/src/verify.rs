@@ -8,7 +8,7 @@ use pyo3::exceptions::PyKeyboardInterrupt;
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 use std::path::PathBuf;
-use stick_slip::saved::{BlocksAgain, Difference, again_in_memory, seal};
+use stickslip_files::saved::{BlocksAgain, Difference, again_in_memory, seal};
 
 /// What was compared: fields of `stickslip.Verified`.
 #[derive(IntoPyObject)]

@@ -9,8 +9,8 @@ use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
-use stick_slip::engine::Progress;
-use stick_slip::ensemble::{Flaw, guarded};
+use stickslip::engine::Progress;
+use stickslip::ensemble::{Flaw, guarded};
 
 /// The longest time until a signal is handled. The engine then gives the blocks in work another
 /// 0.15 s.

@@ -8,9 +8,9 @@ use super::overrides::Override;
 use super::series::source;
 use super::source::{MeasuredFrom, Sources};
 use super::{shipped_at, text_of, tree};
-use crate::data::ColumnSource;
 use crate::scenario::BridgeScene;
 use std::path::Path;
+use stickslip_data::ColumnSource;
 
 impl BridgeScene {
     /// Read a file with the overrides applied. The name of a shipped scenario stands for its file.

@@ -7,9 +7,9 @@ use super::error::Fault;
 use super::keys::{self, Allowed, Key};
 use super::source::{Place, Sources};
 use super::tree::{KeyValue, Node, Value, node_at};
-use crate::excerpt::short;
 use crate::model::LARGEST;
 use std::ops::RangeInclusive;
+use stickslip_data::excerpt::short;
 
 /// A value with its dotted key.
 struct ValueAt<'a> {
@@ -309,7 +309,7 @@ impl<'a> Fields<'a> {
     /// A length of time, if it is there: a number as it is, or a text such as "6h" in seconds.
     pub fn span_if_present(&self, key: Key) -> Option<f64> {
         let read = |at: &ValueAt<'a>| match &at.node.value {
-            Value::Text(text) => crate::data::seconds(text).ok_or_else(|| {
+            Value::Text(text) => stickslip_data::seconds(text).ok_or_else(|| {
                 let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number";
                 at.fault("is no length of time", remedy)
             }),

@@ -4,9 +4,9 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{Place, Sources};
-use crate::excerpt::underlined;
 use crate::model::{Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator};
 use crate::scenario::{INPUT, Measured, WrittenForce};
+use stickslip_data::excerpt::underlined;
 
 /// What `[force]` makes of a body.
 pub(super) struct Forced {

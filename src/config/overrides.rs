@@ -6,9 +6,8 @@ use std::fmt;
 /// A key of a scenario, the value to set, and how the user wrote both.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::config::{Override, shipped};
-/// use stick_slip::scenario::Scenario;
+/// use crate::config::{Override, shipped};
+/// use crate::scenario::Scenario;
 ///
 /// let text = shipped("rho025").expect("a shipped scenario").text;
 /// let stronger = Scenario::parse("mine.toml", text, &[Override::set("friction.static=1.3")?])?;

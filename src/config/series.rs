@@ -5,11 +5,11 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{MeasuredFrom, Place, Sources};
-use crate::data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted, input_unit};
 use crate::model::Series;
 use crate::scenario::{INPUT, Measured, TEMPERATURE_SERIES};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use stickslip_data::{ColumnQuantity, ColumnSource, DataError, DateOrder, Layout, Origin, Table, Wanted, input_unit};
 
 /// The longest time between two temperatures, in seconds, if a scenario gives none: six hours.
 const DEFAULT_MAX_GAP: f64 = 21_600.0;

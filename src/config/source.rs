@@ -3,9 +3,9 @@
 use super::Shipped;
 use super::error::{Fault, ScenarioError};
 use super::overrides::Override;
-use crate::excerpt::{short, underlined};
 use crate::model::NamedSeries;
 use std::cell::{Cell, RefCell};
+use stickslip_data::excerpt::{short, underlined};
 
 /// A range of bytes in one of the texts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

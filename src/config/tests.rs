@@ -26,7 +26,7 @@ fn fault(result: Result<Scenario, ScenarioError>) -> Fault {
 
 #[test]
 fn every_file_of_the_folder_is_shipped_and_sound() {
-    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../scenarios");
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("scenarios");
     let mut files: Vec<String> = std::fs::read_dir(folder)
         .unwrap()
         .map(|entry| entry.unwrap().path())
@@ -39,7 +39,7 @@ fn every_file_of_the_folder_is_shipped_and_sound() {
     assert_eq!(files, names);
     for shipped @ Shipped { name, text, .. } in SHIPPED {
         let scenario = shipped.parse(&[]).unwrap_or_else(|e| panic!("{name}: {e}"));
-        let file = format!("{}/../../scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
+        let file = format!("{}/scenarios/{name}.toml", env!("CARGO_MANIFEST_DIR"));
         assert_eq!(Scenario::parse(&file, &scenario.to_toml(), &[]).unwrap(), scenario, "{name}");
         assert!(text.starts_with("# ") && text.contains("Bensoussan"), "{name} says what it asks and where it is from");
     }

@@ -5,9 +5,9 @@ use super::blame::report_misfit;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::Sources;
-use crate::numbers::tidy;
 use crate::scenario::Measured;
 use crate::scheme::{DEFAULT_TOLERANCE, Kind, Misfit, Parameter, Scheme};
+use stickslip_data::numbers::tidy;
 
 /// Read `[scheme]` and `[time]`. An output step that is not given is none.
 pub(super) fn scheme_and_time(

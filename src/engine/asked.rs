@@ -60,12 +60,11 @@ impl Asked {
 /// consecutive blocks.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::Part;
+/// use crate::engine::Part;
 ///
 /// let part: Part = "3/16".parse()?;
 /// assert_eq!(part.blocks(160), 20..30);
-/// # Ok::<(), stick_slip::engine::NoPart>(())
+/// # Ok::<(), crate::engine::NoPart>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {

@@ -201,7 +201,7 @@ mod tests {
     use crate::scenario::Scenario;
 
     fn plan(seed: u64) -> Plan {
-        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/rho025.toml");
+        let path = concat!(env!("CARGO_MANIFEST_DIR"), "/scenarios/rho025.toml");
         let set = ["time.step=0.02", "time.end=20", "time.output_step=20", "record.paths=false"];
         let overrides: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
         Plan { seed, paths: 400 * BLOCK_SIZE, ..Scenario::read(path.as_ref(), &overrides).expect("shipped").plan() }

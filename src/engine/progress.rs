@@ -6,9 +6,8 @@ use crate::stats::{Estimate, Statistic};
 /// default of every method does nothing.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::{Progress, Run};
-/// use stick_slip::scenario::Scenario;
+/// use crate::engine::{Progress, Run};
+/// use crate::scenario::Scenario;
 ///
 /// struct Percent(u64);
 ///

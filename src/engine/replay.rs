@@ -10,9 +10,8 @@ use crate::stats::{BlockResult, Record};
 /// One path of an ensemble, simulated again.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::Replay;
-/// use stick_slip::scenario::Scenario;
+/// use crate::engine::Replay;
+/// use crate::scenario::Scenario;
 ///
 /// let replay = Replay::of(&Scenario::shipped("rho025")?, 4711);
 /// let rows = replay.block.rows;

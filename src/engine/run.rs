@@ -21,10 +21,9 @@ use std::time::{Duration, Instant};
 /// machine. They end a run after some block, and the outcome contains the number of its paths.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::Run;
-/// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::Statistic;
+/// use crate::engine::Run;
+/// use crate::scenario::Scenario;
+/// use crate::stats::Statistic;
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 1_000;

@@ -13,10 +13,9 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// error ends the run.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::{Run, Sink, SinkError};
-/// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::BlockResult;
+/// use crate::engine::{Run, Sink, SinkError};
+/// use crate::scenario::Scenario;
+/// use crate::stats::BlockResult;
 ///
 /// /// Prints how many paths of each block diverged.
 /// struct Divergence(Vec<usize>);
@@ -82,9 +81,8 @@ impl Moment<'_> {
 /// there are.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::{Memory, Run};
-/// use stick_slip::scenario::Scenario;
+/// use crate::engine::{Memory, Run};
+/// use crate::scenario::Scenario;
 ///
 /// let mut scenario = Scenario::shipped("shaw")?;
 /// scenario.record.events = true;

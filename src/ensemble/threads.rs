@@ -34,8 +34,7 @@ impl ThreadsError {
 /// limits of the user, of the container and of the memory may all be in the way.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::ensemble::{ThreadsError, check_threads};
+/// use crate::ensemble::{ThreadsError, check_threads};
 ///
 /// assert_eq!(check_threads(2), Ok(()));
 /// assert_eq!(check_threads(1 << 40), Err(ThreadsError::OutOfRange(1 << 40)));

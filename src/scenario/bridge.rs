@@ -1,7 +1,7 @@
 //! The parts of a scenario that a calibration needs. A run needs more, but a calibration simulates
 //! nothing.
 
-use crate::data::ColumnSource;
+use stickslip_data::ColumnSource;
 
 /// A bearing as a scenario describes it: where the search for its parameters begins, and how its
 /// data are read.

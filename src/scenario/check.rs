@@ -5,8 +5,8 @@ use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
 use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
-use crate::numbers::short;
 use crate::scheme::{Misfit, Scheme, divergence_bound};
+use stickslip_data::numbers::short;
 
 impl Scenario {
     /// Check that the values go together. Each of them must already be in its own range.
@@ -76,9 +76,8 @@ impl Scenario {
     /// scheme does not go with the rest.
     ///
     /// ```
-    /// # use stick_slip_core as stick_slip;
-    /// use stick_slip::scenario::Scenario;
-    /// use stick_slip::scheme::{CorrectedVi, EventDriven, Kind};
+    /// use crate::scenario::Scenario;
+    /// use crate::scheme::{CorrectedVi, EventDriven, Kind};
     ///
     /// let scenario = Scenario::shipped("rho025")?;
     /// let exact = scenario.with_scheme(EventDriven { tolerance: 1e-3 })?;

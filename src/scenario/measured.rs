@@ -2,9 +2,9 @@
 //! sees the body.
 
 use super::Scenario;
-use crate::data::Layout;
 use crate::model::{NamedSeries, Series};
 use std::sync::Arc;
+use stickslip_data::Layout;
 
 /// The table of a measured temperature.
 pub const TEMPERATURE_SERIES: &str = "temperature.series";

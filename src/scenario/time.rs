@@ -2,8 +2,8 @@
 //! one.
 
 use super::limits::{MAX_ROWS, MAX_STEPS};
-use crate::numbers::tidy;
 use crate::scheme::{Misfit, Scheme};
+use stickslip_data::numbers::tidy;
 
 /// Duration and output grid of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -48,9 +48,8 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 /// list of paths that are simulated. What an observer does not implement, it ignores.
 ///
 /// ```
-/// # use stick_slip_kernel as stick_slip;
-/// use stick_slip::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
-/// use stick_slip::scheme::{EventDriven, Observer, Scheme, Simulate as _, Timeline};
+/// use crate::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
+/// use crate::scheme::{EventDriven, Observer, Scheme, Simulate as _, Timeline};
 ///
 /// /// When each path first slips.
 /// struct FirstSlip(Vec<Option<f64>>);

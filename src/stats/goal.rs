@@ -7,9 +7,8 @@ use std::str::FromStr;
 /// A bound on the standard error of one statistic, written `NAME < 0.5%` or `NAME < 0.01`.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::{EndedBy, Run};
-/// use stick_slip::scenario::Scenario;
+/// use crate::engine::{EndedBy, Run};
+/// use crate::scenario::Scenario;
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 1 << 20;

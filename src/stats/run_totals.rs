@@ -24,9 +24,8 @@ const VERSION: u64 = 5;
 /// `X` are sums of a user's own ([`super::Tally`]), which are folded along the same tree.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::{RunTotals, Statistic};
+/// use crate::scenario::Scenario;
+/// use crate::stats::{RunTotals, Statistic};
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 4 * 256;

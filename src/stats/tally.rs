@@ -52,13 +52,12 @@ impl PathState {
 /// so itself.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::Run;
-/// use stick_slip::model::{Event, EventKind};
-/// use stick_slip::noise::AddressedDraws;
-/// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::{PathMeans, PathState, Tally};
-/// use stick_slip::sums::Measurement;
+/// use crate::engine::Run;
+/// use crate::model::{Event, EventKind};
+/// use crate::noise::AddressedDraws;
+/// use crate::scenario::Scenario;
+/// use crate::stats::{PathMeans, PathState, Tally};
+/// use crate::sums::Measurement;
 ///
 /// /// The mean number of slips to the right, per path.
 /// struct SlipsToTheRight;

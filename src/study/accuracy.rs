@@ -33,11 +33,10 @@ const ALTERNATIVES: [f64; 18] =
 /// The accuracy that is asked for.
 ///
 /// ```no_run
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::engine::Run;
-/// use stick_slip::scenario::Scenario;
-/// use stick_slip::stats::Statistic;
-/// use stick_slip::study::{accuracy::Accuracy, trade::Limits};
+/// use crate::engine::Run;
+/// use crate::scenario::Scenario;
+/// use crate::stats::Statistic;
+/// use crate::study::{accuracy::Accuracy, trade::Limits};
 ///
 /// let scenario = Scenario::shipped("rho025")?;
 /// let wanted = Accuracy { target: 0.01, named: &[Statistic::StickDurationMean], max_time: None, threads: 2 };

@@ -3,13 +3,13 @@
 
 pub mod reference;
 
-use stick_slip::config::shipped;
-use stick_slip::ensemble::BLOCK_SIZE;
-use stick_slip::model::*;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
-use stick_slip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
-use stick_slip::sums::{Merge as _, Replicate};
+use stickslip::config::shipped;
+use stickslip::ensemble::BLOCK_SIZE;
+use stickslip::model::*;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot, Timeline};
+use stickslip::stats::{BlockObserver, Record, Statistic, Summary, Totals};
+use stickslip::sums::{Merge as _, Replicate};
 
 /// The model of a shipped scenario.
 pub fn shipped_model(name: &str) -> Model {

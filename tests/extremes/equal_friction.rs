@@ -15,11 +15,11 @@
 //! that the event-driven scheme resolves.
 
 use super::common::estimate;
-use stick_slip::advice::Warning;
-use stick_slip::config::Override;
-use stick_slip::numbers::short;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Statistic, Summary};
+use stickslip::advice::Warning;
+use stickslip::config::Override;
+use stickslip::scenario::Scenario;
+use stickslip::stats::{Statistic, Summary};
+use stickslip_data::numbers::short;
 
 fn scenario(settings: &[(&str, String)]) -> Scenario {
     let overrides: Vec<Override> = settings.iter().map(|(key, value)| Override::flag("--set", key, value)).collect();

@@ -28,10 +28,10 @@
 //! - stick time + slip time = t_end: 2 roundings of t_end for each event
 //! - discrete schemes have the same events for any output grid (in the survey itself): exactly
 
-use stick_slip::lanes::InstructionSet;
-use stick_slip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
+use stickslip::lanes::InstructionSet;
+use stickslip::model::{Event, EventKind, InitialNoise, Model, Oscillator, Sign};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{Instant, Kind, Observer, Snapshot, monitoring_shift};
 
 const ULP: f64 = f64::EPSILON;
 

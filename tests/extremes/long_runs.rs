@@ -3,10 +3,10 @@
 use super::common::{paper, timeline};
 use super::invariants::Watch;
 use std::f64::consts::PI;
-use stick_slip::config::Override;
-use stick_slip::model::{Event, EventKind};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{
+use stickslip::config::Override;
+use stickslip::model::{Event, EventKind};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{
     DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, Simulate as _, Snapshot,
 };
 

@@ -16,13 +16,13 @@
 
 use super::common::Keep;
 use std::f64::consts::PI;
-use stick_slip::advice::{Class, Warning};
-use stick_slip::config::Override;
-use stick_slip::model::{Event, EventKind};
-use stick_slip::noise::AddressedDraws;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::Simulate as _;
-use stick_slip::stats::Summary;
+use stickslip::advice::{Class, Warning};
+use stickslip::config::Override;
+use stickslip::model::{Event, EventKind};
+use stickslip::noise::AddressedDraws;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::Simulate as _;
+use stickslip::stats::Summary;
 
 /// A body with equal friction that is released at x0, without forcing.
 struct Free {
@@ -200,7 +200,7 @@ fn the_damped_step_grows_beyond_its_limit_and_not_before() {
 /// left out of every number: so no state of theirs, however far or none, is in the way.
 #[test]
 fn paths_that_diverge_are_counted_whatever_is_measured() {
-    let text = stick_slip::config::shipped("rho025").expect("shipped").text;
+    let text = stickslip::config::shipped("rho025").expect("shipped").text;
     let forces = ["-0.1*x^3", "-x^5", "exp(x)", "-0.2*xdot^3", "x*xdot", "-exp(x) + exp(-x)", "0"];
     let measures = ["density", "laws", "energy", "spectrum", "events", "paths"].map(|key| format!("record.{key}=true"));
     let (mut draws, mut diverged, mut measured) = (AddressedDraws::new(51, 0), 0, 0);

@@ -4,13 +4,13 @@
 use rustix::time::{ClockId, clock_gettime};
 use std::cell::Cell;
 use std::time::Duration;
-use stick_slip::config::Override;
-use stick_slip::model::Event;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{Instant, Observer, Simulate as _, Snapshot, Unresolved};
+use stickslip::config::Override;
+use stickslip::model::Event;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{Instant, Observer, Simulate as _, Snapshot, Unresolved};
 
 fn scenario(name: &str, set: &[&str]) -> Scenario {
-    let text = stick_slip::config::shipped(name).expect("shipped").text;
+    let text = stickslip::config::shipped(name).expect("shipped").text;
     let set: Vec<Override> = set.iter().map(|set| Override::set(set).expect("well formed")).collect();
     Scenario::parse(name, text, &set).unwrap_or_else(|e| panic!("{e}\n{set:?}"))
 }

@@ -7,13 +7,13 @@ use std::collections::BTreeMap;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
-use stick_slip::advice::{Class, Warning};
-use stick_slip::config::{Override, ScenarioError};
-use stick_slip::ensemble::Plan;
-use stick_slip::model::{Event, Force};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{self, Kind, Observer, Simulate as _, Snapshot};
-use stick_slip::stats::{Statistic, Summary};
+use stickslip::advice::{Class, Warning};
+use stickslip::config::{Override, ScenarioError};
+use stickslip::ensemble::Plan;
+use stickslip::model::{Event, Force};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{self, Kind, Observer, Simulate as _, Snapshot};
+use stickslip::stats::{Statistic, Summary};
 
 /// The most evaluations of a path: 1/5000 of the usual limit, so that 1e5 scenarios, some of them
 /// hopeless, take minutes.

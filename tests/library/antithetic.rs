@@ -3,12 +3,12 @@
 //! Each statistical test states its null hypothesis, sample size and false-alarm rate, and has a
 //! fixed seed.
 
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
-use stick_slip::model::Event;
-use stick_slip::noise::{AddressedDraws, LaneStreams, MAX_NORMAL_ERROR, MIRROR, Stream};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{CorrectedVi, DiscreteVi, Instant, Kind, Observer, Scheme, Simulate as _, Snapshot};
-use stick_slip::stats::{Record, RunTotals, Statistic, Summary};
+use stickslip::ensemble::{BLOCK_SIZE, Plan};
+use stickslip::model::Event;
+use stickslip::noise::{AddressedDraws, LaneStreams, MAX_NORMAL_ERROR, MIRROR, Stream};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{CorrectedVi, DiscreteVi, Instant, Kind, Observer, Scheme, Simulate as _, Snapshot};
+use stickslip::stats::{Record, RunTotals, Statistic, Summary};
 
 /// The scenario `rho025` in antithetic pairs, with this scheme, up to this time.
 fn scenario(scheme: impl Into<Scheme>, end: f64, paths: u64, seed: u64) -> Scenario {
@@ -50,7 +50,7 @@ fn a_mirror_image_has_the_same_normals_with_the_other_sign() {
 fn lanes_draw_what_the_streams_of_mirror_images_draw() {
     let paths = [4, 4 | MIRROR, 6, 6 | MIRROR, 8];
     let mut lanes = LaneStreams::new(3, &paths, 8);
-    let rows = lanes.normals(2, stick_slip::lanes::InstructionSet::detect());
+    let rows = lanes.normals(2, stickslip::lanes::InstructionSet::detect());
     for (lane, &path) in paths.iter().enumerate() {
         assert_eq!([rows[lane], rows[8 + lane]], Stream::new(3, path).normal_pair(), "lane {lane}");
     }

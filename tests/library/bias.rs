@@ -3,11 +3,11 @@
 
 use crate::common::{estimate, event_driven_summary, paper, reference};
 use std::sync::atomic::AtomicBool;
-use stick_slip::bias::{BiasPlan, Differences, NoBias, ReferenceRun};
-use stick_slip::ensemble::Plan;
-use stick_slip::model::{Drive, InitialNoise, Model, Noise};
-use stick_slip::scheme::{CorrectedVi, DiscreteVi, Scheme, Simulate as _, Timeline};
-use stick_slip::stats::{Bias, Record, Statistic, Summary};
+use stickslip::bias::{BiasPlan, Differences, NoBias, ReferenceRun};
+use stickslip::ensemble::Plan;
+use stickslip::model::{Drive, InitialNoise, Model, Noise};
+use stickslip::scheme::{CorrectedVi, DiscreteVi, Scheme, Simulate as _, Timeline};
+use stickslip::stats::{Bias, Record, Statistic, Summary};
 
 const STATISTICS: [Statistic; 5] = [
     Statistic::StickDurationMean,

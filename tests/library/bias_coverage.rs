@@ -10,11 +10,11 @@ use rand_pcg::Pcg64Dxsm;
 use rand_pcg::rand_core::SeedableRng as _;
 use std::collections::BTreeMap;
 use std::sync::atomic::AtomicBool;
-use stick_slip::bias::BiasPlan;
-use stick_slip::ensemble::Plan;
-use stick_slip::model::{Drive, Harmonic, InitialNoise, Model};
-use stick_slip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline};
-use stick_slip::stats::{Bias, Estimate, Record, Statistic, Summary};
+use stickslip::bias::BiasPlan;
+use stickslip::ensemble::Plan;
+use stickslip::model::{Drive, Harmonic, InitialNoise, Model};
+use stickslip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Timeline};
+use stickslip::stats::{Bias, Estimate, Record, Statistic, Summary};
 
 const STEPS: [f64; 3] = [0.02, 0.01, 0.005];
 const PATHS: [u64; 2] = [10_000, 2000];

@@ -4,15 +4,15 @@
 use proptest::prelude::*;
 use std::sync::OnceLock;
 use std::sync::atomic::AtomicBool;
-use stick_slip::config::Override;
-use stick_slip::engine::Run;
-use stick_slip::ensemble::{BLOCK_SIZE, Plan, Stops};
-use stick_slip::model::{Event, EventKind};
-use stick_slip::noise::AddressedDraws;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::DiscreteVi;
-use stick_slip::stats::{BlockResult, Companion, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally};
-use stick_slip::sums::Measurement;
+use stickslip::config::Override;
+use stickslip::engine::Run;
+use stickslip::ensemble::{BLOCK_SIZE, Plan, Stops};
+use stickslip::model::{Event, EventKind};
+use stickslip::noise::AddressedDraws;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::DiscreteVi;
+use stickslip::stats::{BlockResult, Companion, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally};
+use stickslip::sums::Measurement;
 
 const BLOCKS: u64 = 23;
 
@@ -28,7 +28,7 @@ fn scenario() -> Scenario {
         "temperature.harmonics.0.angular_frequency=0.8",
     ];
     let set: Vec<Override> = set.iter().map(|text| Override::set(text).expect("well formed")).collect();
-    let text = stick_slip::config::shipped("rho025").expect("shipped").text;
+    let text = stickslip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
     scenario.ensemble.paths = BLOCKS * BLOCK_SIZE - 100;
     scenario
@@ -194,9 +194,9 @@ fn a_tally_has_the_same_bits_in_parallel_and_sees_all_events() {
     // The same in parts that are joined along the tree.
     let tallied = Tallied { tally: &Slips, seed: scenario.ensemble.seed };
     let mut joined = RunTotals::with(tallied.empty(), plan().model(), plan().timeline(), &plan().record);
-    let deliver = |block: stick_slip::ensemble::Delivered<PathMeans<2>>| {
+    let deliver = |block: stickslip::ensemble::Delivered<PathMeans<2>>| {
         joined.push_with(block.index, block.result.totals, block.beside)?;
-        Ok::<_, stick_slip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
+        Ok::<_, stickslip::sums::Overlap>(std::ops::ControlFlow::Continue(()))
     };
     let never = AtomicBool::new(false);
     let stops = Stops { stop: &never, halt: &never };
@@ -218,7 +218,7 @@ fn the_state_of_a_run_is_as_small_as_promised() {
         let empty = || RunTotals::empty(plan.model(), plan.timeline(), &plan.record);
         let state = |blocks: u64| {
             let mut totals = empty();
-            let nothing = || stick_slip::stats::Totals::empty(plan.model(), plan.timeline(), &plan.record);
+            let nothing = || stickslip::stats::Totals::empty(plan.model(), plan.timeline(), &plan.record);
             (0..blocks).for_each(|k| totals.push(k, nothing()).expect("each block once"));
             totals.to_bytes().len()
         };

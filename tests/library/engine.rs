@@ -3,20 +3,20 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
-use stick_slip::config::Override;
-use stick_slip::engine::{EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status};
-use stick_slip::ensemble::BLOCK_SIZE;
-use stick_slip::noise::AddressedDraws;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::{BlockResult, Goal, PathMeans, PathState, Statistic, Tally};
-use stick_slip::store::{FileSink, Unfinished};
-use stick_slip::sums::Measurement;
+use stickslip::config::Override;
+use stickslip::engine::{EndedBy, Hopeless, Memory, Outcome, Progress, Run, RunError, Sink, SinkError, Status};
+use stickslip::ensemble::BLOCK_SIZE;
+use stickslip::noise::AddressedDraws;
+use stickslip::scenario::Scenario;
+use stickslip::stats::{BlockResult, Goal, PathMeans, PathState, Statistic, Tally};
+use stickslip::sums::Measurement;
+use stickslip_files::store::{FileSink, Unfinished};
 
 fn scenario(paths: u64, set: &[&str]) -> Scenario {
     let mut all = vec!["time.end=20", "time.step=0.02", "time.output_step=5"];
     all.extend(set);
     let set: Vec<Override> = all.iter().map(|text| Override::set(text).expect("well formed")).collect();
-    let text = stick_slip::config::shipped("rho025").expect("shipped").text;
+    let text = stickslip::config::shipped("rho025").expect("shipped").text;
     let mut scenario = Scenario::parse("rho025", text, &set).expect("sound");
     scenario.ensemble.paths = paths;
     scenario

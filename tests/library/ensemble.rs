@@ -10,11 +10,11 @@ use std::collections::BTreeMap;
 use std::convert::Infallible;
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
-use stick_slip::model::*;
-use stick_slip::scheme::{DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline};
-use stick_slip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Totals, TrajectoryRows};
-use stick_slip::sums::Merge as _;
+use stickslip::ensemble::{BLOCK_SIZE, Plan};
+use stickslip::model::*;
+use stickslip::scheme::{DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline};
+use stickslip::stats::{Band, BlockResult, QUANTILE_LEVELS, Record, Statistic, Totals, TrajectoryRows};
+use stickslip::sums::Merge as _;
 
 fn plan(model: Model, end: f64, h: f64, paths: u64) -> Plan {
     let timeline = Timeline { end, output_step: end / 10.0, period: model.temperature.period(), after: 0.0 };

@@ -6,9 +6,9 @@ mod method;
 use crate::common::{estimate, event_driven_summary, paper};
 use method::{Multilevel, Outcome};
 use std::sync::atomic::AtomicBool;
-use stick_slip::model::{Friction, InitialNoise, Noise};
-use stick_slip::scheme::Timeline;
-use stick_slip::stats::Statistic;
+use stickslip::model::{Friction, InitialNoise, Noise};
+use stickslip::scheme::Timeline;
+use stickslip::stats::Statistic;
 
 const END: f64 = 20.0;
 const PATHS: u64 = 100_000;

@@ -6,11 +6,11 @@
 //! docs/validation.md has the last result.
 
 use crate::common::paper;
-use stick_slip::ensemble::{BLOCK_SIZE, Plan};
-use stick_slip::model::Model;
-use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDriven, Scheme, Timeline};
-use stick_slip::stats::{Estimate, Record, Statistic, Totals};
-use stick_slip::sums::Merge as _;
+use stickslip::ensemble::{BLOCK_SIZE, Plan};
+use stickslip::model::Model;
+use stickslip::scheme::{DEFAULT_TOLERANCE, EventDriven, Scheme, Timeline};
+use stickslip::stats::{Estimate, Record, Statistic, Totals};
+use stickslip::sums::Merge as _;
 
 /// A scene near the shipped one: its name, the frequency and the amplitude of the forcing, the
 /// damping, the intensity of the noise, x0, f_s and the burn-in.

@@ -4,10 +4,10 @@
 use crate::synthetic::{Block, EVERYTHING, NOTHING, block, header, summary, write};
 use std::fs;
 use std::path::{Path, PathBuf};
-use stick_slip::engine::Status;
-use stick_slip::stats::{Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
-use stick_slip::store::{StoreError, Writer, check_space, partial_path, read};
-use stick_slip::sums::Ends;
+use stickslip::engine::Status;
+use stickslip::stats::{Estimate, Histogram, PeriodMoments, Record, Statistic, Summary};
+use stickslip::sums::Ends;
+use stickslip_files::store::{StoreError, Writer, check_space, partial_path, read};
 
 /// Compares as text: NaN does not equal itself but prints the same, and `{:?}` prints every digit
 /// of a number.

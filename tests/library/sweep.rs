@@ -2,11 +2,11 @@
 
 use std::convert::Infallible;
 use std::sync::atomic::{AtomicBool, Ordering};
-use stick_slip::config::Override;
-use stick_slip::engine::Run;
-use stick_slip::scenario::Scenario;
-use stick_slip::stats::{Estimate, Statistic};
-use stick_slip::study::sweep::{Design, Point, Seeds, Sweep, SweepAxis, SweepQuestion, SweepSimulation};
+use stickslip::config::Override;
+use stickslip::engine::Run;
+use stickslip::scenario::Scenario;
+use stickslip::stats::{Estimate, Statistic};
+use stickslip::study::sweep::{Design, Point, Seeds, Sweep, SweepAxis, SweepQuestion, SweepSimulation};
 
 /// A shipped scenario with these keys set.
 fn scenario(name: &str, set: &[&str]) -> Scenario {

@@ -7,15 +7,15 @@
 
 use crate::common::{Keep, paper, timeline};
 use std::collections::HashSet;
-use stick_slip::config::shipped;
-use stick_slip::engine::Replay;
-use stick_slip::model::{Drive, Event, EventKind, InitialNoise, Model, Noise};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{
+use stickslip::config::shipped;
+use stickslip::engine::Replay;
+use stickslip::model::{Drive, Event, EventKind, InitialNoise, Model, Noise};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{
     DEFAULT_TOLERANCE, Discretisation, Instant, Kind, Observer, Parameter, Scheme, Simulate as _, Snapshot, Timeline,
 };
-use stick_slip::stats::{BlockObserver, Record};
-use stick_slip::sums::Replicate;
+use stickslip::stats::{BlockObserver, Record};
+use stickslip::sums::Replicate;
 
 /// All schemes; those that have a step get this one.
 fn schemes(step: f64) -> impl Iterator<Item = Scheme> {

@@ -3,12 +3,12 @@
 
 use crate::common::{Keep, paper, reference};
 use std::sync::LazyLock;
-use stick_slip::ensemble::Plan;
-use stick_slip::model::{Drive, EventKind, Friction, Model};
-use stick_slip::scheme::{
+use stickslip::ensemble::Plan;
+use stickslip::model::{Drive, EventKind, Friction, Model};
+use stickslip::scheme::{
     CorrectedVi, DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline, corrected_exit, monitoring_shift,
 };
-use stick_slip::stats::{Record, Statistic};
+use stickslip::stats::{Record, Statistic};
 
 /// The statistics of [`FOUR`] in the noisy scene of the paper.
 fn run(h: f64, paths: u64, corrected: bool) -> Vec<(f64, f64)> {

@@ -7,12 +7,12 @@
 
 use super::reference::reference_path;
 use crate::common::{Keep, paper, timeline};
-use stick_slip::ensemble::Plan;
-use stick_slip::lanes::InstructionSet;
-use stick_slip::model::*;
-use stick_slip::noise::{Stream, standard_normal};
-use stick_slip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline};
-use stick_slip::stats::Record;
+use stickslip::ensemble::Plan;
+use stickslip::lanes::InstructionSet;
+use stickslip::model::*;
+use stickslip::noise::{Stream, standard_normal};
+use stickslip::scheme::{DiscreteSimulation, DiscreteVi, Scheme, Simulate as _, Timeline};
+use stickslip::stats::Record;
 
 fn simulate(model: &Model, end: f64, h: f64, output_step: f64, paths: &[u64]) -> Keep {
     let mut keep = Keep::lanes(paths.len());

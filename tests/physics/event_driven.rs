@@ -7,15 +7,15 @@
 #![allow(clippy::excessive_precision)]
 
 use crate::common::{estimate, event_driven_summary, paper, reference, shipped_model};
-use stick_slip::model::{
+use stickslip::model::{
     Complex, Drive, Event, EventKind, Expression, Force, Friction, Harmonic, ImpulseResponse, InitialNoise, Model,
     Noise, Sign, Temperature,
 };
-use stick_slip::scheme::{
+use stickslip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, Instant, Kind, Observer,
     QuasiStaticSimulation, Simulate as _, Snapshot, Timeline,
 };
-use stick_slip::stats::{Record, Statistic};
+use stickslip::stats::{Record, Statistic};
 
 fn timeline(end: f64) -> Timeline {
     Timeline { end, output_step: end.max(1.0), period: None, after: 0.0 }

@@ -5,12 +5,12 @@
 //! false-alarm rate.
 
 use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
-use stick_slip::model::*;
-use stick_slip::scheme::{
+use stickslip::model::*;
+use stickslip::scheme::{
     DEFAULT_TOLERANCE, DiscreteSimulation, EventDrivenSimulation, Instant, Observer, QuasiStaticSimulation,
     Simulate as _, Snapshot, Timeline,
 };
-use stick_slip::stats::{Record, Statistic};
+use stickslip::stats::{Record, Statistic};
 
 /// Statistical comparisons are made at 3.9 standard errors, which fail by chance once in 1e4.
 const FALSE_ALARM: f64 = 3.9;

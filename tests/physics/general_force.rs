@@ -2,11 +2,11 @@
 //! own, against closed forms and against an independent program.
 
 use crate::common::{Keep, timeline};
-use stick_slip::engine::Run;
-use stick_slip::model::*;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme, Simulate as _};
-use stick_slip::stats::{Statistic, Summary};
+use stickslip::engine::Run;
+use stickslip::model::*;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme, Simulate as _};
+use stickslip::stats::{Statistic, Summary};
 
 /// A scenario from its tables.
 #[track_caller]
@@ -174,7 +174,7 @@ fn a_body_without_a_spring_falls() {
         };
         let exact = end(falls.scheme, &falls.model);
         assert!((exact / wanted - 1.0).abs() < 1e-12, "gamma = {gamma}: {exact} {wanted}");
-        for kind in [stick_slip::scheme::Kind::DiscreteVi, stick_slip::scheme::Kind::CorrectedVi] {
+        for kind in [stickslip::scheme::Kind::DiscreteVi, stickslip::scheme::Kind::CorrectedVi] {
             let [coarse, fine] = [1e-2, 5e-3].map(|h| end(kind.with(h), &falls.model));
             let extrapolated = 2.0 * fine - coarse;
             assert!((extrapolated / wanted - 1.0).abs() < 1e-3, "gamma = {gamma}: {extrapolated} {wanted}");
@@ -349,7 +349,7 @@ fn the_steps_agree_with_the_independent_program_once_their_bias_is_taken_off() {
 /// The paper's noisy scene, and the same with half of the spring as a force in a form that is not
 /// recognised as linear.
 fn whole_and_half() -> [Scenario; 2] {
-    let whole = scenario(stick_slip::config::shipped("rho025").expect("shipped").text);
+    let whole = scenario(stickslip::config::shipped("rho025").expect("shipped").text);
     let mut half = whole.clone();
     let gain = whole.model.oscillator.force_per_temperature();
     (half.model.oscillator.stiffness, half.model.oscillator.drive) = (0.5, Drive::Force(gain));

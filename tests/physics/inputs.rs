@@ -3,10 +3,10 @@
 
 use crate::common::{Keep, timeline};
 use std::f64::consts::PI;
-use stick_slip::config::Override;
-use stick_slip::model::{Event, EventKind, NamedSeries, Series};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::Simulate as _;
+use stickslip::config::Override;
+use stickslip::model::{Event, EventKind, NamedSeries, Series};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::Simulate as _;
 
 /// m = K = 1 and nothing else that moves the body.
 const BODY: &str = "oscillator = { mass = 1, stiffness = 1, force_per_temperature = 1 }\ninitial.displacement = 0

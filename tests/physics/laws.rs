@@ -2,11 +2,11 @@
 //! law extends, against the sorted values of the same run.
 
 use super::measures::run;
-use stick_slip::dataset::{Column, Dataset, Recorder};
-use stick_slip::engine::Run;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{CorrectedVi, EventDriven, Scheme};
-use stick_slip::stats::{Distribution, PassageLevels, PhaseLaw, QUANTILE_LEVELS, Record, Summary};
+use stickslip::engine::Run;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{CorrectedVi, EventDriven, Scheme};
+use stickslip::stats::{Distribution, PassageLevels, PhaseLaw, QUANTILE_LEVELS, Record, Summary};
+use stickslip_files::dataset::{Column, Dataset, Recorder};
 
 /// The values of every law from the events of a run, in the order of the laws below.
 fn values(dataset: &Dataset) -> [Vec<f64>; 6] {
@@ -120,7 +120,7 @@ fn the_median_jump_of_many_paths_is_that_of_few() {
         scene.model.friction.static_force = 1.1;
         let mut scene = scene.with_scheme(EventDriven { tolerance: 1e-3 }).expect("suits");
         (scene.ensemble.paths, scene.record) = (paths, Record { laws: true, ..Record::NOTHING });
-        run(&scene).estimate(stick_slip::stats::Statistic::JumpAbsMedian).estimate
+        run(&scene).estimate(stickslip::stats::Statistic::JumpAbsMedian).estimate
     });
     println!("{medians:?}");
     assert!(medians.iter().all(|median| (3.4e-4..5.8e-4).contains(median)), "{medians:?}");

@@ -3,11 +3,11 @@
 
 use crate::common::{Keep, timeline};
 use std::sync::atomic::AtomicBool;
-use stick_slip::engine::Run;
-use stick_slip::model::{Event, EventKind};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme, Simulate as _};
-use stick_slip::stats::Statistic;
+use stickslip::engine::Run;
+use stickslip::model::{Event, EventKind};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme, Simulate as _};
+use stickslip::stats::Statistic;
 
 /// The scenes of load.csv.
 const SCENES: [(&str, &str); 6] = [
@@ -283,7 +283,7 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
         assert!(error.contains(words) && error.contains("fix:"), "{lines}: {error}");
     }
     let load = scene("load in time", "");
-    let refused = load.with_scheme(stick_slip::scheme::Kind::QuasiStatic.with(1e-3)).expect_err("a load").to_string();
+    let refused = load.with_scheme(stickslip::scheme::Kind::QuasiStatic.with(1e-3)).expect_err("a load").to_string();
     assert!(refused.contains("load") && refused.contains("event-driven"), "{refused}");
 }
 

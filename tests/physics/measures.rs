@@ -1,10 +1,10 @@
 //! What a run measures on request, against closed forms: laws, densities, spectra, passages, energy,
 //! and the cycles of scenes without noise.
 
-use stick_slip::engine::Run;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::EventDriven;
-use stick_slip::stats::{DensityCurve, Distribution, LimitCycle, PhaseLaw, Statistic, Summary};
+use stickslip::engine::Run;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::EventDriven;
+use stickslip::stats::{DensityCurve, Distribution, LimitCycle, PhaseLaw, Statistic, Summary};
 
 #[track_caller]
 pub fn scenario(text: &str) -> Scenario {
@@ -280,7 +280,7 @@ fn passages_are_those_of_the_largest_displacement_on_any_grid() {
             Scenario::shipped("rho025").expect("shipped").with_scheme(EventDriven { tolerance: 1e-2 }).expect("suits");
         scene.ensemble.paths = 600;
         scene.time.output_step = row;
-        scene.record.levels = stick_slip::stats::PassageLevels::of(&[12.0, 13.0, 14.0]);
+        scene.record.levels = stickslip::stats::PassageLevels::of(&[12.0, 13.0, 14.0]);
         run(&scene)
     };
     let [fine, coarse] = [0.5, 5.0].map(of);

@@ -3,18 +3,18 @@
 
 use super::measures::{body, run, scenario};
 use std::sync::atomic::AtomicBool;
-use stick_slip::dataset::Recorder;
-use stick_slip::engine::Run;
-use stick_slip::model::{Expression, Force};
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{CorrectedVi, EventDriven, QuasiStatic};
-use stick_slip::stats::{PassageLevels, Statistic, Summary};
-use stick_slip::study::sweep::{Design, Seeds, Sweep, SweepAxis, SweepQuestion, SweepSimulation};
+use stickslip::engine::Run;
+use stickslip::model::{Expression, Force};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{CorrectedVi, EventDriven, QuasiStatic};
+use stickslip::stats::{PassageLevels, Statistic, Summary};
+use stickslip::study::sweep::{Design, Seeds, Sweep, SweepAxis, SweepQuestion, SweepSimulation};
+use stickslip_files::dataset::Recorder;
 
 fn shipped(name: &str, paths: u64) -> Scenario {
     let mut scenario = Scenario::shipped(name).expect("shipped");
     scenario.ensemble.paths = paths;
-    scenario.record = stick_slip::stats::Record { energy: true, ..stick_slip::stats::Record::NOTHING };
+    scenario.record = stickslip::stats::Record { energy: true, ..stickslip::stats::Record::NOTHING };
     scenario.record.levels = PassageLevels::of(&[scenario.model.length_scale(scenario.time.end)]);
     scenario
 }
@@ -88,7 +88,7 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
         let summary = Run::of(&fine).without_bias().into_sink(&mut recorder).simulate().expect("no sink fails").summary;
         let dataset = recorder.into_dataset();
         let column = |name: &str| match &dataset.entry(name).expect("recorded").column {
-            stick_slip::dataset::Column::F64(values) => values.clone(),
+            stickslip_files::dataset::Column::F64(values) => values.clone(),
             other => panic!("{other:?}"),
         };
         let [x, v, temperature] =
@@ -186,7 +186,7 @@ fn no_statistic_depends_on_the_output_step_in_a_run_its_bias_or_a_sweep() {
         let [fine, other] = &outcomes;
         for statistic in Statistic::ALL {
             let [a, b] = [fine, other].map(|summary| *summary.estimate(statistic));
-            let bits = |of: stick_slip::stats::Estimate| [of.estimate, of.low, of.high].map(f64::to_bits);
+            let bits = |of: stickslip::stats::Estimate| [of.estimate, of.low, of.high].map(f64::to_bits);
             assert_eq!(bits(a), bits(b), "{name}: {}", statistic.name());
             // The reference run of the bias may have another number of paths.
             if let (Some(a), Some(b)) = (a.bias, b.bias) {

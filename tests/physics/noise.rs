@@ -7,8 +7,8 @@
 use rand_xoshiro::Xoshiro256Plus;
 use rand_xoshiro::rand_core::{Rng, SeedableRng};
 use statrs::distribution::{ChiSquared, ContinuousCDF};
-use stick_slip::lanes::InstructionSet;
-use stick_slip::noise::{AddressedDraws, LaneStreams, Stream, standard_normal};
+use stickslip::lanes::InstructionSet;
+use stickslip::noise::{AddressedDraws, LaneStreams, Stream, standard_normal};
 
 #[test]
 fn a_stream_is_xoshiro256_plus_from_its_state() {

@@ -7,9 +7,9 @@
 
 use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
 use std::f64::consts::{PI, TAU};
-use stick_slip::model::*;
-use stick_slip::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, QuasiStaticSimulation, Simulate as _, Timeline};
-use stick_slip::stats::{Statistic, Summary};
+use stickslip::model::*;
+use stickslip::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, QuasiStaticSimulation, Simulate as _, Timeline};
+use stickslip::stats::{Statistic, Summary};
 
 /// A bearing with this damping ratio. x0 is 5.9, because from 6 jumps of 0.4 would meet the
 /// extremum of the forcing to the last digit.

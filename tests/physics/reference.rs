@@ -3,8 +3,8 @@
 //!
 //! The fast kernel must give the same cascade from the same normals.
 
-use stick_slip::model::{Event, EventKind, InitialNoise, Model, Sign};
-use stick_slip::noise::Transition;
+use stickslip::model::{Event, EventKind, InitialNoise, Model, Sign};
+use stickslip::noise::Transition;
 
 /// Simulates one path for `steps` steps of length `h`. If there is noise, `normal` is called for
 /// one standard normal number per step, and once before the first step for a stationary start.

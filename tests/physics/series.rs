@@ -5,10 +5,10 @@
 use crate::common::{Keep, estimate, event_driven_summary, paper, summary_of, timeline};
 use std::f64::consts::PI;
 use std::sync::Arc;
-use stick_slip::model::*;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::*;
-use stick_slip::stats::Statistic;
+use stickslip::model::*;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::*;
+use stickslip::stats::Statistic;
 
 const TOLERANCE: f64 = 1e-3;
 

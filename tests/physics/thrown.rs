@@ -1,10 +1,10 @@
 //! Bodies that move at t = 0 (`initial.velocity`): they slip at once, and their first stick is empty.
 
 use super::measures::{body, run, scenario};
-use stick_slip::engine::Replay;
-use stick_slip::scenario::Scenario;
-use stick_slip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme};
-use stick_slip::stats::{Record, Statistic};
+use stickslip::engine::Replay;
+use stickslip::scenario::Scenario;
+use stickslip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme};
+use stickslip::stats::{Record, Statistic};
 
 fn thrown(spring: [f64; 2], friction: [f64; 2], end: f64, velocity: f64, more: &str) -> Scenario {
     let scheme = if more.contains("scheme") { "" } else { "scheme = { kind = \"event-driven\" }" };

@@ -7,8 +7,8 @@ use crate::common::{Keep, paper};
 use rand_distr::{Distribution as _, StandardNormal};
 use rand_xoshiro::Xoshiro256PlusPlus;
 use rand_xoshiro::rand_core::SeedableRng as _;
-use stick_slip::model::{Drive, EventKind, Friction, InitialNoise, Model, Noise};
-use stick_slip::scheme::{
+use stickslip::model::{Drive, EventKind, Friction, InitialNoise, Model, Noise};
+use stickslip::scheme::{
     DEFAULT_TOLERANCE, DrivenOscillator, EventDrivenSimulation, HarmonicResponse, QuasiStaticSimulation, Simulate,
     Timeline,
 };
@@ -78,10 +78,10 @@ fn without_friction_both_noises_move_the_body_as_each_alone_would_in_sum() {
 #[derive(Default)]
 struct End(Vec<(f64, f64, f64)>);
 
-impl stick_slip::scheme::Observer for End {
-    fn event(&mut self, _: usize, _: stick_slip::model::Event) {}
-    fn snapshot(&mut self, instant: stick_slip::scheme::Instant, s: stick_slip::scheme::Snapshot<'_>) {
-        if instant == stick_slip::scheme::Instant::End {
+impl stickslip::scheme::Observer for End {
+    fn event(&mut self, _: usize, _: stickslip::model::Event) {}
+    fn snapshot(&mut self, instant: stickslip::scheme::Instant, s: stickslip::scheme::Snapshot<'_>) {
+        if instant == stickslip::scheme::Instant::End {
             self.0.extend((0..s.displacement.len()).map(|i| (s.displacement[i], s.velocity[i], s.temperature[i])));
         }
     }

@@ -1,7 +1,7 @@
 //! White noise by its name, against the stationary laws of de Gennes, *J. Stat. Phys.* 119 (2005).
 
 use super::measures::{body, run, scenario};
-use stick_slip::stats::Statistic;
+use stickslip::stats::Statistic;
 
 /// The mean of |x'| under white noise of strength D, friction f and damping alpha.
 fn mean_speed(strength: f64, friction: f64, damping: f64, theta: &str) -> [f64; 2] {

@@ -4,13 +4,13 @@
 
 use ndarray::Array2;
 use std::path::Path;
-use stick_slip::engine::{Program, Provenance, Status};
-use stick_slip::stats::{
+use stickslip::engine::{Program, Provenance, Status};
+use stickslip::stats::{
     Band, Bands, Bias, BlockRows, Distribution, Estimate, EventColumns, FirstSticks, Histogram, PathColumns,
     PeriodMoments, QUANTILE_LEVELS, Record, Statistic, SubPhaseCounts, Summary, TrajectoryRows, Transient, Units,
 };
-use stick_slip::store::Writer;
-use stick_slip::sums::{Ends, Measurement};
+use stickslip::sums::{Ends, Measurement};
+use stickslip_files::store::Writer;
 
 pub const EVERYTHING: Record = Record { paths: true, events: true, trajectories: 40, ..Record::NOTHING };
 pub const NOTHING: Record = Record::NOTHING;

@@ -1,7 +1,7 @@
 //! Warnings about the file of a run and about its memory.
 
 use super::case::Case;
-use crate::numbers::bytes;
+use stickslip_data::numbers::bytes;
 
 /// More rows of the output grid than this are worth a warning.
 const MANY_ROWS: usize = 10_000;

@@ -14,7 +14,7 @@ pub(super) fn doubtful(case: &Case) -> Vec<String> {
     let told = |Doubt { start, end, sentence }: Doubt| {
         let place = text.get(start..end).unwrap_or(text);
         let column = text.get(..start).map_or(1, |before| before.chars().count() + 1);
-        format!("[force] expression, column {column}, `{}`: {sentence}", crate::excerpt::short(place))
+        format!("[force] expression, column {column}, `{}`: {sentence}", stickslip_data::excerpt::short(place))
     };
     found.into_iter().map(told).collect()
 }

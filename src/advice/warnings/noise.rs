@@ -3,8 +3,8 @@
 
 use super::case::Case;
 use super::noisy_step::NoisyStep;
-use crate::numbers::short;
 use crate::scheme::Resolution;
+use stickslip_data::numbers::short;
 
 pub(super) fn against_corridor(case: &Case) -> Option<String> {
     let step = case.checked.as_ref()?;

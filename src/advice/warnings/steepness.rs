@@ -2,8 +2,8 @@
 
 use crate::advice::derived::Derived;
 use crate::model::{Expression, Oscillator, Scales, Steepest, steepest};
-use crate::numbers::short;
 use crate::scenario::Scenario;
+use stickslip_data::numbers::short;
 
 /// The force as a text, if there is one.
 pub(super) fn expression(scenario: &Scenario) -> Option<&Expression> {

@@ -4,9 +4,9 @@ use super::case::Case;
 use super::force;
 use super::steepness::Stiffened;
 use crate::model::Model;
-use crate::numbers::short;
 use crate::scheme::{Discretisation, Stability};
 use std::f64::consts::PI;
+use stickslip_data::numbers::short;
 
 /// The step is beyond its stability limit, by itself or where a force of the user's own is
 /// steepest.

@@ -7,9 +7,9 @@ use super::pulses::pulses;
 use super::tape::Tape;
 use super::tree::{DIRECTION, Formula, TIME};
 use super::words::Names;
-use crate::excerpt::short;
 use crate::lanes::Lanes;
 use crate::model::NamedSeries;
+use stickslip_data::excerpt::short;
 
 /// A force g(x, x', t) as a text in x, xdot and t, with the values of its parameters.
 ///
@@ -48,9 +48,8 @@ impl Expression {
     /// Reads a text that may name the parameters, and inputs.
     ///
     /// ```
-    /// # use stick_slip_kernel as stick_slip;
-    /// use stick_slip::lanes::InstructionSet;
-    /// use stick_slip::model::{Expression, Force, NamedSeries, Series};
+    /// use crate::lanes::InstructionSet;
+    /// use crate::model::{Expression, Force, NamedSeries, Series};
     ///
     /// let ag = NamedSeries { name: "ag".into(), series: Series::new(vec![0.0, 1.0], vec![0.0, 3.0])?.into() };
     /// let force = Force::new(Expression::with_inputs("-m*ag", &[("m".into(), 2.0)], &[ag])?);

@@ -13,8 +13,8 @@ use super::operation::{Binary, Unary, whole_power};
 use super::token::{Token, TokenKind, tokens};
 use super::tree::{Formula, INPUT, Operation, Term};
 use super::words::{Function, Meaning, Names, check, meaning};
-use crate::excerpt::short;
 use std::ops::Range;
+use stickslip_data::excerpt::short;
 
 /// The bytes that an expression may have at most.
 const MAX_BYTES: usize = 2000;

@@ -2,8 +2,8 @@
 
 use super::error::ExpressionError;
 use super::words::CASES;
-use crate::excerpt::short;
 use std::ops::Range;
+use stickslip_data::excerpt::short;
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum TokenKind {

@@ -3,9 +3,9 @@
 use super::error::ExpressionError;
 use super::operation::{Binary, Unary};
 use super::tree::{DIRECTION, TIME, X, XDOT};
-use crate::excerpt::short;
 use crate::model::NamedSeries;
 use std::ops::Range;
+use stickslip_data::excerpt::short;
 
 /// The parameters that an expression may have at most.
 const MAX_PARAMETERS: usize = 64;

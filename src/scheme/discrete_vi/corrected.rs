@@ -8,8 +8,8 @@
 use super::limits;
 use super::simulation::DiscreteSimulation;
 use crate::model::{Drive, Friction, Model};
-use crate::numbers::tidy;
 use crate::scheme::{Discretisation, Look, Method, Misfit, Parameter, Stability, Timeline};
+use stickslip_data::numbers::tidy;
 
 /// The corrected discrete variational inequality with this step. It is valid while
 /// [`monitoring_shift`] is small compared with f_s.

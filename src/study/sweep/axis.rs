@@ -1,9 +1,9 @@
 //! One axis of a sweep: a key of the scenario, and the values that it takes.
 
-use crate::excerpt::underlined;
-use crate::numbers::tidy;
 use std::fmt;
 use std::ops::Range;
+use stickslip_data::excerpt::underlined;
+use stickslip_data::numbers::tidy;
 
 /// Largest number of points of a sweep.
 pub const MOST_POINTS: usize = 100_000;
@@ -11,15 +11,14 @@ pub const MOST_POINTS: usize = 100_000;
 /// A key of the scenario with the values that it takes.
 ///
 /// ```
-/// # use stick_slip_core as stick_slip;
-/// use stick_slip::study::sweep::SweepAxis;
+/// use crate::study::sweep::SweepAxis;
 ///
 /// let rho = SweepAxis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
 /// assert_eq!((rho.name.as_str(), rho.values), ("rho", vec![0.0, 0.25, 0.5, 0.75, 1.0]));
 /// let thresholds = SweepAxis::parse("friction.static=log:1:100:3", |_| Some("f_s".to_string()))?;
 /// assert_eq!((thresholds.name.as_str(), thresholds.values), ("f_s", vec![1.0, 10.0, 100.0]));
 /// assert!(SweepAxis::parse("friction.static=1:2", |_| None).is_err());
-/// # Ok::<(), stick_slip::study::sweep::AxisError>(())
+/// # Ok::<(), crate::study::sweep::AxisError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepAxis {

@@ -1,7 +1,7 @@
 //! The points of a sweep, and which of them are compared.
 
 use super::axis::{MOST_POINTS, SweepAxis};
-use crate::numbers::tidy;
+use stickslip_data::numbers::tidy;
 
 /// The points of a sweep.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,0 +1,120 @@
+//! A body under a temperature that is followed in short steps.
+
+use super::air::Air;
+use super::bearing::Response;
+use super::samples::{interval, starts};
+use stickslip::noise::Stream;
+
+/// The longest step in which a rough temperature is followed, in seconds.
+const STEP: f64 = 60.0;
+
+/// The most steps between two temperatures that are known.
+const MOST_STEPS: f64 = 10_000.0;
+
+/// The body and its steel at the samples of the thermometer.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Course {
+    /// The temperature of the steel.
+    pub steel: Vec<f64>,
+    /// xi, the position of the body in kelvin.
+    pub positions: Vec<f64>,
+    /// Number of slips.
+    pub slips: u64,
+}
+
+/// A body whose friction may change from slip to slip.
+struct Body<'a> {
+    response: &'a Response,
+    scatter: f64,
+    friction: Stream,
+    xi: f64,
+    reach: f64,
+    slips: u64,
+}
+
+impl Body<'_> {
+    /// Slip as often as it takes after the temperature has gone to this value without turning.
+    fn follow(&mut self, temperature: f64) {
+        let motion = &self.response.motion;
+        if self.scatter == 0.0 {
+            let next = motion.next(self.xi, temperature);
+            if motion.jump > 0.0 {
+                self.slips += ((next - self.xi) / motion.jump).abs().round() as u64;
+            }
+            self.xi = next;
+            return;
+        }
+        let kinetic = motion.kinetic_reach();
+        while (temperature - self.xi).abs() > self.reach {
+            self.xi += (2.0 * (self.reach - kinetic)).copysign(temperature - self.xi);
+            self.slips += 1;
+            let drawn = motion.reach * (1.0 + self.scatter * self.friction.normal());
+            self.reach = drawn.max(kinetic);
+        }
+    }
+}
+
+/// Follow a body whose steel is `lag` seconds behind the air, and whose f_s has the relative
+/// standard deviation `scatter` from slip to slip. `friction` draws f_s, and `between` the
+/// temperature between the times of the air.
+///
+/// Between two known temperatures, a rough one is a Brownian bridge; it is drawn in steps, and the
+/// farthest temperature within a step has its exact law. Across a gap it is a straight line.
+pub fn course(response: &Response, air: &Air, lag: f64, scatter: f64, [friction, mut between]: [Stream; 2]) -> Course {
+    let Air { times, temperatures, stride, roughness } = air;
+    let motion = response.motion;
+    let mut body = Body { response, scatter, friction, xi: motion.start, reach: motion.reach, slips: 0 };
+    let mut course = Course::default();
+    let mut gaps = starts(times).into_iter().skip(1).peekable();
+    let usual = interval(times);
+    let mut steel = temperatures.first().copied().unwrap_or(0.0);
+    for i in 0..times.len() {
+        if i > 0 {
+            let (h, mut a) = (times[i] - times[i - 1], temperatures[i - 1]);
+            let is_gap = gaps.next_if_eq(&i).is_some();
+            let rough = if is_gap || usual.is_nan() { 0.0 } else { *roughness };
+            let steps = if rough > 0.0 { (h / STEP).ceil().clamp(1.0, MOST_STEPS) } else { 1.0 };
+            if is_gap && lag > 0.0 {
+                // As in a measured record, the steel is as warm as the air after a gap.
+                a = temperatures[i];
+                steel = a;
+            }
+            let step = h / steps;
+            for k in 0..steps as u64 {
+                let left = steps - k as f64;
+                let mean = a + (temperatures[i] - a) / left;
+                let b = if left > 1.5 {
+                    mean + (rough * step * (1.0 - 1.0 / left)).sqrt() * between.normal()
+                } else {
+                    temperatures[i]
+                };
+                if lag > 0.0 {
+                    let rise = lag * (b - a) / step;
+                    steel = b - rise + (steel - a + rise) * libm::exp(-step / lag);
+                } else {
+                    if rough > 0.0 {
+                        body.follow(farthest([a, b], rough * step, body.xi, &mut between));
+                    }
+                    steel = b;
+                }
+                body.follow(steel);
+                a = b;
+            }
+        } else {
+            body.follow(steel);
+        }
+        if i.is_multiple_of(*stride) {
+            course.steel.push(steel);
+            course.positions.push(body.xi);
+        }
+    }
+    course.slips = body.slips;
+    course
+}
+
+/// The highest value of a Brownian bridge between two values, or the lowest one if the bridge is
+/// below `centre`; `gain` is the variance gained from one end to the other.
+pub fn farthest([a, b]: [f64; 2], gain: f64, centre: f64, random: &mut Stream) -> f64 {
+    let beyond = ((b - a) * (b - a) - 2.0 * gain * libm::log(random.uniform())).sqrt();
+    0.5 * (a + b + beyond.copysign(0.5 * (a + b) - centre))
+}

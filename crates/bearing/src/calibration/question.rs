@@ -1,0 +1,199 @@
+//! What is asked of a record, and why there may be no answer.
+
+use super::bearing::Response;
+use super::motion::Motion;
+use super::possible::CONDITION;
+use super::quantity::{Held, Quantity};
+use super::samples::MeasuredRecord;
+use crate::Unsound;
+use stickslip::scenario::BridgeScene;
+
+/// How the parameters are found.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum CalibrationMethod {
+    /// From the slips alone.
+    #[default]
+    Slips,
+    /// By the paper's least squares.
+    Err,
+    /// From the slips, and by the least squares for comparison.
+    Both,
+}
+
+impl CalibrationMethod {
+    /// The name on the command line and in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            CalibrationMethod::Slips => "slips",
+            CalibrationMethod::Err => "err",
+            CalibrationMethod::Both => "both",
+        }
+    }
+
+    /// The method with this name.
+    pub fn from_name(name: &str) -> Option<Self> {
+        [CalibrationMethod::Slips, CalibrationMethod::Err, CalibrationMethod::Both]
+            .into_iter()
+            .find(|method| method.name() == name)
+    }
+}
+
+/// What is known of the lag of steel behind the thermometer.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum Lag {
+    /// It is not known. It is estimated, and taken to be 0 unless the data clearly show a lag.
+    #[default]
+    Auto,
+    /// It is known, in seconds.
+    Known(f64),
+}
+
+/// What is asked of a record.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct CalibrationQuestion {
+    /// How the parameters are found.
+    pub method: CalibrationMethod,
+    /// K_BP, if it is known; without it no force can be determined.
+    pub shear_stiffness: Option<f64>,
+    /// Number of starts of the least squares.
+    pub starts: u32,
+    /// The lag of steel behind the thermometer.
+    pub lag: Lag,
+    /// The coverage probability of the intervals.
+    pub level: f64,
+    /// Parameters that are held at given values instead of fitted. Those that need K_BP can be held
+    /// only if it is known.
+    pub held: Vec<Held>,
+    /// The interval in which the least squares searches a quantity.
+    pub bounds: Vec<(Quantity, [f64; 2])>,
+    /// Where the search begins if no slips are visible.
+    pub guess: Motion,
+}
+
+impl CalibrationQuestion {
+    /// The default question for a bearing: all parameters are fitted, by both methods.
+    pub fn of(scene: &BridgeScene, record: &MeasuredRecord) -> Self {
+        let first = record.temperatures.first().copied().unwrap_or(0.0);
+        CalibrationQuestion {
+            method: CalibrationMethod::Both,
+            shear_stiffness: scene.shear_stiffness,
+            starts: 10,
+            lag: Lag::Auto,
+            level: 0.9,
+            held: Vec::new(),
+            bounds: Vec::new(),
+            guess: Response::of(scene, first).motion,
+        }
+    }
+
+    /// The same with only some quantities fitted, if any are named. The others are held at the
+    /// values of the scenario. Fails if the scenario has no number for one of them, or if K_BP is
+    /// needed and missing.
+    pub fn fitting(self, fitted: &[Quantity], scene: &BridgeScene) -> Result<Self, NotHeld> {
+        let is_held = |quantity: &Quantity| !fitted.is_empty() && !fitted.contains(quantity);
+        let held = Quantity::FITTED.into_iter().filter(is_held).map(|quantity| {
+            let value = match quantity {
+                Quantity::Stiffness => Some(scene.stiffness),
+                Quantity::Dilatation => Some(scene.dilatation),
+                Quantity::Static => Some(scene.f_s),
+                Quantity::Dynamic => Some(scene.f_d),
+                Quantity::Offset => Some(scene.offset),
+                _ => scene.displacement,
+            };
+            Ok((quantity, value.ok_or(NotHeld::NoNumber(quantity))?))
+        });
+        let held: Vec<Held> = held.collect::<Result<_, _>>()?;
+        let mut named =
+            held.iter().map(|(quantity, _)| *quantity).chain(self.bounds.iter().map(|(quantity, _)| *quantity));
+        match named.find(|quantity| quantity.needs_shear_stiffness() && scene.shear_stiffness.is_none()) {
+            Some(quantity) => Err(NotHeld::TakesShearStiffness(quantity)),
+            None => Ok(CalibrationQuestion { held, ..self }),
+        }
+    }
+}
+
+/// Why a quantity cannot be held or bounded.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum NotHeld {
+    /// The scenario has no value at which to hold it.
+    #[error("{} is left out of what is fitted, and is not a number in the scenario", .0.key())]
+    NoNumber(Quantity),
+    /// It can be known only together with K_BP.
+    #[error("{} cannot be held or bounded, because it takes K_BP to know it", .0.key())]
+    TakesShearStiffness(Quantity),
+}
+
+/// Why a record cannot be calibrated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// The record has too few samples.
+    #[error("{0} samples have a displacement and a temperature; a calibration takes at least {LEAST}")]
+    TooShort(usize),
+    /// The temperature or the displacement cannot be used.
+    #[error(transparent)]
+    Unsound(#[from] Unsound),
+    /// No slips are visible, and no other method was asked for.
+    #[error("no slips are visible: too few jumps of the displacement, or too small for its noise")]
+    NoSlips,
+    /// The jumps that were found are not slips of this model.
+    #[error("the {jumps} jumps that were found are not the slips of a bearing: they give {}, and a bearing has {CONDITION}",
+            stated(.quantity, .value))]
+    NotSlips {
+        /// Number of jumps.
+        jumps: usize,
+        /// A quantity that they give a value that no bearing can have.
+        quantity: Quantity,
+        /// That value.
+        value: f64,
+    },
+    /// The jumps that were found are too few, or too different, to determine a bearing.
+    #[error(
+        "the {jumps} jumps that were found tell no bearing: {impossible} of {all} times, other weights of the same days \
+             give numbers that no bearing can have, which has {CONDITION}"
+    )]
+    Undetermined {
+        /// Number of jumps.
+        jumps: usize,
+        /// Number of random weights with which no bearing was found.
+        impossible: usize,
+        /// Number of random weights that were tried.
+        all: usize,
+    },
+    /// The least squares find no bearing.
+    #[error("the least squares give {}, and a bearing has {CONDITION}", stated(.quantity, .value))]
+    NoBearing {
+        /// A quantity that they give a value that no bearing can have.
+        quantity: Quantity,
+        /// That value.
+        value: f64,
+    },
+}
+
+/// A quantity with its value and its unit.
+fn stated(quantity: &Quantity, value: &f64) -> String {
+    format!("{} = {value:.3e} {}", quantity.symbol(), quantity.unit()).trim_end_matches(" 1").to_string()
+}
+
+impl CalibrationError {
+    /// What the user can do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
+            CalibrationError::Unsound(error) => error.remedy(),
+            CalibrationError::NoSlips => {
+                "measure for longer, until tens of slips are in the record; the method `err` needs none, but beware of its \
+                 estimates"
+            }
+            CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
+                "measure for longer, until tens of slips are in the record"
+            }
+            CalibrationError::NotSlips { .. } => {
+                "see that columns, units and K_BP are right; then the jumps have another cause, such as a crack that \
+                 opens or a sensor that was moved"
+            }
+        }
+    }
+}
+
+/// Fewest samples of a record.
+pub(super) const LEAST: usize = 200;

@@ -1,0 +1,98 @@
+//! The temperature of the steel, and the slips that are seen with it.
+
+use super::lag::{CONVINCING, LagProfile, is_small, lag_profile};
+use super::question::Lag;
+use super::samples::{MeasuredRecord, interval};
+use super::slips::Evidence;
+use super::thermometer::Thermometer;
+use super::uncertainty::AroundLag;
+use crate::weather::{Imagined, imagined};
+
+/// The fewest usual slips that determine anything.
+const FEWEST_SLIPS: usize = 6;
+
+/// A record with the temperature of the steel in place of that of the air.
+pub struct Steel {
+    pub record: MeasuredRecord,
+    /// The lag that was used, in seconds.
+    pub lag: f64,
+    /// The likelihood as a function of the lag; `None` if there are no slips.
+    pub profile: Option<LagProfile>,
+    /// The variance that its temperature gains between samples, in K^2/s.
+    pub roughness: f64,
+    /// By how many kelvin the friction seems to hold less, because temperatures between samples are
+    /// overlooked.
+    pub overlooked: f64,
+    /// The slips; `None` if too few are seen.
+    pub around: Option<AroundLag>,
+}
+
+impl Steel {
+    /// Use the lag that is known, or estimate it from the slips. An estimate is used only if the
+    /// data clearly show a lag.
+    pub fn of(air: &MeasuredRecord, resolution: f64, lag: Lag) -> Self {
+        let given = match lag {
+            Lag::Known(lag) => lag,
+            Lag::Auto => 0.0,
+        };
+        let [times, temperatures] = air.thermometer();
+        let imagined = imagined(&times, &temperatures, interval(&times), air.averaged[0]);
+        // Temperatures with noise would make the slope of z against T too small, and so would means
+        // beside readings of an instant.
+        let is_better = |of: &&Imagined| of.white > 0.0 || air.averaged[0] != air.averaged[1];
+        let better = imagined.as_ref().filter(is_better).map(|of| air.with_temperatures(&of.times, &of.mean));
+        let air = better.as_ref().unwrap_or(air);
+        let evidence_of = |air: &MeasuredRecord, lag: f64, shift: f64| {
+            let steel = air.lagged(lag);
+            let rough = match &imagined {
+                _ if lag > 0.0 => Thermometer::of(&steel),
+                Some(of) => Thermometer::imagined(of.clone()).shifted(shift),
+                None => Thermometer::sampled(times.clone(), temperatures.clone()).shifted(shift),
+            };
+            Evidence::find(&steel, &rough, resolution).filter(is_visible)
+        };
+        let clean = match evidence_of(air, given, 0.0).filter(|_| air.averaged[1] > 0.0) {
+            Some(evidence) => air.without_readings(&evidence.mixed(air)),
+            None => air.clone(),
+        };
+        let first = evidence_of(&clean, given, 0.0);
+        let first_profile = first.as_ref().map(|evidence| lag_profile(&clean, evidence));
+        let clock = first_profile.as_ref().and_then(|profile| profile.clock).filter(|seconds| is_small(*seconds));
+        let shift = clock.unwrap_or(0.0);
+        let air = &if shift == 0.0 { clean } else { clean.shifted(shift) };
+        let evidence_at = |lag: f64| evidence_of(air, lag, shift);
+        let (mut evidence, mut profile) = match shift {
+            0.0 => (first, first_profile),
+            _ => {
+                let evidence = evidence_at(given);
+                let profile = evidence.as_ref().map(|evidence| LagProfile { clock, ..lag_profile(air, evidence) });
+                (evidence, profile)
+            }
+        };
+        let mut used = given;
+        if let (Lag::Auto, Some(first)) = (lag, &profile)
+            && first.gain > CONVINCING
+            && let Some(second) = evidence_at(first.likeliest)
+        {
+            let again = lag_profile(air, &second);
+            used = again.likeliest;
+            evidence = evidence_at(used);
+            profile = Some(LagProfile { clock: clock.or(again.clock), ..again });
+        }
+        let around = evidence.map(|evidence| match lag {
+            Lag::Auto if used > 0.0 => AroundLag::lag(evidence, air, used),
+            _ => AroundLag { here: evidence, beside: None },
+        });
+        let record = air.lagged(used);
+        let thermometer =
+            around.as_ref().map_or_else(|| Thermometer::of(&record), |around| around.here.thermometer.clone());
+        let (roughness, overlooked) = (thermometer.roughness, thermometer.overlooked());
+        Steel { record, lag: used, profile, roughness, overlooked, around }
+    }
+}
+
+/// Whether enough slips are seen to determine the parameters.
+fn is_visible(evidence: &Evidence) -> bool {
+    let usual = evidence.slips.iter().filter(|slip| slip.is_usual).count();
+    usual >= FEWEST_SLIPS && evidence.reversals.len() >= 2
+}

@@ -1,0 +1,111 @@
+//! Synthetic records: the model, seen by an imperfect sensor and thermometer.
+
+use super::air::Air;
+use super::bearing::Response;
+use super::course::{Course, course};
+use super::zero::Zero;
+use stickslip::noise::{Stream, Transition};
+
+/// The imperfections of a measurement.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flaws {
+    /// Standard deviation of the white noise of the sensor, in the unit of displacement.
+    pub white: f64,
+    /// Stationary standard deviation of the red noise of the sensor, an Ornstein-Uhlenbeck process.
+    pub red: f64,
+    /// Correlation time of the red noise, in seconds.
+    pub memory: f64,
+    /// Relative standard deviation of f_s from slip to slip; f_d does not vary.
+    pub scatter: f64,
+    /// Lag of the steel behind the thermometer, in seconds.
+    pub lag: f64,
+    /// Resolution of the thermometer, in kelvin; 0 for a perfect one.
+    pub resolution: f64,
+    /// Share of samples whose displacement is wrong, by up to 20 standard deviations of red and
+    /// white noise together.
+    pub spikes: f64,
+    /// Number of gaps, of one to five days each.
+    pub gaps: u32,
+    /// Drift of the sensor, in the unit of displacement per year.
+    pub drift: f64,
+    /// When the zero of the sensor is set, in seconds, and by how much it is moved.
+    pub zero_set: Option<(f64, f64)>,
+    /// The thermometer shows only every so-many-th sample.
+    pub thermometer_every: usize,
+}
+
+impl Flaws {
+    /// A perfect measurement.
+    pub const NONE: Flaws = Flaws {
+        white: 0.0,
+        red: 0.0,
+        memory: 86_400.0,
+        scatter: 0.0,
+        lag: 0.0,
+        resolution: 0.0,
+        spikes: 0.0,
+        gaps: 0,
+        drift: 0.0,
+        zero_set: None,
+        thermometer_every: 1,
+    };
+}
+
+/// A synthetic record: times in seconds, temperatures in kelvin, and readings in the unit of
+/// displacement.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Twin {
+    /// Times of the samples, in seconds.
+    pub times: Vec<f64>,
+    /// Temperatures that the thermometer shows, in kelvin; NaN where it shows none.
+    pub temperatures: Vec<f64>,
+    /// Readings of the sensor.
+    pub readings: Vec<f64>,
+    /// xi, which is not measured.
+    pub positions: Vec<f64>,
+    /// Number of slips.
+    pub slips: u64,
+}
+
+/// A record of a bearing under this temperature, measured with these imperfections.
+pub fn twin(response: &Response, air: &Air, flaws: &Flaws, seed: u64) -> Twin {
+    // Each imperfection has a stream of random numbers of its own, so that changing one leaves the
+    // others as they are.
+    let [mut sensor, friction, mut spikes, mut gaps, between] = std::array::from_fn(|i| Stream::new(seed, i as u64));
+    let Course { steel, positions, slips } = course(response, air, flaws.lag, flaws.scatter, [friction, between]);
+    let [mut times, temperatures] = air.samples();
+    let mut positions = positions;
+    let zero = Zero::moving(times.first().copied().unwrap_or(0.0), flaws.drift, flaws.zero_set);
+    let mut red = flaws.red * sensor.normal();
+    let mut readings = Vec::with_capacity(times.len());
+    for i in 0..times.len() {
+        if i > 0 {
+            let diffusion = flaws.red * (2.0 / flaws.memory).sqrt();
+            red = Transition::new(1.0 / flaws.memory, diffusion, times[i] - times[i - 1]).next(red, sensor.normal());
+        }
+        let mut reading = response.sensor.reading(positions[i], steel[i]) + red + flaws.white * sensor.normal();
+        reading += zero.at(times[i]);
+        if spikes.uniform() < flaws.spikes {
+            reading += 20.0 * flaws.white.hypot(flaws.red) * (2.0 * spikes.uniform() - 1.0);
+        }
+        readings.push(reading);
+    }
+    let shown = |t: &f64| if flaws.resolution > 0.0 { (t / flaws.resolution).round() * flaws.resolution } else { *t };
+    let seen = |(i, t): (usize, &f64)| if i.is_multiple_of(flaws.thermometer_every) { shown(t) } else { f64::NAN };
+    let mut temperatures: Vec<f64> = temperatures.iter().enumerate().map(seen).collect();
+    let length = times.last().copied().unwrap_or(0.0) - times.first().copied().unwrap_or(0.0);
+    for _ in 0..flaws.gaps {
+        let from = times[0] + length * gaps.uniform();
+        let to = from + 86_400.0 * (1.0 + 4.0 * gaps.uniform());
+        let kept: Vec<bool> = times.iter().map(|t| !(from..to).contains(t)).collect();
+        let keep = |values: &mut Vec<f64>| {
+            let mut keeps = kept.iter();
+            values.retain(|_| *keeps.next().unwrap_or(&true));
+        };
+        keep(&mut times);
+        keep(&mut temperatures);
+        keep(&mut readings);
+        keep(&mut positions);
+    }
+    Twin { times, temperatures, readings, positions, slips }
+}

@@ -1,0 +1,76 @@
+//! What is asked of a forecast, and why there may be none.
+
+use crate::calibration::CalibrationError;
+use crate::weather::{NotTold, WeatherError};
+
+/// What is asked of a forecast.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ForecastQuestion {
+    /// Number of draws of the parameters of bearing and weather.
+    pub draws: u64,
+    /// Number of years for each draw.
+    pub years: u64,
+    /// The seed, which determines all random numbers together with the numbers of draws and paths.
+    pub seed: u64,
+    /// The coverage probability of the intervals.
+    pub level: f64,
+    /// q: the time with |F| above this share of f_s is counted.
+    pub share: f64,
+}
+
+/// The most likely parameters get this many times as many years as one draw.
+pub(super) const LIKELIEST: u64 = 10;
+
+/// Why there is no forecast.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ForecastError {
+    /// The bearing cannot be calibrated.
+    #[error(transparent)]
+    Bearing(#[from] CalibrationError),
+    /// There is no model of the weather.
+    #[error(transparent)]
+    Weather(#[from] WeatherError),
+    /// Most of the parameters that the calibration leaves open are those of no bearing.
+    #[error(
+        "the record tells too little of the bearing: most of the parameters that it leaves open are those of no bearing"
+    )]
+    Unknown,
+    /// The record and the forecast of the same time are too far apart.
+    #[error(
+        "the record shows {slips:.0} slips in {days:.0} days, a sliding path of {:.1} mm, and 99.8 % of the simulated \
+         records of the same days between {:.0} and {:.0}: the model does not describe this weather or this bearing, so \
+         there is no forecast",
+        1e3 * path, range[0], range[1]
+    )]
+    NotTheRecord {
+        /// Number of slips in the record.
+        slips: f64,
+        /// Their sum, in metres.
+        path: f64,
+        /// The days of the record.
+        days: f64,
+        /// The numbers of slips between which simulated records are.
+        range: [f64; 2],
+    },
+}
+
+impl ForecastError {
+    /// What to do about it.
+    pub fn remedy(&self) -> &'static str {
+        match self {
+            ForecastError::Bearing(CalibrationError::NoSlips) => {
+                "measure for longer, until tens of slips are in the record"
+            }
+            ForecastError::Bearing(error) => error.remedy(),
+            ForecastError::Weather(WeatherError::NotTold(NotTold::Short(_))) => {
+                "measure for at least half a year: a forecast needs to know the seasons"
+            }
+            ForecastError::Weather(error) => error.remedy(),
+            ForecastError::Unknown => "measure for longer, so that the parameters are known better",
+            ForecastError::NotTheRecord { .. } => {
+                "take a thermometer of the air in the shade, give `averaged` if the logger stores means, and see the residuals of \
+                 mc calibrate"
+            }
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! A year of a bearing under random weather.
+//!
+//! The weather is drawn exactly at the times of a grid. Where it is rough between them, its farthest
+//! value in a step is drawn from the law of a Brownian bridge; where steel smooths it, it is a
+//! straight line. The body then slips as [`Motion`] says.
+
+use super::draw::{DrawnBearing, DrawnSteel};
+use crate::calibration::{Motion, Response, farthest};
+use crate::weather::{Passage, Square, States, System, dot, root, times};
+use stickslip::model::Harmonic;
+use stickslip::noise::Stream;
+
+/// The time before a year is counted, in seconds. The body forgets its initial position once the
+/// temperature has changed by more than 2 A in both directions, which takes days to weeks.
+pub const BURN_IN: f64 = 90.0 * 86_400.0;
+
+/// A year, in seconds.
+pub const YEAR: f64 = 365.25 * 86_400.0;
+
+/// A quantity that is kept of a simulated year.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ForecastQuantity {
+    /// The sum of the distances of all slips.
+    SlidingPath,
+    /// The number of slips.
+    Slips,
+    /// The highest z minus the lowest.
+    Range,
+    /// The largest |z|.
+    Greatest,
+    /// The share of time with |F| above q f_s.
+    Loaded,
+    /// The largest |F|.
+    Force,
+}
+
+impl ForecastQuantity {
+    /// All of them.
+    pub const ALL: [ForecastQuantity; 6] = [
+        ForecastQuantity::SlidingPath,
+        ForecastQuantity::Slips,
+        ForecastQuantity::Range,
+        ForecastQuantity::Greatest,
+        ForecastQuantity::Loaded,
+        ForecastQuantity::Force,
+    ];
+
+    /// The name in files and for programs.
+    pub fn name(self) -> &'static str {
+        NAMES_AND_UNITS[self as usize].0
+    }
+
+    /// Whether it may be any number from 0 on; otherwise it is a share of the time.
+    pub fn is_unbounded(self) -> bool {
+        self != ForecastQuantity::Loaded
+    }
+
+    /// Its unit.
+    pub fn unit(self) -> &'static str {
+        NAMES_AND_UNITS[self as usize].1
+    }
+}
+
+/// The name and the unit of each of [`ForecastQuantity::ALL`].
+const NAMES_AND_UNITS: [(&str, &str); ForecastQuantity::ALL.len()] = [
+    ("sliding_path", "m"),
+    ("slips", "1"),
+    ("displacement_range", "m"),
+    ("displacement_abs_max", "m"),
+    ("loaded_share", "1"),
+    ("force_abs_max", "N"),
+];
+
+/// One value for each of [`ForecastQuantity::ALL`].
+pub type Year = [f64; ForecastQuantity::ALL.len()];
+
+/// The longest step of the grid, in seconds.
+const LONGEST: f64 = 600.0;
+
+/// The shortest one.
+const SHORTEST: f64 = 30.0;
+
+/// A step as a share of the shortest memory of rough weather, within which it is a Brownian motion
+/// to a few percent, or of the time constant of steel, within which its temperature is straight.
+const SHARE: f64 = 0.2;
+
+/// The temperature of the steel on a grid, which begins a burn-in before t = 0 and ends a year after.
+pub struct SteelOfAYear {
+    step: f64,
+    /// What is periodic.
+    mean: Vec<f64>,
+    passage: Passage,
+    /// Cholesky factors of the covariances that the states have at first, and gain in a step.
+    factors: [Square; 2],
+    states: usize,
+    seen: States,
+    /// The variance that the temperature gains within a step; 0 if it is smooth.
+    gain: f64,
+}
+
+impl SteelOfAYear {
+    /// The steel of this weather.
+    pub fn of(drawn: &DrawnSteel) -> Self {
+        let DrawnSteel { weather, lag } = drawn;
+        let followers = [weather.smoothing, *lag];
+        let slow = followers.iter().filter(|tau| **tau > 0.0).copied().reduce(f64::min);
+        let fast = || weather.processes.iter().map(|(rate, _)| 1.0 / rate).fold(f64::INFINITY, f64::min);
+        let step = (SHARE * slow.unwrap_or_else(fast)).clamp(SHORTEST, LONGEST);
+        let rough: f64 = weather.processes.iter().map(|(rate, variance)| 2.0 * rate * variance).sum();
+        let system = System::new(&weather.processes, &followers, 0.0);
+        let passage = system.passage(step);
+        let times = (0..((BURN_IN + YEAR) / step) as usize).map(|i| i as f64 * step - BURN_IN);
+        let waves = |t: f64| -> f64 {
+            let wave = |wave: &Harmonic| {
+                let behind = wave.angular_frequency * lag;
+                let phase = wave.angular_frequency * t + wave.phase - libm::atan(behind);
+                wave.amplitude * libm::cos(phase) / behind.hypot(1.0)
+            };
+            weather.harmonics.iter().map(wave).sum()
+        };
+        SteelOfAYear {
+            step,
+            mean: times.map(waves).collect(),
+            factors: [system.stationary(), passage.gained].map(|covariance| root(&covariance)),
+            passage,
+            states: system.states,
+            seen: system.seen,
+            gain: if slow.is_some() { 0.0 } else { rough * step },
+        }
+    }
+}
+
+/// A simulated year, and the slips in the first part of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct YearAndRecord {
+    pub year: Year,
+    /// Number of slips from t = 0 to the end of the record.
+    pub within: f64,
+}
+
+/// Simulate a year of a bearing. The time with |F| above this `share` of f_s is counted, and so are
+/// the slips until `end`.
+pub fn year(bearing: &DrawnBearing, steel: &SteelOfAYear, share: f64, end: f64, random: &mut Stream) -> YearAndRecord {
+    let Response { mut motion, sensor } = bearing.response;
+    let Motion { reach, jump, .. } = motion;
+    let normals = |random: &mut Stream| -> States {
+        std::array::from_fn(|i| if i < steel.states { random.normal() } else { 0.0 })
+    };
+    let burnt_in = (BURN_IN / steel.step) as usize;
+    let ends = ((BURN_IN + end) / steel.step) as usize;
+    let mut state = times(&steel.factors[0], &normals(random));
+    let mut before = steel.mean[0] + dot(&state, &steel.seen);
+    motion.start = before;
+    let [mut slips, mut within, mut sliding, mut farthest_off, mut loaded] = [0.0; 5];
+    let (mut low, mut high) = (f64::INFINITY, f64::NEG_INFINITY);
+    for (i, mean) in steel.mean.iter().enumerate() {
+        let (carried, gained) = (times(&steel.passage.carry, &state), times(&steel.factors[1], &normals(random)));
+        state = std::array::from_fn(|k| carried[k] + gained[k]);
+        let temperature = mean + dot(&state, &steel.seen);
+        let reached = match steel.gain {
+            0.0 => temperature,
+            gain => farthest([before, temperature], gain, motion.start, random),
+        };
+        before = temperature;
+        let is_counting = i >= burnt_in;
+        for temperature in [reached, temperature] {
+            let xi = motion.next(motion.start, temperature);
+            let moved = (xi - motion.start).abs();
+            motion.start = xi;
+            if !is_counting {
+                continue;
+            }
+            if moved > 0.0 {
+                let count = libm::round(moved / jump);
+                slips += count;
+                within += if i < ends { count } else { 0.0 };
+                sliding += moved;
+                farthest_off = reach;
+            }
+            let z = sensor.reading(xi, temperature);
+            (low, high) = (low.min(z), high.max(z));
+            farthest_off = farthest_off.max((temperature - xi).abs());
+        }
+        loaded += f64::from(u8::from(is_counting && (temperature - motion.start).abs() > share * reach));
+    }
+    let slope = bearing.stiffness * sensor.dilatation();
+    let loaded = loaded / (steel.mean.len() - burnt_in) as f64;
+    let greatest = high.abs().max(low.abs());
+    YearAndRecord {
+        year: [sliding * sensor.dilatation(), slips, high - low, greatest, loaded, slope * farthest_off],
+        within,
+    }
+}

@@ -1,0 +1,257 @@
+//! The unit that the name of a column gives: `temperature_degC`, `displacement [mm]`, `Temp, °F`.
+
+use super::error::ProblemAndRemedy;
+
+/// What a column measures.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnQuantity {
+    /// Temperature. Degrees Celsius and kelvin are kept as given, because only differences act on
+    /// the body; other units are converted to degrees Celsius or kelvin. Without a unit, values are
+    /// kept as given.
+    Temperature,
+    /// Displacement, converted to metres. A column without a unit is an error.
+    Displacement,
+    /// What acts on a body: an acceleration, a force or a length, converted to SI units. Without a
+    /// unit, values are kept as given. Nothing of it is repaired.
+    Input,
+}
+
+impl ColumnQuantity {
+    /// Its name, with which the name of its column begins.
+    pub fn word(self) -> &'static str {
+        match self {
+            ColumnQuantity::Temperature => "temperature",
+            ColumnQuantity::Displacement => "displacement",
+            ColumnQuantity::Input => "input",
+        }
+    }
+
+    /// The units that it may have, in words.
+    pub(super) fn units(self) -> &'static str {
+        match self {
+            ColumnQuantity::Temperature => "degC, K, degF or degR",
+            ColumnQuantity::Displacement => "m, cm, mm or um",
+            ColumnQuantity::Input => "m/s2, g, cm/s2, gal, N, kN, m, cm or mm",
+        }
+    }
+
+    /// The unit that is called so, if there is one.
+    pub(super) fn unit(self, name: &str) -> Option<InputUnit> {
+        match self {
+            ColumnQuantity::Temperature => temperature(name),
+            ColumnQuantity::Displacement => displacement(name),
+            ColumnQuantity::Input => input(name).map(|(unit, _)| unit),
+        }
+    }
+}
+
+/// A unit: value = times (cell - origin) / over. The scale is kept as a ratio of two numbers, so
+/// that 2.5 mm becomes the double nearest to 0.0025.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct InputUnit {
+    times: f64,
+    over: f64,
+    origin: f64,
+    /// The lowest value that a cell may hold: absolute zero for temperatures.
+    pub least: f64,
+    /// What a unit of an input is called.
+    pub name: &'static str,
+}
+
+impl InputUnit {
+    pub const AS_GIVEN: InputUnit =
+        InputUnit { times: 1.0, over: 1.0, origin: 0.0, least: f64::NEG_INFINITY, name: "" };
+
+    fn larger(times: f64) -> InputUnit {
+        InputUnit { times, ..Self::AS_GIVEN }
+    }
+
+    fn smaller(over: f64) -> InputUnit {
+        InputUnit { over, ..Self::AS_GIVEN }
+    }
+
+    /// The value of a cell in the unit of the results.
+    pub fn of(&self, cell: f64) -> f64 {
+        self.times * (cell - self.origin) / self.over
+    }
+}
+
+/// A unit of temperature, which may have a scale: `degC`, `°F`, `mK`, `0.1degC`, `degrees Celsius`.
+fn temperature(name: &str) -> Option<InputUnit> {
+    let name = name.replace('\u{2103}', "C").replace('\u{2109}', "F");
+    let name: String = name.chars().filter(|c| !c.is_whitespace() && !"_*\u{ba}\u{b0}".contains(*c)).collect();
+    let name = name.trim_end_matches('.');
+    let number = name.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(0);
+    let (scale, name) = match name[..number].parse::<f64>() {
+        // A scale of 0.1 is kept as one over 10, so that 155 tenths are the double nearest to 15.5.
+        Ok(scale) if scale > 0.0 && scale < 1.0 => (InputUnit::smaller((1.0 / scale).round()), &name[number..]),
+        Ok(scale) if scale > 0.0 => (InputUnit::larger(scale), &name[number..]),
+        _ if name == "mK" => (InputUnit::smaller(1e3), "K"),
+        _ if number > 0 => return None,
+        _ => (InputUnit::AS_GIVEN, name),
+    };
+    let lower = name.to_lowercase();
+    let bare =
+        ["degrees", "degree", "degs", "deg"].iter().find_map(|prefix| lower.strip_prefix(prefix)).unwrap_or(&lower);
+    let (unit, least) = match bare {
+        "c" | "celsius" | "centigrade" => (InputUnit::AS_GIVEN, -273.15),
+        "k" | "kelvin" | "kelvins" => (InputUnit::AS_GIVEN, 0.0),
+        "f" | "fahrenheit" => (InputUnit { over: 1.8, origin: 32.0, ..InputUnit::AS_GIVEN }, -459.67),
+        "r" | "rankine" => (InputUnit::smaller(1.8), 0.0),
+        _ => return None,
+    };
+    // (cell scale - origin) / over, with the scale taken into the origin and the ratio.
+    let of_scale = scale.times / scale.over;
+    let origin = unit.origin / of_scale;
+    let (times, over) = (scale.times, unit.over * scale.over);
+    Some(InputUnit { times, over, origin, least: least / of_scale, ..InputUnit::AS_GIVEN })
+}
+
+fn displacement(name: &str) -> Option<InputUnit> {
+    match name.to_lowercase().as_str() {
+        "m" | "metre" | "metres" | "meter" | "meters" => Some(InputUnit::AS_GIVEN),
+        "cm" => Some(InputUnit::smaller(1e2)),
+        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => Some(InputUnit::smaller(1e3)),
+        "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometre" | "micrometer" => {
+            Some(InputUnit::smaller(1e6))
+        }
+        _ => None,
+    }
+}
+
+/// Standard gravity, in m/s2.
+const GRAVITY: f64 = 9.80665;
+
+/// The units of an input: what they are called, the SI unit, and the ratio of both.
+const INPUTS: [(&[&str], &str, [f64; 2]); 9] = [
+    (&["m/s2", "m/s/s", "ms2", "ms-2", "mss", "m/sec2", "m/sec/sec"], "m/s2", [1.0, 1.0]),
+    (&["g", "g's", "gs"], "m/s2", [GRAVITY, 1.0]),
+    (&["cm/s2", "cm/s/s", "cms2", "cms-2", "cmss", "cm/sec2", "cm/sec/sec"], "m/s2", [1.0, 1e2]),
+    (&["gal", "gals"], "m/s2", [1.0, 1e2]),
+    (&["N", "newton", "newtons"], "N", [1.0, 1.0]),
+    (&["kN"], "N", [1e3, 1.0]),
+    (&["m", "metre", "metres", "meter", "meters"], "m", [1.0, 1.0]),
+    (&["cm"], "m", [1.0, 1e2]),
+    (&["mm", "millimetre", "millimetres", "millimeter", "millimeters"], "m", [1.0, 1e3]),
+];
+
+/// A unit of an input, and the SI unit to which it is converted.
+fn input(name: &str) -> Option<(InputUnit, &'static str)> {
+    let bare: String = name.replace('\u{b2}', "2").chars().filter(|c| !" ^*\u{b7}".contains(*c)).collect();
+    let is_called = |names: &[&str]| names.iter().any(|known| known.eq_ignore_ascii_case(&bare));
+    let (names, si, [times, over]) = INPUTS.iter().find(|(names, ..)| is_called(names))?;
+    Some((InputUnit { times: *times, over: *over, name: names[0], ..InputUnit::AS_GIVEN }, si))
+}
+
+/// The unit of an input that is called so: the SI unit to which it is converted, and the value of one
+/// in that.
+///
+/// ```
+/// use crate::input_unit;
+///
+/// assert_eq!(input_unit("g"), Some(("m/s2", 9.80665)));
+/// assert_eq!(input_unit("furlong"), None);
+/// ```
+pub fn input_unit(name: &str) -> Option<(&'static str, f64)> {
+    input(name).map(|(unit, si)| (si, unit.of(1.0)))
+}
+
+/// A unit of time, converted to seconds.
+pub(super) fn time(name: &str) -> Option<InputUnit> {
+    match name.to_lowercase().as_str() {
+        "ms" => Some(InputUnit::smaller(1e3)),
+        "s" | "sec" | "second" | "seconds" => Some(InputUnit::AS_GIVEN),
+        "min" | "minute" | "minutes" => Some(InputUnit::larger(60.0)),
+        "h" | "hour" | "hours" => Some(InputUnit::larger(3600.0)),
+        "d" | "day" | "days" => Some(InputUnit::larger(86_400.0)),
+        _ => None,
+    }
+}
+
+/// The text in the last pair of brackets that ends a name, or stands before blanks and other
+/// brackets.
+fn bracketed(name: &str) -> impl Iterator<Item = &str> {
+    name.split(['[', '(']).skip(1).filter_map(|part| part.split([']', ')']).next()).map(str::trim)
+}
+
+/// The units in a name. A unit is one of its parts between blanks, underscores and commas, up to
+/// three parts together as in `0.1 deg C`, or a capital at the end of a part as in `tempF` and
+/// `AirTC`. The first part is the noun, and no unit by itself.
+fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
+    let parts: Vec<&str> =
+        name.split([' ', '_', ',', ';', '\t', '-', '/', '[', ']', '(', ')']).filter(|part| !part.is_empty()).collect();
+    let mut found: Vec<InputUnit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
+    let mut at = 1;
+    while at < parts.len() {
+        let most = 3.min(parts.len() - at);
+        let longest = (1..=most).rev().find_map(|n| Some((n, quantity.unit(&parts[at..at + n].concat())?)));
+        at += longest.map_or(1, |(n, _)| n);
+        found.extend(longest.map(|(_, unit)| unit));
+    }
+    found
+}
+
+/// The end of a part that says the unit without a separator.
+fn joined_to_noun(part: &str) -> Option<&str> {
+    if let Some(at) = part.find(['\u{b0}', '\u{2103}', '\u{2109}', '*']) {
+        return Some(&part[at..]);
+    }
+    let before = part.trim_end_matches(['C', 'F', 'K', 'R', 'T']);
+    let after = &part[before.len()..];
+    let is_noun = |text: &str| ["temperature", "temp", "tmp"].iter().any(|end| text.to_lowercase().ends_with(end));
+    match after {
+        "C" | "F" | "K" | "R" if is_noun(before) => Some(after),
+        "TC" | "TF" | "TK" => Some(&after[1..]),
+        _ => {
+            let at =
+                part.to_lowercase().find("deg").filter(|at| part.is_char_boundary(*at) && is_noun(&part[..*at]))?;
+            Some(&part[at..])
+        }
+    }
+}
+
+/// The words in brackets that are no unit, but say which sensor it is, or which statistic.
+fn is_note(text: &str) -> bool {
+    let lower = text.to_lowercase();
+    text.contains(':') || ["avg", "mean", "min", "max", "smp", "std", "raw", "air", "steel"].contains(&lower.as_str())
+}
+
+/// The unit that the name of a column gives; an error if it gives two, or one that is not known.
+pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<InputUnit>, ProblemAndRemedy> {
+    let mut found: Option<InputUnit> = None;
+    let mut unknown = None;
+    for text in bracketed(column) {
+        match quantity.unit(text).or_else(|| text.split([' ', ',', ';']).find_map(|word| quantity.unit(word))) {
+            Some(unit) if found.is_none_or(|known| known == unit) => found = Some(unit),
+            Some(_) => return Err(two(column)),
+            None if is_note(text) => {}
+            None => unknown = Some(text),
+        }
+    }
+    if found.is_some() {
+        return Ok(found);
+    }
+    if let Some(unit) = unknown {
+        return Err((
+            format!("column `{column}` has a unit that is not known, `{unit}`"),
+            format!("convert it to one of {}, and say so in the name", quantity.units()),
+        ));
+    }
+    let named = words(quantity, column);
+    if named.iter().any(|unit| *unit != named[0]) { Err(two(column)) } else { Ok(named.first().copied()) }
+}
+
+fn two(column: &str) -> ProblemAndRemedy {
+    (
+        format!("the name of column `{column}` says two units"),
+        "say in the name only the unit that the column has".into(),
+    )
+}
+
+/// The conversion to seconds for a column of numeric times; `None` if the name of the column gives
+/// no unit.
+pub(super) fn of_time(column: &str) -> Option<InputUnit> {
+    let suffix = column.rsplit_once('_').map(|(_, unit)| unit);
+    let last = column.rsplit_once([' ', ',']).map(|(_, unit)| unit);
+    bracketed(column).chain(suffix).chain(last).find_map(time)
+}

@@ -1,0 +1,144 @@
+//! Where in its phase plane the body spends its time: the density of x\u{2032} on a linear and on a
+//! logarithmic axis, that of x, and that of both as cells of a plane.
+
+use super::steps::{self, DensityBin};
+use super::{Absent, Axis, LegendEntry, Panel, Sheet, Style, Subject, range_of, sheet, solid};
+use ndarray::Array2;
+use stickslip::stats::{DensityCurve, Dimension};
+
+/// How much of the time in motion each area of the plane holds, where the density is highest.
+const HELD: [f64; 2] = [0.94, 0.5];
+
+/// How much of it the axes hold.
+const SEEN: f64 = 0.99;
+
+/// Cells of the file are drawn as so many along each axis, between which their densities are
+/// interpolated.
+const FINER: usize = 4;
+
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+    let (scenario, summary) = subject.run()?;
+    let Some(densities) = &summary.densities else {
+        return Err(Absent::Nothing("the run has no densities: set record.density = true"));
+    };
+    if densities.velocity.density.len() < 2 || densities.displacement.density.len() < 2 {
+        return Err(Absent::Nothing("the body does not move at the times of the output grid"));
+    }
+    let palette = style.palette();
+    let unit = |time: i32, length: i32| Dimension { time, length, ..Dimension::ONE }.label(&scenario.units);
+    let axis_of = |curve: &DensityCurve, title: &str, unit: &str| {
+        Axis::linear([curve.edges[0], curve.edges[curve.edges.len() - 1]], title, unit)
+    };
+    let panel = |curve: &DensityCurve, horizontal: Axis, title: &str, unit: &str, is_log: bool| {
+        let (vertical, floor) = Axis::of_shares(curve.density.iter().copied(), title, unit, is_log);
+        let mut panel = Panel::new(horizontal, vertical, 66.0);
+        let bin = |(i, density): (usize, &f64)| {
+            let ends = if *density > 0.0 { curve.ends.at(i) } else { [0.0; 2] };
+            ([curve.edges[i], curve.edges[i + 1]], *density, ends)
+        };
+        let steps: Vec<DensityBin> = curve.density.iter().enumerate().map(bin).collect();
+        steps::draw(&steps, floor, palette, &mut panel);
+        panel
+    };
+    let velocity = |is_log| {
+        let horizontal = axis_of(&densities.velocity, "velocity *x*\u{2032}", &unit(-1, 1));
+        panel(&densities.velocity, horizontal, "density of *x*\u{2032}", &unit(1, -1), is_log)
+    };
+    let horizontal = axis_of(&densities.displacement, "displacement *x*", &unit(0, 1));
+    let displacement = panel(&densities.displacement, horizontal, "density of *x*", &unit(0, -1), style.log);
+    let [rows, columns] = &densities.joint_edges;
+    let ends = [rows, columns].map(|edges| [edges[0], edges[edges.len() - 1]]);
+    let cells = finer(&densities.joint);
+    let seen: Vec<[f64; 2]> = above(&cells, level(&cells, SEEN), ends).concat();
+    let seen = |k: usize| range_of(seen.iter().map(|corner| corner[k]));
+    let mut plane = Panel::new(
+        Axis::around(seen(0), "displacement *x*", &unit(0, 1)),
+        Axis::around(seen(1), "velocity *x*\u{2032}", &unit(-1, 1)),
+        96.0,
+    );
+    let fills = [palette.wide, palette.narrow];
+    for (held, fill) in HELD.into_iter().zip(fills) {
+        plane.bars(above(&cells, level(&cells, held), ends), fill);
+    }
+    let moving = stickslip_data::numbers::significant(100.0 * (1.0 - densities.at_rest), 3);
+    let legend = [
+        LegendEntry::words(format!("*x*\u{2032} in motion, {moving} % of the time")),
+        LegendEntry::line(solid(palette.first), "density"),
+        LegendEntry::area(palette.narrow, "95 % interval"),
+    ];
+    let words = |held: f64| format!("{} % of the time in motion", 100.0 * held);
+    let key = HELD.into_iter().zip(fills).map(|(held, fill)| LegendEntry::area(fill, words(held)));
+    let panels = [velocity(false).above_another(), velocity(true), displacement, plane.keyed(key)];
+    Ok(sheet(&format!("Densities: {}", scenario.title), legend, panels))
+}
+
+/// The density in smaller cells, by linear interpolation between the middles of the cells of the
+/// file.
+fn finer(joint: &Array2<f64>) -> Array2<f64> {
+    let at = |i: usize, n: usize| {
+        let place = ((i as f64 + 0.5) / FINER as f64 - 0.5).clamp(0.0, n as f64 - 1.0);
+        let first = (place as usize).min(n.saturating_sub(2));
+        (first, (first + 1).min(n - 1), place - first as f64)
+    };
+    let (n, m) = joint.dim();
+    Array2::from_shape_fn((n * FINER, m * FINER), |(i, j)| {
+        let ((a, b, s), (c, d, t)) = (at(i, n), at(j, m));
+        (1.0 - s) * ((1.0 - t) * joint[[a, c]] + t * joint[[a, d]])
+            + s * ((1.0 - t) * joint[[b, c]] + t * joint[[b, d]])
+    })
+}
+
+/// The density above which the cells hold this share of the whole.
+fn level(cells: &Array2<f64>, held: f64) -> f64 {
+    let mut sorted: Vec<f64> = cells.iter().copied().collect();
+    sorted.sort_by(|a, b| b.total_cmp(a));
+    let mut missing = held * sorted.iter().sum::<f64>();
+    let reached = sorted.into_iter().find(|density| {
+        missing -= density;
+        missing <= 0.0
+    });
+    reached.unwrap_or(f64::INFINITY)
+}
+
+/// Rectangles over the cells that reach a level: one for each run of neighbours along the second
+/// axis.
+fn above(cells: &Array2<f64>, level: f64, [x, y]: [[f64; 2]; 2]) -> Vec<[[f64; 2]; 2]> {
+    let (n, m) = cells.dim();
+    let place = |[low, high]: [f64; 2], i: usize, n: usize| low + (high - low) * i as f64 / n as f64;
+    let mut out = Vec::new();
+    for (i, row) in cells.outer_iter().enumerate() {
+        let mut begun = None;
+        for j in 0..=m {
+            let is_reached = j < m && row[j] >= level;
+            if is_reached {
+                begun.get_or_insert(j);
+            } else if let Some(first) = begun.take() {
+                out.push([[place(x, i, n), place(y, first, m)], [place(x, i + 1, n), place(y, j, m)]]);
+            }
+        }
+    }
+    out
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The time in the areas of a normal law in two dimensions is known: a share p of it lies within
+    /// r of the middle, where r^2 = -2 ln(1 - p).
+    #[test]
+    fn the_areas_hold_the_time_that_they_are_named_by() {
+        let edge = |i: usize| -5.0 + 10.0 * i as f64 / 64.0;
+        let square = |i: usize| (0.5 * (edge(i) + edge(i + 1))).powi(2);
+        let cells = finer(&Array2::from_shape_fn((64, 64), |(i, j)| (-0.5 * (square(i) + square(j))).exp()));
+        for held in HELD {
+            let area: f64 = above(&cells, level(&cells, held), [[-5.0, 5.0]; 2])
+                .iter()
+                .map(|[from, to]| (to[0] - from[0]) * (to[1] - from[1]))
+                .sum();
+            let expected = std::f64::consts::PI * -2.0 * (1.0 - held).ln();
+            assert!((area / expected - 1.0).abs() < 0.02, "{held}: {area} instead of {expected}");
+        }
+    }
+}

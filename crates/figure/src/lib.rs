@@ -1,0 +1,80 @@
+//! Pictures. They are drawn from the contents of a file, or from a path that is simulated again by
+//! the same code.
+//!
+//! ```text
+//! Subject     what a picture shows: a scenario, a run, a trade, sweeps, a calibration
+//!   -> FIGURES    one file each: what it takes from its subject, and its layout
+//!        Axis, Panel   numbers to positions; curves, bands, bars, marks, notes without overlap
+//!   -> Sheet      a legend above panels that are aligned below each other
+//!   -> Drawing    a picture as data (kit): one figure or panel (only), or all on a page (page)
+//!   -> svg, png, pdf
+//! ```
+//!
+//! A new figure is a file with a function `draw` in it, and its row in [`FIGURES`].
+
+#![deny(missing_docs)]
+
+mod axis;
+mod calendar;
+mod calibration;
+mod density;
+mod drift;
+mod fan;
+mod hysteresis;
+mod kit;
+mod laws;
+mod legend;
+mod mark;
+mod only;
+mod overview;
+mod page;
+mod panel;
+mod path;
+mod residuals;
+mod section;
+mod sheet;
+mod spectrum;
+mod steps;
+mod sticks;
+mod sub_phases;
+mod subject;
+mod sweep;
+mod theme;
+mod tornado;
+mod trace;
+mod trade;
+mod words;
+
+pub use kit::{Drawing, escaped, pdf, png, svg};
+pub use only::Only;
+pub use page::{NoPage, draw, page};
+pub use subject::{Absent, DrawnPath, Figure, Subject};
+pub use theme::{COLUMN, Style, Theme};
+
+// What every figure is made of.
+use axis::{Axis, range_of};
+use kit::{Colour, Label, Stroke};
+use legend::LegendEntry;
+use mark::Mark;
+use panel::Panel;
+use sheet::{Sheet, sheet, solid};
+
+/// Every figure, in the order in which a page shows them.
+pub const FIGURES: &[Figure] = &[
+    Figure { name: "path", draws: path::draw },
+    Figure { name: "fan", draws: fan::draw },
+    Figure { name: "sticks", draws: sticks::draw },
+    Figure { name: "sub-phases", draws: sub_phases::draw },
+    Figure { name: "drift", draws: drift::draw },
+    Figure { name: "laws", draws: laws::draw },
+    Figure { name: "density", draws: density::draw },
+    Figure { name: "spectrum", draws: spectrum::draw },
+    Figure { name: "trade", draws: trade::draw },
+    Figure { name: "sweep", draws: sweep::draw },
+    Figure { name: "tornado", draws: tornado::draw },
+    Figure { name: "section", draws: section::draw },
+    Figure { name: "calibration", draws: calibration::draw },
+    Figure { name: "loops", draws: hysteresis::draw },
+    Figure { name: "residuals", draws: residuals::draw },
+    Figure { name: "overview", draws: overview::draw },
+];

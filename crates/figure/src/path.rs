@@ -1,0 +1,348 @@
+//! One path in the layout of the paper: x, velocity and forces over time, and force against
+//! velocity, with every event of the cascade marked.
+//!
+//! Source: Bensoussan, Brouste, Cartiaux, Mathey and Mertz, the figure of trajectories and the
+//! figure after it.
+
+use super::panel::Beside;
+use super::subject::DrawnPath;
+use super::theme::{DASH_DOT, DASHES, DOTS, LINE, Palette, THIN};
+use super::trace::{DrawnPhase, LabelledEvent, PathTrace, StateAt};
+use super::words::grouped;
+use super::{
+    Absent, Axis, Colour, Label, LegendEntry, Mark, Panel, Sheet, Stroke, Style, Subject, range_of, sheet, solid,
+};
+use std::ops::Range;
+use stickslip::model::{Drive, Model, Sign};
+use stickslip::stats::Dimension;
+
+/// With more events than this, the phase plane shows the longest complete slip in full and the rest
+/// faintly.
+const FEW: usize = 8;
+/// With more events than this, velocity and forces do not share an axis.
+const MOST_SHARED: usize = 32;
+/// With more events than this, no lines lead from the events to the axis.
+const MOST_LED: usize = 70;
+/// With more events than this, no marks are drawn, because they would merge to a line.
+const MOST_MARKED: usize = 150;
+/// With more events than this, velocity and forces are not drawn over time, because they would fill
+/// their panels.
+const MOST_DRAWN: usize = 400;
+/// The space at both ends of the axis of time, as a share of it.
+const MARGIN: f64 = 0.025;
+/// Curves whose sizes differ by more than this factor do not share an axis.
+const ALIKE: f64 = 8.0;
+/// A slip shorter than this share of the axis of time has a panel with a time of its own.
+const SHORT: f64 = 0.005;
+
+/// Draws the figure.
+pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
+    let path @ DrawnPath { scenario, number, from } = subject.path()?;
+    let trace = PathTrace::of(&path)?;
+    let palette = style.palette();
+    let units = [Dimension::TIME, Dimension::LENGTH, Dimension::VELOCITY, Dimension::FORCE];
+    let [time_unit, length_unit, velocity_unit, force_unit] = units.map(|d| d.label(&scenario.units));
+    // With a load there is no level of its own.
+    let friction = if scenario.model.has_load() { 0.0 } else { scenario.model.friction.static_force };
+    let end = scenario.time.end;
+    let margin = MARGIN * (end - from);
+    let time = || Axis::linear([from - margin, end + margin], "time *t*", &time_unit);
+
+    let displacement = over_time(&trace, palette, time(), &length_unit);
+
+    let size = |values: &dyn Fn(&StateAt) -> f64| trace.samples().map(|s| values(s).abs()).fold(0.0, f64::max);
+    let ratio = size(&|s| s.velocity) / size(&|s| s.spring).max(f64::MIN_POSITIVE);
+    let is_dimensionless = velocity_unit.is_empty() && force_unit.is_empty();
+    let is_shared = is_dimensionless && trace.moments.len() <= MOST_SHARED && (1.0 / ALIKE..ALIKE).contains(&ratio);
+    let spring = Stroke::solid(palette.faint, THIN);
+    let force = Stroke::dashed(palette.fourth, 0.9, &DASHES);
+    let dry = friction_force(&trace, &scenario.model);
+    let forces = |panel: &mut Panel| {
+        panel.line(dry.clone(), force.clone());
+        panel.line(trace.samples().map(|s| [s.time, s.spring]).collect(), spring.clone());
+    };
+    let is_crowded = trace.moments.len() > MOST_DRAWN;
+    let mut middle = Vec::new();
+    if is_shared {
+        let seen = trace.samples().flat_map(|s| [s.velocity, s.spring]).chain(dry.iter().map(|p| p[1]));
+        let mut panel = Panel::new(time(), Axis::around(seen, "velocity *ẋ*(*t*), force", ""), 104.0);
+        forces(&mut panel);
+        velocities(&trace, palette, &mut panel);
+        middle.push(panel);
+    } else if !is_crowded {
+        let seen = trace.samples().map(|s| s.velocity);
+        let mut panel = Panel::new(time(), Axis::around(seen, "velocity *ẋ*(*t*)", &velocity_unit), 76.0);
+        velocities(&trace, palette, &mut panel);
+        middle.push(panel.above_another());
+        let seen = trace.samples().map(|s| s.spring).chain(dry.iter().map(|p| p[1]));
+        let mut panel = Panel::new(time(), Axis::around(seen, "force", &force_unit), 76.0);
+        forces(&mut panel);
+        middle.push(panel);
+    }
+    middle.extend(short_slip(&trace, palette, SHORT * (end - from), &time_unit, &velocity_unit));
+    let name = match (&scenario.model.force, scenario.model.oscillator.drive) {
+        (Some(_), _) => "*b*",
+        (None, Drive::Dilatation(_)) => "*K*(*βT* − *x*)",
+        (None, Drive::Force(_)) => "*cT* − *Kx*",
+    };
+    let force_axis = format!("force {name}");
+    let plane = phase_plane(&trace, palette, friction, &velocity_unit, (force_axis, &force_unit));
+
+    let mut legend = vec![LegendEntry::line(Stroke::dashed(palette.ink, LINE, &DASH_DOT), "static")];
+    let names = (1..).zip(["slip", "2nd sub-phase", "3rd and later"]).take(trace.most_sub_phases());
+    legend.extend(names.map(|(k, name)| LegendEntry::line(solid(of_sub_phase(k, palette)), name)));
+    if !is_crowded {
+        legend.push(LegendEntry::line(spring, name));
+        legend.push(LegendEntry::line(force, "friction *F*"));
+    }
+    if trace.moments.len() > MOST_MARKED {
+        let done = if is_crowded { "for velocity and forces" } else { "to be marked" };
+        let words = format!("{} events, too close {done}", grouped(trace.moments.len() as u64));
+        legend.push(LegendEntry::words(words));
+    }
+    let plane = match in_full(&trace).len() < trace.pieces.len() {
+        true => plane.keyed([LegendEntry::words("the longest slip in full, the others thin")]),
+        false => plane,
+    };
+    let displacement = if is_crowded { displacement } else { displacement.above_another() };
+    let panels: Vec<Panel> = [vec![displacement], middle, vec![plane]].concat();
+    Ok(sheet(&format!("Path {number}: {}", scenario.title), legend, panels))
+}
+
+/// The colour of sub-phase k of a slip.
+fn of_sub_phase(k: usize, palette: &Palette) -> Colour {
+    match k {
+        1 => palette.first,
+        2 => palette.second,
+        _ => palette.third,
+    }
+}
+
+fn stroke(piece: &DrawnPhase, palette: &Palette) -> Stroke {
+    match piece.slip {
+        None => Stroke::dashed(palette.ink, LINE, &DASH_DOT),
+        Some((k, _)) => solid(of_sub_phase(k, palette)),
+    }
+}
+
+/// The first panel: x over time. A line leads from each event to the axis, where the event is named.
+fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Panel {
+    let [low, high] = range_of(trace.samples().map(|s| s.displacement));
+    // Where x is far from zero, the events are marked at the lower edge instead of at zero.
+    let base =
+        if low - 1.5 * (high - low) > 0.0 || high + 1.5 * (high - low) < 0.0 { low - 0.3 * (high - low) } else { 0.0 };
+    let room = 0.1 * (high - low).max(f64::MIN_POSITIVE);
+    let axis = Axis::around([low - room, high + room, base], "displacement *x*(*t*)", unit);
+    let mut panel = Panel::new(time, axis, 108.0);
+    panel.level(base, Stroke::solid(palette.faint, 0.4));
+    if trace.moments.len() <= MOST_LED {
+        for moment in &trace.moments {
+            let t = moment.at.time;
+            panel.line(vec![[t, base], [t, moment.at.displacement]], Stroke::dashed(palette.faint, THIN, &DOTS));
+        }
+    }
+    draw_pieces(&trace.pieces, |s| [s.time, s.displacement], palette, &mut panel);
+    mark_events(trace, base, palette, &mut panel);
+    if trace.moments.len() > MOST_MARKED {
+        return panel;
+    }
+    // The events with most space around them are named first, so that as many as possible have a
+    // name.
+    let mut moments: Vec<(f64, &LabelledEvent)> =
+        trace.moments.iter().map(|moment| (trace.distance(moment), moment)).collect();
+    moments.sort_by(|one, other| other.0.total_cmp(&one.0));
+    for (_, moment) in moments {
+        let places: &[Beside] = if moment.at.displacement >= base { &UNDER } else { &OVER };
+        panel.note([moment.at.time, base], &moment.name, places);
+    }
+    panel
+}
+
+const UNDER: [Beside; 6] = [[0, 1], [1, 1], [-1, 1], [0, -1], [1, -1], [-1, -1]];
+const OVER: [Beside; 6] = [[0, -1], [1, -1], [-1, -1], [0, 1], [1, 1], [-1, 1]];
+const SIDES: [Beside; 6] = [[1, 0], [-1, 0], [1, -1], [1, 1], [-1, -1], [-1, 1]];
+
+impl LabelledEvent {
+    fn mark(&self) -> Mark {
+        if self.is_turn { Mark::Circle } else { Mark::Disc }
+    }
+}
+
+/// The velocity, with a mark at each event.
+fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+    draw_pieces(&trace.pieces, |s| [s.time, s.velocity], palette, panel);
+    mark_events(trace, 0.0, palette, panel);
+}
+
+/// The pieces that the phase plane shows in full. With few events these are all pieces, else the
+/// longest complete slip with the sticks before and after it.
+fn in_full(trace: &PathTrace) -> Range<usize> {
+    trace.longest_slip().filter(|_| trace.moments.len() > FEW).unwrap_or(0..trace.pieces.len())
+}
+
+/// The velocity in the longest slip over the time since it began, if slips are so short.
+fn short_slip(trace: &PathTrace, palette: &Palette, short: f64, time_unit: &str, velocity_unit: &str) -> Option<Panel> {
+    let slip = trace.longest_slip()?;
+    let slip = &trace.pieces[slip.start + 1..slip.end - 1];
+    let [begin, end] = [slip.first()?.begin(), slip.last()?.end()];
+    if !(0.0 < end - begin && end - begin < short) {
+        return None;
+    }
+    let began = trace.moments.iter().find(|moment| moment.at.time == begin)?;
+    let title = Label::from("time in the longest slip, *t* − ").and(&began.name);
+    let time = Axis::around([0.0, end - begin], title, time_unit);
+    let seen = slip.iter().flat_map(|piece| &piece.samples).map(|s| s.velocity);
+    let mut panel = Panel::new(time, Axis::around(seen, "velocity *ẋ*", velocity_unit), 60.0);
+    panel.level(0.0, Stroke::solid(palette.faint, 0.4));
+    draw_pieces(slip, |s| [s.time - begin, s.velocity], palette, &mut panel);
+    Some(panel)
+}
+
+/// Draws pieces as curves through a point for each sample, in the order of time.
+fn draw_pieces(pieces: &[DrawnPhase], point: impl Fn(&StateAt) -> [f64; 2], palette: &Palette, panel: &mut Panel) {
+    for piece in pieces {
+        panel.line(piece.samples.iter().map(&point).collect(), stroke(piece, palette));
+    }
+}
+
+/// Marks the events at the height `level`, unless there are too many of them.
+fn mark_events(trace: &PathTrace, level: f64, palette: &Palette, panel: &mut Panel) {
+    for moment in trace.moments.iter().filter(|_| trace.moments.len() <= MOST_MARKED) {
+        panel.mark([moment.at.time, level], moment.mark(), palette.ink);
+    }
+}
+
+/// The friction F over time: in a stick it balances the force b, in a slip it is f_d in the
+/// direction of motion.
+fn friction_force(trace: &PathTrace, model: &Model) -> Vec<[f64; 2]> {
+    let dry = |sign: f64, s: &StateAt| model.sliding_friction(Sign::of(sign), s.time, s.displacement, s.velocity);
+    let force = |piece: &DrawnPhase, s: &StateAt| [s.time, piece.slip.map_or(s.spring, |(_, sign)| dry(sign, s))];
+    trace.pieces.iter().flat_map(|piece| piece.samples.iter().map(move |s| force(piece, s))).collect()
+}
+
+/// The last panel: the force of the spring against the velocity. With many events, only the longest
+/// complete slip is shown in full and the rest faintly.
+fn phase_plane(
+    trace: &PathTrace,
+    palette: &Palette,
+    friction: f64,
+    velocity_unit: &str,
+    (force, force_unit): (String, &str),
+) -> Panel {
+    // Sticks, which have the velocity zero, must not be on the edge.
+    let [low, high] = range_of(trace.samples().map(|s| s.velocity));
+    let room = 0.04 * (high - low);
+    let x = Axis::around([low - room, high + room], "velocity *ẋ*(*t*)", velocity_unit);
+    // A threshold of which the force stays far is left out.
+    let [least, most] = range_of(trace.samples().map(|s| s.spring));
+    let levels = [(friction, most, "*f*_{s}"), (-friction, -least, "−*f*_{s}")];
+    let levels = levels.into_iter().filter(|(_, reached, _)| friction > 0.0 && *reached > 0.5 * friction);
+    let levels: Vec<(f64, &str)> = levels.map(|(level, _, name)| (level, name)).collect();
+    let y = Axis::around(levels.iter().map(|(level, _)| *level).chain([least, most]), force, force_unit);
+    let mut panel = Panel::new(x, y, 124.0);
+    for (level, _) in &levels {
+        panel.level(*level, Stroke::dashed(palette.faint, 0.5, &DASHES));
+    }
+    let full = in_full(trace);
+    let points = |piece: &DrawnPhase| piece.samples.iter().map(|s| [s.velocity, s.spring]).collect();
+    let others = trace.pieces.iter().enumerate().filter(|(i, _)| !full.contains(i));
+    for (_, piece) in others {
+        panel.line(points(piece), Stroke::solid(palette.grid.mixed(palette.faint, 0.35), 0.4));
+    }
+    for piece in &trace.pieces[full.clone()] {
+        panel.line(points(piece), stroke(piece, palette));
+    }
+    let times = trace.pieces[full.start].begin()..=trace.pieces[full.end - 1].end();
+    let moments = || trace.moments.iter().filter(|moment| times.contains(&moment.at.time));
+    for moment in moments() {
+        panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
+    }
+    for (level, name) in levels {
+        panel.note([f64::INFINITY, level], name, &[[-1, -1], [-1, 1]]);
+    }
+    for moment in moments() {
+        panel.note([0.0, moment.at.spring], &moment.name, &SIDES);
+    }
+    panel
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip::scenario::Scenario;
+
+    fn trace(name: &str, number: u64) -> (Scenario, PathTrace) {
+        let scenario = Scenario::shipped(name).expect("shipped");
+        let trace = PathTrace::of(&DrawnPath { scenario: &scenario, number, from: 0.0 }).expect("not lost");
+        (scenario, trace)
+    }
+
+    /// The events in the figure of the paper are at 0, 2.58, 13.38, 14.86 and 25.74. The last of
+    /// them is one step before the velocity is zero.
+    #[test]
+    fn the_events_of_shaw_are_those_of_the_paper() {
+        let (_, trace) = trace("shaw", 0);
+        let marks: Vec<(String, String)> =
+            trace.moments.iter().take(5).map(|m| (m.name.clone(), format!("{:.2}", m.at.time))).collect();
+        let expected = [
+            ("*τ*_{0}", "0.00"),
+            ("*τ*_{½}", "2.58"),
+            ("*τ*_{1}", "13.38"),
+            ("*τ*_{1+½}", "14.86"),
+            ("*τ*_{2}", "25.75"),
+        ];
+        assert_eq!(marks, expected.map(|(name, time)| (name.to_string(), time.to_string())));
+        // The forces at these events in the phase plane.
+        let forces: Vec<f64> = trace.moments[2..5].iter().map(|m| m.at.spring).collect();
+        assert!((forces[0] - 0.365_928).abs() < 1e-5 && (forces[1] - 1.2).abs() < 0.01, "{forces:?}");
+        assert!((trace.moments[2].at.displacement + 6.242_23).abs() < 5e-6);
+        assert!((trace.moments[4].at.displacement - 6.222_28).abs() < 5e-4);
+    }
+
+    /// The pieces follow each other without a gap, x does not change in a stick, and the velocity
+    /// has the direction of its sub-phase.
+    #[test]
+    fn a_path_is_cut_at_its_events_and_nowhere_else() {
+        for (name, path) in [("shaw", 0), ("rho025", 41)] {
+            let (scenario, trace) = trace(name, path);
+            for pair in trace.pieces.windows(2) {
+                assert_eq!(pair[0].samples.last(), pair[1].samples.first());
+            }
+            let last = trace.pieces.last().and_then(|piece| piece.samples.last()).expect("it has an end");
+            assert!((last.time - scenario.time.end).abs() < 1e-9);
+            for piece in &trace.pieces {
+                assert!(piece.samples.windows(2).all(|pair| pair[0].time <= pair[1].time));
+                for s in &piece.samples {
+                    match piece.slip {
+                        None => assert!(s.velocity == 0.0 && s.displacement == piece.samples[0].displacement),
+                        Some((_, sign)) => assert!(s.velocity * sign >= 0.0, "{name} {}", s.time),
+                    }
+                }
+            }
+        }
+    }
+
+    /// The figure of a noisy path in the paper has an event between two sub-phases. Here such an
+    /// event has a name, too.
+    #[test]
+    fn a_slip_of_several_sub_phases_has_its_turns_named() {
+        let (_, trace) = trace("rho025", 41);
+        assert!(trace.most_sub_phases() >= 2);
+        let turn = trace.moments.iter().find(|m| m.is_turn).expect("there is one");
+        assert!(turn.name.contains("}^{1}"), "{}", turn.name);
+    }
+
+    /// In a slip the friction is f_d in the direction of motion; in a stick it is the force that
+    /// holds the body.
+    #[test]
+    fn friction_holds_in_sticks_and_drags_in_slips() {
+        let (scenario, trace) = trace("shaw", 0);
+        let force = friction_force(&trace, &scenario.model);
+        let samples: Vec<(bool, f64)> =
+            trace.pieces.iter().flat_map(|p| p.samples.iter().map(|s| (p.slip.is_none(), s.spring))).collect();
+        for ((is_static, spring), [_, f]) in samples.into_iter().zip(force) {
+            assert!(if is_static { f == spring && f.abs() < 1.2 + 0.01 } else { f.abs() == 1.0 });
+        }
+    }
+}

@@ -1,0 +1,193 @@
+//! What a picture shows (`Subject`), and a kind of figure (`Figure`).
+
+use super::kit::Drawing;
+use super::sheet::Sheet;
+use super::theme::Style;
+use super::words::{grouped, of_axis, of_statistic};
+use stickslip::scenario::Scenario;
+use stickslip::scheme::Scheme;
+use stickslip::stats::{Statistic, Summary};
+use stickslip::study::sweep::Sweep;
+use stickslip::study::trade::Prices;
+use stickslip_bearing::calibration::Calibration;
+
+/// The path that is drawn.
+#[derive(Clone, Copy, Debug)]
+pub struct DrawnPath<'a> {
+    /// Its scenario, which ends where the drawing does.
+    pub scenario: &'a Scenario,
+    /// Its number.
+    pub number: u64,
+    /// The time at which the drawing begins.
+    pub from: f64,
+}
+
+/// What a picture shows.
+#[derive(Clone, Copy, Debug)]
+pub enum Subject<'a> {
+    /// A path of a scenario that need not have been run.
+    Path(DrawnPath<'a>),
+    /// A run.
+    Run {
+        /// The scenario that was run.
+        scenario: &'a Scenario,
+        /// The results of the run.
+        summary: &'a Summary,
+        /// The path that is drawn.
+        path: DrawnPath<'a>,
+    },
+    /// A trade: what accuracy costs.
+    Trade(&'a Prices),
+    /// Sweeps: statistics as functions of keys.
+    Sweep {
+        /// Sweeps over the same key, each with the name of its file.
+        sweeps: &'a [(String, Sweep)],
+        /// The statistics to draw. If the list is empty, a default selection is drawn.
+        statistics: &'a [Statistic],
+    },
+    /// A calibration: parameters estimated from a measurement.
+    Calibration {
+        /// A title in one line.
+        title: &'a str,
+        /// The result of the calibration.
+        calibration: &'a Calibration,
+    },
+}
+
+/// The statistics of a sweep that are drawn: those that are named or, if none is, two of them.
+fn named_or_usual(named: &[Statistic]) -> &[Statistic] {
+    if named.is_empty() { &[Statistic::StickDurationMean, Statistic::SubPhasesMultipleShare] } else { named }
+}
+
+/// Sweeps with the names of their files, and the statistics to draw.
+type Sweeps<'a> = (&'a [(String, Sweep)], &'a [Statistic]);
+
+impl<'a> Subject<'a> {
+    /// A heading, and a line that says what the numbers come from.
+    pub(super) fn heading(&self, style: &Style) -> (String, String) {
+        let origin = |scenario: &Scenario| format!("{}, seed {}", setting(&scenario.scheme), scenario.ensemble.seed);
+        match self {
+            Subject::Path(DrawnPath { scenario, number, .. }) => {
+                (scenario.title.clone(), format!("{}, path {number}", origin(scenario)))
+            }
+            Subject::Run { scenario, summary, path } => {
+                let paths = counted(summary.completed_paths);
+                let number = path.number;
+                (scenario.title.clone(), format!("{}, {paths}, of which path {number} is drawn", origin(scenario)))
+            }
+            Subject::Trade(prices) => {
+                let origin = format!("biases against {}, seed {}", prices.reference.replace("--", ""), prices.seed);
+                (prices.title.clone(), origin.replace("scheme ", ""))
+            }
+            Subject::Sweep { sweeps, statistics } => {
+                let all: Vec<&Scenario> = sweeps.iter().map(|(_, sweep)| &sweep.question.scenario).collect();
+                let Some((_, first)) = sweeps.first() else { return Default::default() };
+                let drawn = named_or_usual(statistics).iter();
+                let drawn: Vec<String> = drawn.map(|statistic| of_statistic(*statistic, style).words()).collect();
+                let keys: Vec<String> =
+                    first.question.design.axes().iter().map(|axis| of_axis(axis, style).words()).collect();
+                let over = if keys.is_empty() { "every key".to_string() } else { keys.join(" and ") };
+                let line = format!("{}; else as in \"{}\"", origin_of_sweeps(&all), first.question.scenario.title);
+                (format!("Sweep over {over}: {}", drawn.join(", ")), line)
+            }
+            Subject::Calibration { title, .. } => (title.to_string(), String::new()),
+        }
+    }
+
+    /// The path that is drawn.
+    pub(super) fn path(&self) -> Result<DrawnPath<'a>, Absent> {
+        match self {
+            Subject::Path(path) | Subject::Run { path, .. } => Ok(*path),
+            _ => Err(Absent::Elsewhere("a scenario or a file of `mc run`")),
+        }
+    }
+
+    /// The scenario and the results of a run.
+    pub(super) fn run(&self) -> Result<(&'a Scenario, &'a Summary), Absent> {
+        let Subject::Run { scenario, summary, .. } = self else { return Err(Absent::Elsewhere("a file of `mc run`")) };
+        Ok((scenario, summary))
+    }
+
+    /// The sweeps and the statistics to draw.
+    pub(super) fn sweeps(&self) -> Result<Sweeps<'a>, Absent> {
+        let Subject::Sweep { sweeps, statistics } = self else { return Err(Absent::Elsewhere("a file of `mc sweep`")) };
+        Ok((sweeps, named_or_usual(statistics)))
+    }
+
+    /// The title and the result of a calibration.
+    pub(super) fn calibration(&self) -> Result<(&'a str, &'a Calibration), Absent> {
+        let Subject::Calibration { title, calibration } = self else {
+            return Err(Absent::Elsewhere("a file of `mc calibrate`"));
+        };
+        Ok((title, calibration))
+    }
+
+    /// The costs that a trade has found.
+    pub(super) fn trade(&self) -> Result<&'a Prices, Absent> {
+        let Subject::Trade(prices) = self else { return Err(Absent::Elsewhere("a file of `mc trade`")) };
+        Ok(prices)
+    }
+}
+
+/// A scheme with its step or tolerance, e.g. "discrete-vi step 0.01".
+fn setting(scheme: &Scheme) -> String {
+    scheme.to_string().replace("--scheme ", "").replace("--", "")
+}
+
+/// A number of paths in words.
+fn counted(paths: u64) -> String {
+    format!("{} path{}", grouped(paths), if paths == 1 { "" } else { "s" })
+}
+
+/// What sweeps have in common, or what each of them has.
+fn origin_of_sweeps(all: &[&Scenario]) -> String {
+    let rest = |scenario: &&Scenario| {
+        format!("{} at each point, seed {}", counted(scenario.ensemble.paths), scenario.ensemble.seed)
+    };
+    let rests: Vec<String> = all.iter().map(rest).collect();
+    match &rests[..] {
+        // The legend names the schemes of several sweeps.
+        [first, _, ..] if rests.iter().all(|other| other == first) => first.clone(),
+        _ => {
+            let each = all.iter().zip(&rests).map(|(scenario, rest)| format!("{}, {rest}", setting(&scenario.scheme)));
+            each.collect::<Vec<_>>().join("; ")
+        }
+    }
+}
+
+/// Why a figure cannot be drawn from a subject.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum Absent {
+    /// The figure shows another kind of subject, which is named.
+    #[error("it is drawn from {0}")]
+    Elsewhere(&'static str),
+    /// The subject lacks what the figure shows; the reason is given.
+    #[error("{0}")]
+    Nothing(&'static str),
+    /// The figure has no panel with this letter, but those that are named.
+    #[error("it has no panel {0}, but {1}")]
+    Panel(char, String),
+    /// The path with this number was lost.
+    #[error("path {0} was lost: it diverged or was given up")]
+    Lost(u64),
+}
+
+/// A kind of figure.
+#[derive(Clone, Copy, Debug)]
+pub struct Figure {
+    /// Its name on the command line.
+    pub name: &'static str,
+    /// The function that draws it.
+    pub(super) draws: fn(&Subject, &Style) -> Result<Sheet, Absent>,
+}
+
+impl Figure {
+    /// Draws the figure by itself.
+    ///
+    /// # Errors
+    ///
+    /// [`Absent`] says why this subject has no such figure.
+    pub fn draw(&self, subject: &Subject, style: &Style) -> Result<Drawing, Absent> {
+        Ok((self.draws)(subject, style)?.alone(style))
+    }
+}

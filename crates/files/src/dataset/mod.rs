@@ -1,0 +1,44 @@
+//! The data sets that the program makes, each described once: names, axes, units, attributes and
+//! values. Nothing here depends on a file format.
+//!
+//! ```text
+//! layout          every variable of a run: name, axes, unit, meaning (sweep_layout: of a sweep)
+//! run, trade, sweep, calibration, forecast, twin   the contents of each kind of data set
+//! walk            one function walks over the contents, and so writes them or reads them back
+//!   -> Dataset       in memory, which is written to a file or compared with one
+//!   <- Source        a file, or memory
+//! Recorder        the sink that makes a run a data set in memory
+//! ```
+//!
+//! `docs/output-format.md` describes the data sets for their readers.
+
+pub(crate) mod calibration;
+mod forecast;
+mod form;
+pub(crate) mod header;
+pub(crate) mod layout;
+mod memory;
+mod recorder;
+pub(crate) mod rows;
+pub(crate) mod run;
+pub(crate) mod series;
+pub(crate) mod summary;
+pub(crate) mod sweep;
+pub(crate) mod sweep_layout;
+pub(crate) mod trade;
+mod twin;
+mod walk;
+
+pub use calibration::StoredCalibration;
+pub use form::Attribute;
+pub(crate) use form::{
+    Source, attributes_of, columns_of, counted, read_attribute, read_or_empty, read_other_program, read_variable, texts,
+};
+pub use header::FORMAT_VERSION;
+pub use memory::{Dataset, Entry};
+pub use recorder::Recorder;
+pub use run::StoredRun;
+pub use stickslip::stats::column::Column;
+pub use stickslip::stats::column::{ColumnView, Element, ElementType};
+pub use sweep::StoredSweep;
+pub use trade::StoredTrade;

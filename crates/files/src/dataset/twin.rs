@@ -1,0 +1,29 @@
+//! Synthetic measurements of a bearing as a data set, with the true values beside them.
+
+use super::Dataset;
+use super::calibration::{TIME, of_quantity, units, write_quantities};
+use super::header::write_origin;
+use super::layout::{Unit, Variable, variable};
+use stickslip_bearing::calibration::{Twin, Values};
+
+impl Dataset {
+    /// The data set of synthetic measurements, with the true values that a calibration should find
+    /// in them. `title` is one line, and `start` is the time stamp of t = 0.
+    pub fn of_twin(title: &str, start: &str, truth: &Values, twin: &Twin) -> Self {
+        let mut to = Dataset::new(&units());
+        write_origin(&mut to, ("stick-slip twin", (1, 0)), title);
+        to.set_attribute("start", start);
+        to.set_attribute("slips", twin.slips);
+        write_quantities(&mut to);
+        to.write(&TRUTH, truth);
+        to.write(&TIME, &twin.times);
+        to.write(&TEMPERATURE, &twin.temperatures);
+        to.write(&DISPLACEMENT, &twin.readings);
+        to
+    }
+}
+
+const TRUTH: Variable = of_quantity("truth", "what a calibration is to find");
+const TEMPERATURE: Variable =
+    variable("temperature", &["time"], Unit::None, "temperature as measured").with(&[("units", "degC")]);
+const DISPLACEMENT: Variable = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");

@@ -1,0 +1,10 @@
+//! What a result holds, in memory, as bytes and as HDF5.
+#![deny(missing_docs)]
+// Some of this is used by files only.
+#![cfg_attr(not(feature = "store"), allow(dead_code, unused_imports))]
+
+pub mod dataset;
+#[cfg(feature = "saved")]
+pub mod saved;
+#[cfg(feature = "store")]
+pub mod store;

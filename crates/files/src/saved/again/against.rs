@@ -1,0 +1,127 @@
+//! A data set compared with one that is stored.
+
+use super::Difference;
+use crate::dataset::layout::{Described, Unit, variable};
+use crate::dataset::rows::RowAxis;
+use crate::dataset::{Attribute, Dataset, ElementType, Entry, Source, read_other_program};
+use std::collections::{BTreeMap, BTreeSet};
+use stickslip::stats::column::FirstDifference;
+
+/// Attributes that another program, or another version of this one, may write otherwise although
+/// every number is the same: names of the program, the version of the format, and the text of the
+/// scenario.
+const OF_PROGRAM: [&str; 6] = ["program_version", "git_hash", "source", "Conventions", "format_version", "scenario"];
+
+/// Attributes that say how a netCDF file is laid out. xarray gives a coordinate the first, and
+/// keeps the second for itself.
+const OF_LAYOUT: [&str; 2] = ["_FillValue", "coordinates"];
+
+/// A data set that is stored, while another one is compared with it.
+pub(crate) struct Against<'a> {
+    pub held: &'a dyn Source,
+    /// Names of the variables that were compared.
+    seen: BTreeSet<String>,
+    /// Whether attributes of the layout are compared: not if another program laid the data set out.
+    pub with_layout: bool,
+    /// Number of values and texts that were compared so far.
+    pub values: u64,
+    /// The first difference, if there is one.
+    pub difference: Option<Difference>,
+}
+
+impl<'a> Against<'a> {
+    pub fn of(held: &'a dyn Source) -> Self {
+        let with_layout = !held.is_laid_out_anew();
+        Against { held, seen: BTreeSet::new(), with_layout, values: 0, difference: None }
+    }
+
+    /// Keep a difference if it is the first one. Later differences often follow from the first.
+    pub fn differs(&mut self, variable: &str, path: Option<u64>, (index, stored, computed): FirstDifference) {
+        let difference = || Difference { variable: variable.to_owned(), path, index, stored, computed };
+        self.difference.get_or_insert_with(difference);
+    }
+
+    /// Compare all variables of a data set with those that are stored, except those that have rows
+    /// of single paths.
+    pub fn variables(&mut self, expected: &Dataset) -> Result<(), String> {
+        for entry in expected.entries.iter().filter(|entry| RowAxis::of(entry).is_none()) {
+            self.described(entry)?;
+            let (values, axes) = (entry.column.values(), entry.axes.iter().map(String::as_str).collect::<Vec<_>>());
+            self.values += values.len() as u64;
+            let found = match self.held.column(&variable(&entry.name, &axes, Unit::None, ""), values.kind())? {
+                Some(stored) => stored.values().first_difference(values),
+                None => Some((None, "missing".into(), "there".into())),
+            };
+            found.into_iter().for_each(|found| self.differs(&entry.name, None, found));
+        }
+        Ok(())
+    }
+
+    /// Compare the attributes of a variable.
+    pub fn described(&mut self, entry: &Entry) -> Result<(), String> {
+        self.seen.insert(entry.name.clone());
+        if !self.held.has(&entry.name) {
+            return Ok(());
+        }
+        let mut expected = entry.attributes.clone();
+        if entry.column.values().kind() == ElementType::F64 && !entry.is_coordinate() {
+            expected.push(("_FillValue".into(), Attribute::Real(f64::NAN)));
+        }
+        self.attributes(Some(&entry.name), &expected, &[])
+    }
+
+    /// See that a variable is stored of which only the name is known.
+    pub fn exempt(&mut self, variable: &Described) {
+        self.seen.insert(variable.name.to_owned());
+    }
+
+    /// Compare the attributes of the data set, and see that nothing else is stored.
+    pub fn finish(&mut self, expected: &Dataset) -> Result<(), String> {
+        let is_own = read_other_program(self.held)?.is_none();
+        self.attributes(None, &expected.attributes, if is_own { &[] } else { &OF_PROGRAM })?;
+        let surplus = self.held.names()?.into_iter().find(|name| !self.seen.contains(name));
+        surplus.into_iter().for_each(|name| self.differs(&name, None, (None, "there".into(), "missing".into())));
+        Ok(())
+    }
+
+    fn attributes(
+        &mut self,
+        variable: Option<&str>,
+        expected: &[(String, Attribute)],
+        left_out: &[&str],
+    ) -> Result<(), String> {
+        let (there, expected): (BTreeMap<_, _>, BTreeMap<_, _>) =
+            (self.held.attributes(variable)?.into_iter().collect(), expected.iter().cloned().collect());
+        let names = there.keys().chain(expected.keys().filter(|name| !there.contains_key(*name)));
+        let left_out = [left_out, if self.with_layout { &[] } else { &OF_LAYOUT }].concat();
+        for name in names.filter(|name| !left_out.contains(&name.as_str())) {
+            self.values += 1;
+            // Reals are compared as they are printed, which tells any two of them apart and takes
+            // one NaN for another.
+            let (stored, computed) = (there.get(name), expected.get(name));
+            let [stored, computed] = lines_that_differ(stored, computed)
+                .unwrap_or_else(|| [stored, computed].map(|attribute| attribute.map_or("missing".into(), shown)));
+            if stored != computed {
+                let name = variable.map_or_else(|| name.clone(), |variable| format!("{name} of {variable}"));
+                self.differs(&name, None, (None, stored, computed));
+            }
+        }
+        Ok(())
+    }
+}
+
+/// The first lines that differ between two texts of several lines, such as a scenario.
+fn lines_that_differ(stored: Option<&Attribute>, computed: Option<&Attribute>) -> Option<[String; 2]> {
+    let (Attribute::Text(stored), Attribute::Text(computed)) = (stored?, computed?) else { return None };
+    let (stored, computed) = stored.lines().zip(computed.lines()).find(|(stored, computed)| stored != computed)?;
+    Some([format!("{stored:?}"), format!("{computed:?}")])
+}
+
+fn shown(attribute: &Attribute) -> String {
+    match attribute {
+        Attribute::Text(text) => format!("{text:?}"),
+        Attribute::Real(value) => format!("{value:?}"),
+        Attribute::Count(value) => value.to_string(),
+        Attribute::Flags(values) => format!("{values:?}"),
+    }
+}

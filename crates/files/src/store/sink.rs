@@ -1,0 +1,264 @@
+//! The sink that writes a run to a file.
+
+use super::content::check_finished;
+use super::folder::{ROWS, STATE, partial_path};
+use super::log::{self, Log};
+use super::naming::parent;
+use super::state;
+use super::workshop::{Workshop, lock};
+use super::{StoreError, Writer, check_space, found};
+use crate::saved::{Position, RunQuestion, State, to_bytes};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
+use stickslip::engine::{Asked, Moment, Outcome, Part, Sink, SinkError, SoFar, Status};
+use stickslip::scenario::Scenario;
+use stickslip::stats::{BlockResult, Record};
+
+/// Shortest time between two saves of a run.
+const INTERVAL: Duration = Duration::from_millis(200);
+
+/// Saving takes at most one part in this many of the time, so that a run is saved less often
+/// on a slow disk.
+const ONE_PART_IN: u32 = 50;
+
+/// Writes a run to a file, which gets its name only when the run is over.
+///
+/// Until then the run is saved from time to time in the folder `NAME.partial`. A run that was
+/// killed or interrupted is continued from there ([`FileSink::go_on`]) and gives the same file.
+///
+/// ```
+/// # mod stick_slip { pub use {stick_slip_core::*, stick_slip_files::*}; }
+/// use stickslip::engine::Run;
+/// use stickslip::scenario::Scenario;
+/// use crate::store::{self, FileSink};
+///
+/// let folder = tempfile::tempdir()?;
+/// let target = folder.path().join("shaw.h5");
+/// let scenario = Scenario::shipped("shaw")?;
+/// Run::of(&scenario).into_sink(&mut FileSink::new(&target, false)).simulate()?;
+/// assert_eq!(store::read(&target)?.completed_paths, scenario.ensemble.paths);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Debug)]
+pub struct FileSink {
+    target: PathBuf,
+    force: bool,
+    note: String,
+    ends: bool,
+    open: Option<Open>,
+}
+
+/// The parts of a sink that exist while a run is being saved.
+#[derive(Debug)]
+struct Open {
+    workshop: Workshop,
+    question: RunQuestion,
+    /// The log; `None` if nothing is recorded of single paths.
+    log: Option<Log>,
+    /// How much of the log is on the disk.
+    rows: Position,
+    /// When the run is to be saved next.
+    due: Instant,
+}
+
+/// An unfinished run that can be continued.
+#[derive(Debug)]
+pub struct Unfinished {
+    /// What the run is.
+    pub question: RunQuestion,
+    /// The sums of the paths that are done, and the time spent on them.
+    pub so_far: SoFar,
+    /// The sink that goes on saving the run.
+    pub sink: FileSink,
+}
+
+impl FileSink {
+    /// A sink that writes to `target`. With `force`, an existing file of this name is replaced, and
+    /// what an unfinished run to it left behind is removed.
+    pub fn new(target: &Path, force: bool) -> Self {
+        FileSink { target: target.to_owned(), force, note: String::new(), ends: false, open: None }
+    }
+
+    /// Keep this text with the saved run, for the program that continues it.
+    pub fn with_note(self, note: String) -> Self {
+        FileSink { note, ..self }
+    }
+
+    /// Write the file even if the run is interrupted; it then holds the paths that are done.
+    pub fn ending(self) -> Self {
+        FileSink { ends: true, ..self }
+    }
+
+    /// Continue the run that is saved in `NAME.partial`, where `target` is `NAME`. Returns `None`
+    /// if the run was finished: the file exists and is whole, and the folder, if it was left
+    /// behind, is removed.
+    ///
+    /// It is an error if there is nothing to continue, if the file or the saved state is damaged,
+    /// or if another program began the run. So is a file of the target's name that has appeared,
+    /// unless `force` lets it be replaced.
+    pub fn go_on(target: &Path, force: bool) -> Result<Option<Unfinished>, StoreError> {
+        let partial = partial_path(target);
+        let is_there = target.symlink_metadata().is_ok();
+        let nothing = || StoreError::NothingToResume { target: target.to_owned(), partial: partial.clone() };
+        let is_ours = |found| {
+            use found::Partial::{Foreign, Nothing, Unsealed};
+            !matches!(found, Nothing | Foreign | Unsealed)
+        };
+        if !is_there && !is_ours(found::unfinished(target)) {
+            return Err(match found::unfinished(target) {
+                found::Partial::Unsealed => StoreError::NotSealed { path: partial },
+                _ => nothing(),
+            });
+        }
+        // A lock file that a killed process has left is removed together with this lock.
+        let lock = lock(target)?;
+        match found::unfinished(target) {
+            found::Partial::Folder { is_saved: true } if is_there && !force => {
+                return Err(StoreError::Appeared { partial, target: target.to_owned() });
+            }
+            found::Partial::Folder { is_saved: true } => {}
+            found::Partial::File => return Err(StoreError::LeftOver { partial, target: target.to_owned() }),
+            // The run was finished, and at most its folder was left to be removed.
+            found if is_there => {
+                check_finished(target)?;
+                if is_ours(found) {
+                    found::clear(target)?;
+                }
+                return Ok(None);
+            }
+            found::Partial::Folder { is_saved: false } => {
+                found::clear(target)?;
+                return Err(nothing());
+            }
+            _ => return Err(nothing()),
+        }
+        let mut workshop = Workshop::enter(target, force, lock)?;
+        let path = workshop.path(STATE);
+        let state = state::read(&path)?;
+        state.check_program(&path)?;
+        workshop.saved_paths = state.paths();
+        let log = match is_logged(&state.question.scenario.record) {
+            true => Some(go_on_with_log(&workshop, state.rows)?),
+            false => None,
+        };
+        let State { question, so_far, rows, .. } = state;
+        let open = Open { workshop, question: question.clone(), log, rows, due: Instant::now() + INTERVAL };
+        let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
+        Ok(Some(Unfinished { question, so_far, sink }))
+    }
+
+    /// Number of paths that are saved.
+    pub fn saved_paths(&self) -> u64 {
+        self.open.as_ref().map_or(0, |open| open.workshop.saved_paths)
+    }
+
+    /// Create the folder and the log of a new run.
+    fn create(&self, question: RunQuestion) -> Result<Open, StoreError> {
+        let RunQuestion { scenario, asked, .. } = &question;
+        // The factor is 2 because rows are written twice: to the log, and to the file.
+        let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
+        check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
+        let workshop = Workshop::open(&self.target, self.force).map_err(|error| match error {
+            StoreError::LeftOver { partial, target } => left_over(partial, target, &question),
+            error => error,
+        })?;
+        let log = is_logged(&scenario.record).then(|| Log::create(&workshop.path(ROWS))).transpose();
+        let log = log.map_err(|error| workshop.failed(&error))?;
+        Ok(Open { workshop, question, log, rows: Position::default(), due: Instant::now() + INTERVAL })
+    }
+}
+
+/// Whether anything is recorded of single paths.
+pub(super) fn is_logged(record: &Record) -> bool {
+    *record != Record::NOTHING
+}
+
+/// Check the log up to its end, and open it to continue it.
+fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError> {
+    log::read(&workshop.path(ROWS), end, |_| Ok(()))?;
+    Log::go_on(&workshop.path(ROWS), end).map_err(|error| workshop.failed(&error))
+}
+
+/// The error for a folder that already contains a run: the same run, another run, or something that
+/// cannot be read.
+fn left_over(partial: PathBuf, target: PathBuf, question: &RunQuestion) -> StoreError {
+    let Ok(state) = state::read(&partial.join(STATE)) else { return StoreError::LeftOver { partial, target } };
+    let (saved_paths, paths) = (state.paths(), state.question.asked.own_paths());
+    let what = match state.question.difference_from(question) {
+        None => "this run".to_string(),
+        Some(difference) => format!("another run ({difference})"),
+    };
+    StoreError::Resumable { partial, target, what, saved_paths, paths }
+}
+
+impl Open {
+    /// Write everything to the disk: first the rows, then the state, which refers to them.
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
+        let start = Instant::now();
+        let file = self.log.as_ref().map(|log| (ROWS, log.file()));
+        self.workshop.check(file)?;
+        if let Some(log) = &mut self.log {
+            self.rows = log.sync().map_err(|error| self.workshop.failed(&error))?;
+        }
+        let state = to_bytes(&self.question, &moment.state(), moment.spent, self.rows);
+        self.workshop.save(&state, moment.paths)?;
+        self.due = Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN);
+        Ok(())
+    }
+
+    /// Write the file of the run and give it its name.
+    fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
+        let Open { workshop, question, log, rows, .. } = self;
+        let RunQuestion { scenario, asked, .. } = &question;
+        let header = asked.provenance(scenario);
+        let [log_path, state] = [ROWS, STATE].map(|name| workshop.path(name));
+        let mut writer = Writer::within(workshop, &header, &scenario.record)?;
+        if log.is_some() {
+            log::read(&log_path, rows, |block| writer.append(&block))?;
+        }
+        // The state of a part contains a checksum of its rows, which is checked when parts are
+        // merged. It does not say how long the part took, so that equal parts are equal files.
+        let of_part = |part| -> Result<(Part, Vec<u8>), StoreError> {
+            let totals = state::read(&state)?.so_far.totals;
+            Ok((part, to_bytes(&question, &totals.to_bytes(), Duration::ZERO, rows)))
+        };
+        let part = asked.part.map(of_part).transpose()?;
+        writer.about(outcome.ended_by.as_ref().map(ToString::to_string), part)?;
+        writer.finish(&outcome.summary, outcome.status)
+    }
+}
+
+impl Sink for FileSink {
+    fn begin(&mut self, scenario: &Scenario, asked: &Asked) -> Result<(), SinkError> {
+        if self.open.is_none() {
+            let question = RunQuestion { scenario: scenario.clone(), asked: asked.clone(), note: self.note.clone() };
+            self.open = Some(self.create(question)?);
+        }
+        Ok(())
+    }
+
+    fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        if let Some(log) = &mut open.log {
+            log.append(&block.rows).map_err(|error| open.workshop.failed(&error))?;
+        }
+        Ok(())
+    }
+
+    fn save(&mut self, moment: &Moment<'_>) -> Result<(), SinkError> {
+        let Some(open) = &mut self.open else { return Ok(()) };
+        // A run of which no path is done leaves nothing behind, and what is saved already is not
+        // saved again.
+        let is_new = moment.paths > open.workshop.saved_paths;
+        let is_due = is_new && (moment.is_last || Instant::now() >= open.due);
+        if is_due { Ok(open.save(moment)?) } else { Ok(()) }
+    }
+
+    fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
+        let Some(open) = self.open.take() else { return Ok(()) };
+        // An interrupted run is continued later, and a run of which no path is done leaves nothing
+        // behind.
+        let is_left = outcome.status == Status::Interrupted && !self.ends || outcome.summary.completed_paths == 0;
+        if is_left { Ok(()) } else { Ok(open.finish(outcome)?) }
+    }
+}

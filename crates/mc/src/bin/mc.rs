@@ -1,0 +1,5 @@
+//! The command `mc`.
+
+fn main() -> std::process::ExitCode {
+    stickslip_mc::main()
+}

@@ -1,0 +1,190 @@
+//! The command line: one file for each verb, which parses its arguments, calls the library, and
+//! prints.
+
+mod accuracy;
+mod calibrate;
+mod check;
+mod completed;
+mod completions;
+mod cost;
+mod dataset;
+mod document;
+mod ending;
+mod failure;
+mod files;
+mod fit_temperature;
+mod forecast;
+mod heap;
+mod init;
+mod interrupt;
+mod man;
+mod measurements;
+mod merge;
+mod mistakes;
+mod numbers;
+mod overrides;
+mod page;
+mod plot;
+mod progress;
+mod promise;
+mod replay;
+mod report;
+mod results;
+mod resume;
+mod run;
+mod safe;
+mod show;
+mod sitting;
+mod sweep;
+mod sweep_sitting;
+mod terminal;
+mod threads;
+mod trade;
+mod twin;
+mod verify;
+
+// What most verbs use.
+use failure::{Failure, note, print, print_data, warn, writable};
+use interrupt::stop_on_signals;
+use threads::Threads;
+
+use clap::Parser as _;
+use std::io::{self, IsTerminal as _};
+use std::process::ExitCode;
+use stickslip::engine::{PROGRAM_VERSION, commit};
+use stickslip::ensemble::guarded;
+use stickslip::stats::Statistic;
+use stickslip_files::store;
+
+/// Version and commit, as `--version` shows them.
+fn version() -> String {
+    format!("{PROGRAM_VERSION} ({})", commit())
+}
+
+/// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
+/// is.
+#[derive(Debug, clap::Parser)]
+#[command(name = "mc", version = version(), after_help = include_str!("help/mc.txt"), arg_required_else_help = true)]
+struct Arguments {
+    #[command(subcommand)]
+    verb: Verb,
+}
+
+/// From one list: the verbs, and what each of them calls.
+macro_rules! verbs {
+    ($($(#[$about:meta])* $Verb:ident($module:ident),)+) => {
+        #[derive(Debug, clap::Subcommand)]
+        enum Verb {
+            $($(#[$about])* $Verb($module::Arguments),)+
+        }
+
+        impl Verb {
+            fn call(&self) -> Result<(), Failure> {
+                match self {
+                    $(Verb::$Verb(verb) => verb.call(),)+
+                }
+            }
+        }
+    };
+}
+
+verbs! {
+    /// Simulate an ensemble of paths and write its statistics
+    Run(run),
+    /// Continue a run or a sweep that was interrupted or killed
+    Resume(resume),
+    /// Join the parts of a run
+    Merge(merge),
+    /// Validate a scenario; print it in full, what follows from it, and warnings
+    Check(check),
+    /// Print the results in a file again
+    Show(show),
+    /// Draw a run, a path or a trade as SVG, PNG or PDF
+    Plot(plot),
+    /// Write a file as one page for a browser: table, warnings and pictures
+    Report(page),
+    /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
+    Replay(replay),
+    /// Check a file against its checksum, and some of its paths against a second simulation
+    Verify(verify),
+    /// Measure what accuracy costs: every scheme at several settings, and the cheapest for a target
+    Trade(trade),
+    /// Compute statistics as functions of keys of the scenario, with precise differences; or the
+    /// effect of each key on them
+    Sweep(sweep),
+    /// Estimate friction, stiffness and dilatation of a bearing from measured temperatures and
+    /// displacements
+    Calibrate(calibrate),
+    /// Make synthetic measurements of a bearing with known parameters, to try a calibration on
+    Twin(twin),
+    /// Fit harmonics and noise of a scenario to a measured temperature
+    FitTemperature(fit_temperature),
+    /// Simulate future years of a measured bearing: sliding path, slips, displacements, forces
+    Forecast(forecast),
+    /// Write a commented scenario to start from
+    Init(init),
+    /// Print a completion script for a shell
+    Completions(completions),
+    /// Print a manual page for `man`
+    Man(man),
+}
+
+/// Starts the thread that does the work.
+pub fn main() -> ExitCode {
+    stickslip::engine::built_from(env!("STICKSLIP_COMMIT"));
+    interrupt::refuse_large_files();
+    // The stack of the first thread is as small as `ulimit -s` says.
+    let answering = std::thread::Builder::new().stack_size(STACK).spawn(answered);
+    answering.map_or_else(|_| answered(), |thread| thread.join().unwrap_or(ExitCode::FAILURE))
+}
+
+/// Bytes of the stack of the thread that does the work, those that the first thread usually has.
+const STACK: usize = 8 << 20;
+
+/// Parses the arguments, calls one verb, and returns its exit code.
+fn answered() -> ExitCode {
+    match Arguments::try_parse() {
+        Ok(arguments) => {
+            let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));
+            // What could not be removed after the work.
+            store::take_remains().iter().for_each(|line| note(&format!("warning: {line}")));
+            done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
+        }
+        Err(answer) => self::answer(&answer),
+    }
+}
+
+/// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
+/// with unsafe characters escaped.
+fn answer(answer: &clap::Error) -> ExitCode {
+    if let Some(failure) = mistakes::answered(answer) {
+        return failure.report();
+    }
+    let plain = answer.to_string();
+    if !answer.use_stderr() {
+        // Help and the version are what was asked for. A terminal gets them with colours.
+        let printed = match io::stdout().is_terminal() {
+            true => answer.print().map_err(Failure::unprinted),
+            false => print(&plain),
+        };
+        return printed.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS);
+    }
+    // Escaping would destroy the colours, so the text is escaped, without colours, only if it
+    // contains something unsafe for a terminal.
+    if safe::text(&plain) == plain {
+        let _ = answer.print();
+    } else {
+        note(plain.trim_end());
+    }
+    ExitCode::from(u8::try_from(answer.exit_code()).unwrap_or(2))
+}
+
+/// How many threads this process runs at once.
+fn cores() -> usize {
+    std::thread::available_parallelism().map_or(1, usize::from)
+}
+
+/// The names of all statistics, to choose from.
+fn statistic_names() -> String {
+    Statistic::ALL.map(Statistic::name).join(", ")
+}

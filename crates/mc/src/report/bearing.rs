@@ -1,0 +1,280 @@
+//! Reports of a bearing: its calibration, the weather at it, and its future years.
+
+use super::{Cell, Column, Format, NO_TEXT, Report, Row, Table};
+use crate::numbers::{grouped, percent, significant, time};
+use stickslip_bearing::calibration::{
+    Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart, Values,
+};
+use stickslip_bearing::forecast::{Forecast, ForecastQuantity, YEAR};
+use stickslip_bearing::weather::WeatherFit;
+use stickslip_data::Start;
+
+/// The report of a calibration, in the units of a scenario, or for a page in millimetres.
+pub fn calibration(title: &str, calibration: &Calibration, is_page: bool) -> Report {
+    let level = percent(calibration.question.level);
+    let columns = vec![
+        Column::of("quantity", "").not_in(&[Format::Html]),
+        Column::of("words", "").not_in(&[Format::Text, Format::Narrow, Format::Csv, Format::Paper]),
+        Column::of("symbol", ""),
+        Column::of("estimate", "estimate"),
+        Column::of("low", format!("{level} from")),
+        Column::of("high", "to"),
+        Column::unit(""),
+    ];
+    let row = |quantity: &Quantity| {
+        let ParameterEstimate { estimate, low, high } = calibration.estimate(*quantity);
+        let names = [quantity.words(), quantity.symbol()].map(Cell::from).into_iter();
+        let (factor, unit) = if is_page { millimetres(quantity.unit()) } else { (1.0, quantity.unit().into()) };
+        let numbers = Cell::all([estimate, low, high].map(|number| factor * number), factor * (high - low) / 4.0);
+        Row::of(quantity.key(), names.chain(numbers).chain([unit.as_str().into()]))
+    };
+    let rows = Quantity::ALL.iter().map(row).collect();
+    let of_100 = significant(100.0 * calibration.question.level, 4);
+    let below =
+        format!("In {of_100} of 100 records the truth lies between the two ends, if the bearing is as the model says.");
+    let has_starts = !calibration.starts.is_empty();
+    Report {
+        title: title.into(),
+        tables: std::iter::once(Table { columns, rows, below, ..Table::default() })
+            .chain(has_starts.then(|| starts(calibration)))
+            .collect(),
+        remarks: sources(calibration),
+        ..Report::default()
+    }
+}
+
+/// Where the numbers come from.
+fn sources(calibration: &Calibration) -> Vec<(&'static str, String)> {
+    let record = &calibration.record;
+    let samples = record.readings.iter().filter(|reading| reading.is_finite()).count();
+    let samples = grouped(samples as u64);
+    let last = record.times.last().copied().unwrap_or(0.0);
+    let day = |instant: Start| instant.to_string().split('T').take(1).collect::<String>();
+    let dates = record.start.and_then(|start| Some(format!(", from {} to {}", day(start), day(start.after(last)?))));
+    let slips = calibration.slips.len();
+    let usual = calibration.slips.iter().filter(|slip| slip.is_usual).count();
+    let method = match calibration.question.method {
+        CalibrationMethod::Err => "least squares",
+        _ if calibration.slips.is_empty() => "least squares",
+        _ => "slips",
+    };
+    let minutes = |seconds: f64| significant(seconds / 60.0, 3);
+    let ParameterEstimate { estimate, low, high } = calibration.lag;
+    let lag = match (calibration.question.lag, &calibration.lag_profile) {
+        (Lag::Known(known), _) => format!("{} min, as given", minutes(known)),
+        (Lag::Auto, Some(_)) if estimate > 0.0 => {
+            format!("{} min ({} to {}), estimated", minutes(estimate), minutes(low), minutes(high))
+        }
+        (Lag::Auto, Some(_)) => "none: no lag describes the record clearly better".to_string(),
+        (Lag::Auto, None) => "none: without slips it cannot be estimated".to_string(),
+    };
+    let between = match calibration.roughness {
+        0.0 => "in straight lines".to_string(),
+        roughness => {
+            let gained = significant((3600.0 * roughness).sqrt(), 3);
+            format!("as weather, with a standard deviation of {gained} K in an hour; slips begin between samples")
+        }
+    };
+    let correlation = |hours: f64| {
+        let found = calibration.residuals.autocorrelation.iter().find(|(delay, _)| *delay == hours);
+        found.map_or_else(|| "none".to_string(), |(_, correlation)| significant(*correlation, 2))
+    };
+    let rest = significant(calibration.residuals.rms, 3);
+    let (hour, day) = (correlation(1.0), correlation(24.0));
+    let method = format!("{method}; intervals: blocks of three days weighted at random");
+    let rest = format!(
+        "{rest} m (root mean square of measurement less model); correlation {hour} after an hour, {day} after a day"
+    );
+    vec![
+        ("data", format!("{samples} samples in {}{}", time(last), dates.unwrap_or_default())),
+        ("slips", format!("{slips} seen, {usual} of them alone and of the usual size")),
+        ("method", method),
+        ("lag", lag),
+        ("moves", format!("the temperature moves between samples {between}")),
+        ("rest", rest),
+    ]
+}
+
+/// The table of the paper: the result from each starting point of the least squares, and the
+/// scatter of these results.
+fn starts(calibration: &Calibration) -> Table {
+    const COLUMNS: [Quantity; 6] = [
+        Quantity::Offset,
+        Quantity::Stiffness,
+        Quantity::Dynamic,
+        Quantity::Static,
+        Quantity::Dilatation,
+        Quantity::Displacement,
+    ];
+    let symbols = COLUMNS.map(Quantity::symbol).into_iter();
+    let columns = ["start"].into_iter().chain(symbols).chain(["err"]).map(|name| Column::of(name, name)).collect();
+    let values = calibration.start_values();
+    let column = |quantity: &Quantity| values.iter().map(|values| values[*quantity as usize]).collect::<Vec<f64>>();
+    let cell = |x: f64| if x.is_finite() { format!("{x:.5e}") } else { "none".to_string() };
+    let of_start = |(i, (values, start)): (usize, (&Values, &SearchStart))| {
+        let cells = COLUMNS.iter().map(|quantity| cell(values[*quantity as usize])).chain([cell(start.err)]);
+        Row::of((i + 1).to_string(), cells)
+    };
+    let mut rows: Vec<Row> = values.iter().zip(&calibration.starts).enumerate().map(of_start).collect();
+    let moments = |values: &[f64]| {
+        let n = values.len() as f64;
+        let mean = values.iter().sum::<f64>() / n;
+        let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        [mean, variance.sqrt(), variance.sqrt() / mean.abs()]
+    };
+    let errs: Vec<f64> = calibration.starts.iter().map(|start| start.err).collect();
+    let all: Vec<[f64; 3]> = COLUMNS.iter().map(column).chain([errs]).map(|values| moments(&values)).collect();
+    for (k, name) in ["mean", "sd", "CV"].into_iter().enumerate() {
+        rows.push(Row::of(name, all.iter().map(|moments| cell(moments[k]))));
+    }
+    let below = "The scatter of the starts shows how well the search finds the minimum. It says nothing of \
+                 how far the minimum is from the truth.";
+    let heading = "Starts of the least squares (err in m2):".into();
+    Table { heading, columns, rows, below: below.into(), not_in: NO_TEXT }
+}
+
+/// Slips and sliding path of the record, and what they are in a year.
+pub fn seen(calibration: &Calibration) -> String {
+    let length = calibration.record.times.last().copied().unwrap_or(0.0);
+    // A jump of z is (1 - kappa) of the slip of x, since the bearing is sheared less behind it.
+    let jumps: f64 = calibration.slips.iter().map(|slip| slip.jump.abs()).sum();
+    let path = jumps / (1.0 - calibration.estimate(Quantity::Shear).estimate);
+    let slips = calibration.slips.len();
+    let a_year = |number: f64| significant(number * YEAR / length, 3);
+    format!(
+        "{} slips were seen in {}, as many as {} in a year. Together they are {} mm of sliding path, as much as {} mm in a year.",
+        grouped(slips as u64),
+        time(length),
+        a_year(slips as f64),
+        significant(1e3 * path, 3),
+        a_year(1e3 * path)
+    )
+}
+
+/// The factor and the unit in which people read a quantity: lengths of a bearing in millimetres.
+fn millimetres(unit: &str) -> (f64, String) {
+    match unit {
+        "m" | "m/K" => (1e3, format!("m{unit}")),
+        _ => (1.0, unit.replace('1', "")),
+    }
+}
+
+/// The report of the true values of synthetic measurements.
+pub fn truth(values: &Values) -> Report {
+    let row = |quantity: &Quantity| {
+        let value = values[*quantity as usize];
+        let value = if value.is_finite() { Cell::significant(value, 7) } else { Cell::missing("none") };
+        Row::of(quantity.key(), [quantity.symbol().into(), value])
+    };
+    let columns = ["quantity", "symbol", "value"].map(|name| Column::of(name, "")).to_vec();
+    let rows = Quantity::ALL.iter().map(row).collect();
+    Report { tables: vec![Table { columns, rows, ..Table::default() }], ..Report::default() }
+}
+
+/// The report of a forecast.
+pub fn forecast(title: &str, found: &Forecast) -> Report {
+    let mut columns = super::columns([
+        ("in_a_year", "in a year"),
+        ("expected", "expected"),
+        ("low", "from"),
+        ("high", "to"),
+        ("year_low", "year from"),
+        ("year_high", "year to"),
+    ])
+    .to_vec();
+    columns.push(Column::unit(""));
+    let row = |label: String, value: f64, ranges: [[f64; 2]; 2], unit: &str| {
+        let ([[low, high], [least, most]], (factor, unit)) = (ranges, millimetres(unit));
+        let numbers = [value, low, high, least, most].map(|number| factor * number);
+        let mut cells = Cell::all(numbers, factor * (high - low) / 4.0);
+        cells[3..].iter_mut().filter(|_| least.is_nan()).for_each(|cell| cell.text.clear());
+        Row::of(label, cells.into_iter().chain([unit.as_str().into()]))
+    };
+    let levels = found.levels.iter().map(|level| {
+        let ranges = [level.expected_interval, level.year_interval];
+        row(words(level.quantity, found.question.share), level.expected, ranges, level.quantity.unit())
+    });
+    let returns = found.return_levels.iter().map(|level| {
+        let label = format!("|z| exceeded in one of {} years", level.years);
+        row(label, level.expected, [level.interval, [f64::NAN; 2]], "m")
+    });
+    let below = format!(
+        "The mean of many years lies between `from` and `to` for {0} of 100 records like this one; {0} of 100 single years lie between \
+         `year from` and `year to`.",
+        significant(100.0 * found.question.level, 4)
+    );
+    let years: usize = found.years.iter().map(Vec::len).sum();
+    let years = format!("{} with {} draws of the parameters", grouped(years as u64), found.years.len());
+    let (heading, rows) = ("What a year brings".into(), levels.chain(returns).collect());
+    Report {
+        title: title.into(),
+        tables: vec![Table { heading, columns, rows, below, ..Table::default() }],
+        remarks: vec![("years", years)],
+        ..Report::default()
+    }
+}
+
+/// The name of a quantity in the table for people.
+fn words(quantity: ForecastQuantity, share: f64) -> String {
+    match quantity {
+        ForecastQuantity::SlidingPath => "sliding path".to_string(),
+        ForecastQuantity::Slips => "slips".to_string(),
+        ForecastQuantity::Range => "range of z".to_string(),
+        ForecastQuantity::Greatest => "largest |z|".to_string(),
+        ForecastQuantity::Loaded => format!("share of time with |F| above {} f_s", share),
+        ForecastQuantity::Force => "largest force |F| on the pier".to_string(),
+    }
+}
+
+/// The report of a fit to a measured temperature.
+pub fn weather(found: &WeatherFit) -> Report {
+    let row = |name: &str, value: f64, error: f64, unit: String| {
+        let [value, _] = Cell::all([value, error], error);
+        Row::of(name, [value, Cell::significant(error, 2), unit.into()])
+    };
+    let mut rows = vec![row("mean", found.mean().0, found.mean().1, "degrees".into())];
+    rows.extend(found.cycles().iter().map(|cycle| {
+        let name = format!("amplitude of {} d", significant(cycle.period / 86_400.0, 5));
+        row(&name, cycle.amplitude, cycle.error, format!("K, phase {}", significant(cycle.phase, 4)))
+    }));
+    for process in found.processes() {
+        let sd = process.sd;
+        rows.push(row("standard deviation of weather", sd, sd * process.sd_error, "K".into()));
+        let hours = 1.0 / process.relaxation_rate / 3600.0;
+        rows.push(row("  which it remembers for", hours, hours * process.rate_error, "h".into()));
+    }
+    let smoothing = found.smoothing().map(|(tau, error)| (tau / 3600.0, error));
+    rows.extend(smoothing.map(|(tau, error)| row("time constant that smooths it", tau, tau * error, "h".into())));
+    let white = match found.white {
+        0.0 => "none: adding it does not raise the likelihood".to_string(),
+        white => format!("{} K in every sample, not part of the weather", significant(white, 3)),
+    };
+    let [name, estimate, error] =
+        super::columns([("quantity", ""), ("estimate", "estimate"), ("standard_error", "standard error")]);
+    Report {
+        tables: vec![Table { columns: vec![name, estimate, error, Column::unit("")], rows, ..Table::default() }],
+        remarks: vec![
+            ("data", format!("{} samples in {}", grouped(found.samples as u64), time(found.duration))),
+            ("sensor", white),
+            ("log L", format!("{:.1}", found.log_likelihood)),
+        ],
+        ..Report::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use stickslip_bearing::calibration::SeenSlip;
+
+    /// With kappa = 1/2 the sensor shows half of each slip: two jumps of 10 mm are 40 mm of path.
+    #[test]
+    fn the_sliding_path_is_that_of_the_body() {
+        let mut calibration = Calibration::default();
+        calibration.estimates[Quantity::Shear as usize].estimate = 0.5;
+        calibration.record.times = vec![0.0, YEAR];
+        let slip = |jump| SeenSlip { time: 1.0, temperature: 0.0, jump, is_usual: true };
+        calibration.slips = vec![slip(0.01), slip(-0.01)];
+        assert!(seen(&calibration).contains("Together they are 40 mm of sliding path"), "{}", seen(&calibration));
+    }
+}
