@@ -2,7 +2,7 @@
 //! whether the body sticks. Poisson arrivals see time averages (R. W. Wolff, *Operations Research*
 //! 30 (1982)), so the share that finds it stuck is the sticking fraction.
 //!
-//! `cargo run --release --no-default-features --example own_chance`
+//! `cargo run --release -p stickslip --example own_chance`
 
 use rand_distr::{Distribution as _, Exp};
 use stickslip::engine::Run;

@@ -1,7 +1,7 @@
 //! The columns of single paths as arrays of `ndarray`, in memory and without a file: does a path
 //! that sticks more often end farther from where it began?
 //!
-//! `cargo run --release --no-default-features --example own_columns`
+//! `cargo run --release -p stickslip --example own_columns`
 
 use ndarray::{Axis, stack};
 use ndarray_stats::{CorrelationExt as _, QuantileExt as _};

@@ -1,6 +1,6 @@
 //! A force of one's own in Rust: a spring that hardens, beside that of the scenario.
 //!
-//! `cargo run --release --no-default-features --example own_force`
+//! `cargo run --release -p stickslip --example own_force`
 
 use stickslip::engine::Run;
 use stickslip::lanes::Lanes;

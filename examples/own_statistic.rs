@@ -1,6 +1,6 @@
 //! A statistic of one's own: the share of sticks that last longer than 1.
 //!
-//! `cargo run --release --no-default-features --example own_statistic`
+//! `cargo run --release -p stickslip --example own_statistic`
 
 use stickslip::engine::Run;
 use stickslip::model::{Event, EventKind};

@@ -155,7 +155,8 @@ fn times() {
 /// intervals hold by chance for one in 40 such measurements; this one is fixed, and six hold.
 #[test]
 fn the_twin_of_another_program_is_fitted() {
-    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/twin.csv")).expect("the example");
+    let text = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/twin.csv"))
+        .expect("the example");
     let cell = |line: &str, column: usize| line.split(',').nth(column).and_then(|cell| cell.parse::<f64>().ok());
     let lines: Vec<&str> = text.lines().skip(1).collect();
     let record = MeasuredRecord {

@@ -9,7 +9,6 @@ use stickslip::stats::BlockResult;
 /// that a file of the run would hold.
 ///
 /// ```
-/// # mod stick_slip { pub use {stick_slip_core::*, stick_slip_files::*}; }
 /// use crate::dataset::{Column, Recorder};
 /// use stickslip::engine::Run;
 /// use stickslip::scenario::Scenario;

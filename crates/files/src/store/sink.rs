@@ -27,7 +27,6 @@ const ONE_PART_IN: u32 = 50;
 /// killed or interrupted is continued from there ([`FileSink::go_on`]) and gives the same file.
 ///
 /// ```
-/// # mod stick_slip { pub use {stick_slip_core::*, stick_slip_files::*}; }
 /// use stickslip::engine::Run;
 /// use stickslip::scenario::Scenario;
 /// use crate::store::{self, FileSink};

@@ -178,7 +178,8 @@ fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
 /// A folder with the command as `mc` and the scenario, and the shell code of docs/long-runs.md that
 /// begins like this.
 fn of_the_page(beginning: &str) -> (TempDir, String) {
-    let page = fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/long-runs.md")).expect("a page");
+    let page =
+        fs::read_to_string(Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/long-runs.md")).expect("a page");
     let code =
         page.split("```sh\n").find(|piece| piece.starts_with(beginning)).and_then(|piece| piece.split("```").next());
     let here = folder();

@@ -45,7 +45,8 @@ fn tests_that_a_page_names_exist() {
     for (shown, words) in commands("cargo test") {
         let Some(file) = after(&words, "--test") else { continue };
         let places = TESTS.map(|folder| root().join(folder).join(file));
-        let path: &PathBuf = places.iter().find(|path| path.exists()).unwrap_or_else(|| panic!("{shown}: no such test"));
+        let path: &PathBuf =
+            places.iter().find(|path| path.exists()).unwrap_or_else(|| panic!("{shown}: no such test"));
         let of_test = |word: &&String| !word.starts_with('-') && **word != file;
         let Some(filter) = words.iter().skip(2).find(of_test) else { continue };
         // `module::part_of_a_name`, where either may be missing.
