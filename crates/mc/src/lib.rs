@@ -1,52 +1,17 @@
 //! The command line: one file for each verb, which parses its arguments, calls the library, and
 //! prints.
 
-mod accuracy;
-mod calibrate;
-mod check;
-mod completed;
-mod completions;
-mod cost;
-mod dataset;
-mod document;
-mod ending;
-mod failure;
-mod files;
-mod fit_temperature;
-mod forecast;
-mod heap;
-mod init;
-mod interrupt;
-mod man;
-mod measurements;
-mod merge;
-mod mistakes;
-mod numbers;
-mod overrides;
-mod page;
-mod plot;
-mod progress;
-mod promise;
-mod replay;
+mod arguments;
+mod commands;
+mod inputs;
+mod output;
 mod report;
-mod results;
-mod resume;
-mod run;
-mod safe;
-mod show;
-mod sitting;
-mod sweep;
-mod sweep_sitting;
-mod terminal;
-mod threads;
-mod trade;
-mod twin;
-mod verify;
+mod session;
 
 // What most verbs use.
-use failure::{Failure, note, print, print_data, warn, writable};
-use interrupt::stop_on_signals;
-use threads::Threads;
+use crate::arguments::threads::Threads;
+use crate::output::failure::{Failure, note, print, print_data, warn, writable};
+use crate::session::interrupt::stop_on_signals;
 
 use clap::Parser as _;
 use std::io::{self, IsTerminal as _};
@@ -64,7 +29,7 @@ fn version() -> String {
 /// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
 /// is.
 #[derive(Debug, clap::Parser)]
-#[command(name = "mc", version = version(), after_help = include_str!("help/mc.txt"), arg_required_else_help = true)]
+#[command(name = "mc", version = version(), after_help = include_str!("commands/help/mc.txt"), arg_required_else_help = true)]
 struct Arguments {
     #[command(subcommand)]
     verb: Verb,
@@ -75,7 +40,7 @@ macro_rules! verbs {
     ($($(#[$about:meta])* $Verb:ident($module:ident),)+) => {
         #[derive(Debug, clap::Subcommand)]
         enum Verb {
-            $($(#[$about])* $Verb($module::Arguments),)+
+            $($(#[$about])* $Verb(commands::$module::Arguments),)+
         }
 
         impl Verb {
@@ -132,7 +97,7 @@ verbs! {
 /// Starts the thread that does the work.
 pub fn main() -> ExitCode {
     stickslip::engine::built_from(env!("STICKSLIP_COMMIT"));
-    interrupt::refuse_large_files();
+    session::interrupt::refuse_large_files();
     // The stack of the first thread is as small as `ulimit -s` says.
     let answering = std::thread::Builder::new().stack_size(STACK).spawn(answered);
     answering.map_or_else(|_| answered(), |thread| thread.join().unwrap_or(ExitCode::FAILURE))
@@ -157,7 +122,7 @@ fn answered() -> ExitCode {
 /// Prints the answer of the argument parser: help, the version, or an error. Arguments are shown
 /// with unsafe characters escaped.
 fn answer(answer: &clap::Error) -> ExitCode {
-    if let Some(failure) = mistakes::answered(answer) {
+    if let Some(failure) = arguments::mistakes::answered(answer) {
         return failure.report();
     }
     let plain = answer.to_string();
@@ -171,7 +136,7 @@ fn answer(answer: &clap::Error) -> ExitCode {
     }
     // Escaping would destroy the colours, so the text is escaped, without colours, only if it
     // contains something unsafe for a terminal.
-    if safe::text(&plain) == plain {
+    if output::safe::text(&plain) == plain {
         let _ = answer.print();
     } else {
         note(plain.trim_end());

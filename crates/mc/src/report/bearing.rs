@@ -1,7 +1,7 @@
 //! Reports of a bearing: its calibration, the weather at it, and its future years.
 
 use super::{Cell, Column, Format, NO_TEXT, Report, Row, Table};
-use crate::numbers::{grouped, percent, significant, time};
+use crate::output::numbers::{grouped, percent, significant, time};
 use stickslip_bearing::calibration::{
     Calibration, CalibrationMethod, Lag, ParameterEstimate, Quantity, SearchStart, Values,
 };

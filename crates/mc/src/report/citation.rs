@@ -1,7 +1,7 @@
 //! How to cite a run: what a reader needs to repeat it, and the paper of its model.
 
-use crate::document::sha256;
-use crate::numbers::{counted, grouped};
+use crate::output::document::sha256;
+use crate::output::numbers::{counted, grouped};
 use stickslip::model::PAPER;
 use stickslip_data::numbers::short;
 use stickslip_files::store::Stored;

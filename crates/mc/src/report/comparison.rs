@@ -2,7 +2,7 @@
 
 use super::run::FIRST;
 use super::{Cell, Chosen, Column, INTERVAL, Report, Row, RunInfo, Table, of_step};
-use crate::numbers::counted;
+use crate::output::numbers::counted;
 use stickslip::engine::Provenance;
 use stickslip::stats::{Statistic, Summary};
 

@@ -2,7 +2,7 @@
 //! null.
 
 use super::RunInfo;
-use crate::document::{document, named, sha256};
+use crate::output::document::{document, named, sha256};
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 use stickslip::scenario::Units;

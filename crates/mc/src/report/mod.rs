@@ -34,7 +34,7 @@ pub use sweep::{paths_of_each, sweep, warnings};
 pub use text::{aligned, text};
 pub use trade::{prices, trade, without_answer};
 
-use crate::numbers::{Digits, significant};
+use crate::output::numbers::{Digits, significant};
 
 /// What is known of a result.
 #[derive(Clone, Debug, Default)]

@@ -94,8 +94,9 @@ fn latex_cell(cell: &str) -> String {
 #[cfg(test)]
 mod tests {
     use super::super::sample_tests::{info, set, summary};
-    use super::super::{Chosen, run};
     use super::*;
+    use crate::Chosen;
+    use crate::commands::run;
     use stickslip::stats::{Bias, Statistic};
 
     #[test]

@@ -1,7 +1,7 @@
 //! The remarks below the table: censored sticks, how the run ended, lost paths, time and file.
 
 use super::RunInfo;
-use crate::numbers::{Digits, counted, duration, grouped, significant, some_of};
+use crate::output::numbers::{Digits, counted, duration, grouped, significant, some_of};
 use stickslip::engine::{Program, Provenance, Status};
 use stickslip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCounts, Summary, Transient};
 

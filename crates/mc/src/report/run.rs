@@ -2,7 +2,7 @@
 
 use super::remarks::remarks;
 use super::{Cell, Column, FOR_PEOPLE, Format, INTERVAL, Report, Row, RunInfo, TEXT, Table, of_estimate, of_step};
-use crate::numbers::{Digits, counted, significant};
+use crate::output::numbers::{Digits, counted, significant};
 use stickslip::engine::{Provenance, Status};
 use stickslip::scenario::{Period, PeriodSource};
 use stickslip::scheme::Timeline;

@@ -3,7 +3,7 @@
 
 use super::run::{bias_cells, estimate_cells};
 use super::{Cell, Chosen, Column, FOR_PEOPLE, Format, NO_TEXT, Report, Row, Table, of_estimate, of_step};
-use crate::numbers::{counted, duration, grouped, some_of};
+use crate::output::numbers::{counted, duration, grouped, some_of};
 use std::path::Path;
 use stickslip::stats::Statistic;
 use stickslip::study::sweep::{Design, Paired, Point, Seeds, Sweep, SweepQuestion};

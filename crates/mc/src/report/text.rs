@@ -1,8 +1,8 @@
 //! A report as text for people, as wide as the terminal.
 
 use super::{Format, Report, Table};
-use crate::numbers::{fitted, grouped, wrapped};
-use crate::terminal::columns;
+use crate::output::numbers::{fitted, grouped, wrapped};
+use crate::output::terminal::columns;
 
 /// The space between two columns.
 const GAP: &str = "  ";

@@ -1,8 +1,8 @@
 //! The report of a trade: tables of costs, biases, orders of convergence, and the cheapest runs.
 
 use super::{Cell, Chosen, Column, INTERVAL, Report, Row, Table};
-use crate::accuracy::pairs;
-use crate::numbers::{grouped, percent, significant, time};
+use crate::arguments::accuracy::pairs;
+use crate::output::numbers::{grouped, percent, significant, time};
 use std::path::Path;
 use stickslip::scheme::Kind;
 use stickslip::stats::{Record, Statistic};

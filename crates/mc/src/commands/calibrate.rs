@@ -1,0 +1,123 @@
+//! `mc calibrate`: estimates friction, stiffness and dilatation of a bearing from measured
+//! temperatures and displacements.
+
+use crate::arguments::extension::writable_hdf5;
+use crate::arguments::measurements::Source;
+use crate::output::numbers::parse_duration;
+use crate::report::{self, bearing};
+use crate::session::cost::STUDY_BYTES;
+use crate::{Failure, note, print, stop_on_signals, warn};
+use std::path::PathBuf;
+use std::sync::atomic::Ordering;
+use stickslip_bearing::calibration::{CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate};
+use stickslip_files::dataset::Dataset;
+use stickslip_files::store::{self, StoredCalibration};
+
+/// Arguments of `mc calibrate`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = include_str!("help/calibrate.txt"))]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+    /// Estimate from the slips, by the least squares of the paper (err), or by both
+    #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
+    method: CalibrationMethod,
+    /// The keys of the parameters to fit; the others keep the value that the scenario gives them
+    /// [default: all]
+    #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', value_parser = parameter)]
+    fit: Vec<Quantity>,
+    /// Bounds of a parameter in the least squares, e.g. friction.static=4e5:6e5; repeatable
+    /// [default: a box around the estimates from the slips]
+    #[arg(long, value_name = "KEY=LOW:HIGH", value_parser = bounds, allow_hyphen_values = true)]
+    bounds: Vec<(Quantity, [f64; 2])>,
+    /// Number of starting points of the least squares
+    #[arg(long, value_name = "N", default_value_t = 10, value_parser = clap::value_parser!(u32).range(1..=1000))]
+    starts: u32,
+    /// Delay of the temperature of the steel behind the thermometer, e.g. 15m; `auto` estimates it
+    #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
+    lag: Lag,
+    /// Write everything to FILE: estimates, slips, starting points with their results, the
+    /// measurements and the model
+    #[arg(short, long, value_name = "FILE.h5")]
+    output: Option<PathBuf>,
+    /// Overwrite an earlier file
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    pub fn call(&self) -> Result<(), Failure> {
+        let scene = self.source.scene()?;
+        if let Some(output) = &self.output {
+            writable_hdf5(output, self.force, self.source.inputs()?)?;
+        }
+        let record = self.source.record(&scene)?;
+        let question = CalibrationQuestion {
+            method: self.method,
+            starts: self.starts,
+            lag: self.lag,
+            level: self.source.interval,
+            bounds: self.bounds.clone(),
+            ..CalibrationQuestion::of(&scene, &record)
+        };
+        let question = question.fitting(&self.fit, &scene)?;
+        let threads = self.source.threads.ready("this calibration", STUDY_BYTES)?;
+        let stop = stop_on_signals()?;
+        let calibration = calibrate(&record, &question, threads, &stop)
+            .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;
+        let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
+        if let Some(output) = &self.output {
+            store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?;
+        }
+        stored.warnings.iter().for_each(|(_, warning)| warn(warning));
+        print(&match self.json {
+            true => report::json::of_calibration(&stored),
+            false => report::text(&bearing::calibration(&stored.title, &stored.calibration, false)),
+        })?;
+        if let Some(output) = &self.output {
+            note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
+        }
+        if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
+    }
+}
+
+impl From<NotHeld> for Failure {
+    fn from(error: NotHeld) -> Self {
+        let remedy = match error {
+            NotHeld::NoNumber(quantity) => format!("add it to --fit, or give --set {}=...", quantity.key()),
+            NotHeld::TakesShearStiffness(_) => "give bearing.stiffness, in the scenario or with --set".to_string(),
+        };
+        Failure::usage(error.to_string(), remedy)
+    }
+}
+
+fn method(text: &str) -> Result<CalibrationMethod, String> {
+    CalibrationMethod::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
+}
+
+fn parameter(text: &str) -> Result<Quantity, String> {
+    let found = Quantity::fitted(text.trim());
+    found.ok_or_else(|| format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", ")))
+}
+
+fn bounds(text: &str) -> Result<(Quantity, [f64; 2]), String> {
+    let wrong = || "write KEY=LOW:HIGH, e.g. friction.static=4e5:6e5".to_string();
+    let (key, range) = text.split_once('=').ok_or_else(wrong)?;
+    let (low, high) = range.split_once(':').ok_or_else(wrong)?;
+    let number = |text: &str| text.trim().parse::<f64>().ok().filter(|x| x.is_finite()).ok_or_else(wrong);
+    let (low, high) = (number(low)?, number(high)?);
+    if low < high { Ok((parameter(key)?, [low, high])) } else { Err("the lower bound is not below the upper".into()) }
+}
+
+fn lag(text: &str) -> Result<Lag, String> {
+    match text {
+        "auto" => Ok(Lag::Auto),
+        "0" | "0s" | "0m" => Ok(Lag::Known(0.0)),
+        _ => parse_duration(text)
+            .map(|lag| Lag::Known(lag.as_secs_f64()))
+            .map_err(|_| "write auto, or a time such as 0, 90s or 15m".to_string()),
+    }
+}

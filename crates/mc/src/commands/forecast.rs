@@ -1,0 +1,116 @@
+//! `mc forecast`: simulates future years of a bearing that was measured.
+
+use crate::arguments::measurements::Source;
+use crate::commands::page;
+use crate::output::dataset;
+use crate::output::numbers::parse_share_in;
+use crate::report::{bearing, text};
+use crate::session::cost::STUDY_BYTES;
+use crate::{Failure, note, print, print_data, warn, writable};
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use stickslip_bearing::forecast::{Forecast, ForecastQuestion, Foreseen};
+use stickslip_files::dataset::Dataset;
+use stickslip_files::store;
+
+/// Arguments of `mc forecast`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = include_str!("help/forecast.txt"))]
+pub struct Arguments {
+    #[command(flatten)]
+    source: Source,
+    /// Number of draws of the uncertain parameters of bearing and weather
+    #[arg(long, value_name = "N", default_value_t = 50, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    draws: u32,
+    /// Number of years to simulate for each draw
+    #[arg(long, value_name = "N", default_value_t = 40, value_parser = clap::value_parser!(u32).range(2..=10_000))]
+    years: u32,
+    /// Seed of all random numbers
+    #[arg(long, value_name = "N", default_value_t = 1)]
+    seed: u64,
+    /// Time counts as loaded where |F| is above this share of f_s
+    #[arg(long, value_name = "Q", default_value_t = 0.9, value_parser = share)]
+    share: f64,
+    /// Largest number of Ornstein-Uhlenbeck processes in the weather: one, or a fast and a slow one
+    #[arg(long, value_name = "1|2", default_value_t = 2, value_parser = clap::value_parser!(u8).range(1..=2))]
+    processes: u8,
+    /// Write every year to FILE.csv, or a page for a browser to FILE.html; repeatable
+    #[arg(short, long, value_name = "FILE.csv|FILE.html")]
+    output: Vec<PathBuf>,
+    /// Overwrite an earlier file
+    #[arg(long, requires = "output")]
+    force: bool,
+    /// Print one JSON object on standard output, and nothing else there
+    #[arg(long)]
+    json: bool,
+}
+
+impl Arguments {
+    pub fn call(&self) -> Result<(), Failure> {
+        let scene = self.source.scene()?;
+        for output in &self.output {
+            if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
+                let problem = format!("-o {}: the ending does not tell what to write", output.display());
+                return Err(Failure::usage(problem, "write a name that ends in .csv or .html"));
+            }
+            writable(output, self.force, self.source.inputs()?)?;
+        }
+        let threads = self.source.threads.ready("this forecast", STUDY_BYTES)?;
+        // Nothing that took long would be lost, so a signal ends the process at once.
+        let stop = AtomicBool::new(false);
+        let question = ForecastQuestion {
+            draws: u64::from(self.draws),
+            years: u64::from(self.years),
+            seed: self.seed,
+            level: self.source.interval,
+            share: self.share,
+        };
+        let record = self.source.record(&scene)?;
+        let foreseen = Foreseen::of(&scene, &record, &question, usize::from(self.processes), threads, &stop)
+            .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
+            .ok_or(Failure::Interrupted)?;
+        foreseen.calibration.warnings.iter().for_each(warn);
+        foreseen.warnings().into_iter().for_each(warn);
+        let found = &foreseen.forecast;
+        let content = |output: &Path| match is_page(output) {
+            true => page::of_forecast(&scene, &foreseen),
+            false => csv(found),
+        };
+        let files: Vec<(&Path, String)> =
+            self.output.iter().map(|output| (output.as_path(), content(output))).collect();
+        store::write_together(&files, self.force)?;
+        match self.json {
+            true => print_data(&dataset::json(&Dataset::of_forecast(&scene.title, &scene.text, found), None))?,
+            false => print(&text(&bearing::forecast(&scene.title, found)))?,
+        }
+        for output in &self.output {
+            let has = if is_page(output) { "is the page" } else { "has all years" };
+            note(&format!("{} {has}", output.display()));
+        }
+        Ok(())
+    }
+}
+
+fn is_page(output: &Path) -> bool {
+    output.extension().is_some_and(|ending| ending == "html")
+}
+
+/// All simulated years as CSV, one row for each.
+fn csv(found: &Forecast) -> String {
+    let headings = found.levels.iter().map(|level| match (level.quantity.name(), level.quantity.unit()) {
+        (name, "1") => format!(",{name}"),
+        (name, unit) => format!(",{name}_{unit}"),
+    });
+    let mut text = format!("draw,year{}\n", headings.collect::<String>());
+    for (draw, years) in found.years.iter().enumerate() {
+        for (number, year) in years.iter().enumerate() {
+            let cells = found.levels.iter().map(|level| format!(",{}", year[level.quantity as usize]));
+            text += &format!("{draw},{number}{}\n", cells.collect::<String>());
+        }
+    }
+    text
+}
+
+fn share(text: &str) -> Result<f64, String> {
+    parse_share_in(text, &(0.0..1.0), "write a share of f_s from 0 to below 1")
+}

@@ -1,0 +1,128 @@
+//! `mc report`: writes a file as one page for a browser, with its table, its warnings and its
+//! pictures.
+
+use crate::commands::show;
+use crate::commands::sweep;
+use crate::inputs::files;
+use crate::inputs::results;
+use crate::output::failure::{Failure, note, writable};
+use crate::report::{self, Chosen, html::Page};
+use std::path::PathBuf;
+use stickslip::scenario::BridgeScene;
+use stickslip_bearing::forecast::Foreseen;
+use stickslip_figure::{Drawing, DrawnPath, FIGURES, Style, Subject};
+use stickslip_files::store::{self, Content, StoredCalibration};
+
+/// Arguments of `mc report`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = include_str!("help/report.txt"))]
+pub struct Arguments {
+    /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
+    file: PathBuf,
+    /// Where to write the page [default: NAME.html in the current directory]
+    #[arg(short, long, value_name = "FILE.html")]
+    output: Option<PathBuf>,
+    /// Overwrite an earlier page
+    #[arg(long)]
+    force: bool,
+}
+
+impl Arguments {
+    pub fn call(&self) -> Result<(), Failure> {
+        let output = self.output.clone().unwrap_or_else(|| results::default_output(&self.file, ".html"));
+        writable(&output, self.force, [self.file.as_path()])?;
+        crate::arguments::extension::check_page(&output, &self.file)?;
+        let page = self.page(files::read(&self.file, store::content)?)?;
+        store::write_whole(&output, page.as_bytes(), self.force)?;
+        note(&format!("{}: {} kB", output.display(), page.len() / 1000));
+        Ok(())
+    }
+
+    fn page(&self, content: Content) -> Result<String, Failure> {
+        let scenario = content.scenario().0;
+        let program = |other: Option<&str>| {
+            let program = other.map_or_else(crate::version, str::to_string);
+            vec![("file", self.file.display().to_string()), ("program", format!("mc {program}"))]
+        };
+        let digits = format!("`mc show {} --format csv` prints the numbers with all digits.", self.file.display());
+        let mut words = vec![("All digits", digits)];
+        let (report, warnings, pictures, provenance) = match content {
+            Content::Calibration(stored) => return Ok(of_bearing(&stored, None)),
+            Content::Run(stored) => {
+                let scenario = results::scenario("scenario", &stored, &[]).ok();
+                let info = show::info(&self.file, &stored, scenario.as_ref());
+                let path = |scenario| DrawnPath { scenario, number: 0, from: 0.0 };
+                let summary = &stored.summary;
+                let pictures = scenario.as_ref().map_or_else(Vec::new, |scenario| {
+                    pictures(&Subject::Run { scenario, summary, path: path(scenario) })
+                });
+                words.push(("Intervals", INTERVALS.into()));
+                words.push(("How to cite", report::citation(&stored).join(" ")));
+                let mut report = report::run(summary, &info, Chosen::All, true);
+                // The warnings say these.
+                report.remarks.retain(|(label, _)| !["drift", "few"].contains(label));
+                let warnings = results::warnings(summary, scenario.as_ref()).into_iter().map(|(_, text)| text);
+                (report, warnings.collect(), pictures, Vec::new())
+            }
+            Content::Sweep(stored) => {
+                let by = program(stored.other_program.as_deref());
+                let sweeps = [(String::new(), sweep::stored(&self.file, *stored)?)];
+                let [(_, sweep)] = &sweeps;
+                let pictures = pictures(&Subject::Sweep { sweeps: &sweeps, statistics: &[] });
+                (report::sweep(sweep, Chosen::First, &self.file), report::warnings(sweep), pictures, by)
+            }
+            Content::Trade(stored) => {
+                let prices = stored.prices(None);
+                let pictures = prices.as_ref().map_or_else(Vec::new, |prices| pictures(&Subject::Trade(prices)));
+                let report = report::prices(&stored.scenario.title, &stored.trade, Chosen::First);
+                (report, Vec::new(), pictures, program(stored.other_program.as_deref()))
+            }
+        };
+        Ok(Page { report, warnings, words, pictures, scenario: &scenario, provenance }.html())
+    }
+}
+
+/// What stands below the statistics of a run.
+const INTERVALS: &str = "Intervals have 95 %, with the path as the unit. A bias is that of the time step: the estimate less its \
+                         value without one; the corrected estimate is shown where the bias exceeds its uncertainty. The \
+                         single path is the one with number 0.";
+
+/// What neither fit nor forecast knows of.
+const LEFT_OUT: &str = "Traffic, wind and brakes, which move a bearing faster than the weather does; wear, which changes friction; \
+                        and a climate that is not that of the record. Movements that they cause add to the sliding path.";
+
+/// The page of a forecast.
+pub fn of_forecast(scene: &BridgeScene, foreseen: &Foreseen) -> String {
+    let stored = StoredCalibration::of(&scene.title, &scene.text, foreseen.calibration.clone());
+    of_bearing(&stored, Some(foreseen))
+}
+
+/// The page of a calibration, after a forecast if there is one, in words for readers who did not
+/// make them.
+fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String {
+    let StoredCalibration { title, scenario_text, calibration, .. } = stored;
+    let mut report = report::bearing::calibration(title, calibration, true);
+    let years = foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
+    report.tables.splice(0..0, years.unwrap_or_default());
+    let own = stored.warnings.iter().map(|(_, text)| text.clone());
+    let program = stored.other_program.clone().unwrap_or_else(crate::version);
+    let page = Page {
+        report,
+        warnings: own.chain(foreseen.map(Foreseen::warnings).unwrap_or_default()).collect(),
+        words: vec![
+            ("What the record shows", report::bearing::seen(calibration)),
+            ("What is not in it", LEFT_OUT.into()),
+        ],
+        pictures: pictures(&Subject::Calibration { title, calibration }),
+        scenario: scenario_text,
+        provenance: vec![("program", format!("mc {program}"))],
+    };
+    page.html()
+}
+
+/// The figures of a subject, one after the other. The panels of an overview are in the others, and
+/// readers who did not calibrate do not need the residuals.
+fn pictures(subject: &Subject) -> Vec<Drawing> {
+    let figures = FIGURES.iter().filter(|figure| !["overview", "residuals"].contains(&figure.name));
+    figures.filter_map(|figure| figure.draw(subject, &Style::default()).ok()).collect()
+}

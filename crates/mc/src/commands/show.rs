@@ -1,0 +1,221 @@
+//! `mc show`: prints the results in a file and where they come from; several files are printed side
+//! by side.
+
+use crate::commands::sweep;
+use crate::inputs::files;
+use crate::inputs::results;
+use crate::output::dataset;
+use crate::output::failure::{Failure, note, print, print_data, warn};
+use crate::report::{self, Chosen, Report, RunInfo};
+use std::path::{Path, PathBuf};
+use stickslip::scenario::Scenario;
+use stickslip::stats::{Statistic, Summary};
+use stickslip_files::dataset::Dataset;
+use stickslip_files::store::{self, Content, FileKind, Stored};
+
+/// Arguments of `mc show`.
+#[derive(Debug, clap::Args)]
+#[command(after_help = include_str!("help/show.txt"))]
+pub struct Arguments {
+    /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Print these statistics, in this order, separated by commas [default: those of sticks, slips
+    /// and drift that the paper asks for]
+    #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true,
+          conflicts_with_all = ["all", "json"])]
+    statistics: Vec<Statistic>,
+    /// Print all statistics that were measured; for a trade, every measurement
+    #[arg(long, conflicts_with = "json")]
+    all: bool,
+    /// Print all notes below the table of a run, and where its numbers come from
+    #[arg(long, conflicts_with_all = ["json", "format"])]
+    notes: bool,
+    /// Print JSON instead: one object, or an array of them for several files
+    #[arg(long)]
+    json: bool,
+    /// Print a table for other programs instead: comma-separated values with all digits, a line for
+    /// each statistic of each file or point, all of them unless --statistics names some; or a table
+    /// for a paper, with the digits that the error supports
+    #[arg(long, value_name = "csv|markdown|latex", conflicts_with = "json", hide_possible_values = true)]
+    format: Option<TableFormat>,
+    /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
+    /// the model
+    #[arg(long, conflicts_with_all = ["json", "format"])]
+    cite: bool,
+    /// Print the scenario that the file was made with instead, with every default written out: a
+    /// file for mc run
+    #[arg(long, conflicts_with_all = ["json", "format", "cite"])]
+    scenario: bool,
+}
+
+impl Arguments {
+    pub fn call(&self) -> Result<(), Failure> {
+        if self.cite {
+            return self.print_citations();
+        }
+        if self.scenario {
+            return self.print_scenario();
+        }
+        if self.json {
+            let objects = self.files.iter().map(|file| json(file)).collect::<Result<Vec<_>, _>>()?;
+            let [object] = objects.as_slice() else {
+                let objects: Vec<&str> = objects.iter().map(|object| object.trim_end()).collect();
+                return print_data(&format!("[{}]\n", objects.join(",\n")));
+            };
+            return print_data(object);
+        }
+        match self.format {
+            Some(TableFormat::Csv) => {
+                let named = |file: &PathBuf| Ok((file.display().to_string(), self.report(file)?));
+                print_data(&report::comma_separated(self.files.iter().map(named).collect::<Result<_, Failure>>()?))
+            }
+            Some(TableFormat::Markdown) => print_data(&report::markdown(self.all()?)),
+            Some(TableFormat::Latex) => print_data(&report::latex(self.all()?)),
+            None => {
+                let mut text = report::text(&self.all()?);
+                if self.notes
+                    && let [file] = self.files.as_slice()
+                {
+                    let scenario = files::read(file, store::content)?.scenario().0;
+                    let lines = scenario.lines().map(|line| format!("  {line}").trim_end().to_string() + "\n");
+                    text += &format!("\nscenario:\n{}", lines.collect::<String>());
+                }
+                print(&text)
+            }
+        }
+    }
+
+    /// The report of one file, or of several runs beside each other.
+    fn all(&self) -> Result<Report, Failure> {
+        let [file] = self.files.as_slice() else {
+            let is_run =
+                |file: &&PathBuf| matches!(files::read(file, store::kind), Ok(Some(FileKind::Run) | None) | Err(_));
+            if let Some(file) = self.files.iter().find(|file| !is_run(file)) {
+                let problem = format!("{} is no run, and only runs are printed beside each other", file.display());
+                return Err(Failure::usage(problem, "show it alone, or several files with --format csv"));
+            }
+            let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
+            let infos: Vec<RunInfo> = self.files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
+            let summaries: Vec<&Summary> = runs.iter().map(|run| &run.summary).collect();
+            return Ok(report::comparison(&summaries, &infos, self.chosen()));
+        };
+        self.report(file)
+    }
+
+    /// The report of a file of any kind. Warnings are printed where people read it.
+    fn report(&self, file: &Path) -> Result<Report, Failure> {
+        let (is_text, chosen) = (self.format.is_none(), self.chosen());
+        Ok(match files::read(file, store::content)? {
+            Content::Run(stored) => {
+                let scenario = results::scenario("scenario", &stored, &[]).ok();
+                if let Some(scenario) = scenario.as_ref().filter(|_| is_text) {
+                    results::warn(scenario, stored.summary.has_bias(), true);
+                }
+                note_unfinished(&stored);
+                report::run(&stored.summary, &info(file, &stored, scenario.as_ref()), chosen, self.notes)
+            }
+            Content::Calibration(_) if !self.statistics.is_empty() => {
+                let problem = format!("--statistics: {} is a calibration, which has none", file.display());
+                return Err(Failure::usage(problem, "leave it out"));
+            }
+            Content::Calibration(stored) => {
+                stored.warnings.iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
+                report::bearing::calibration(&stored.title, &stored.calibration, false)
+            }
+            Content::Trade(stored) if self.all && is_text => report::trade(&stored.scenario.title, &stored.trade, None),
+            Content::Trade(stored) => report::prices(&stored.scenario.title, &stored.trade, chosen),
+            Content::Sweep(stored) => {
+                let sweep = sweep::stored(file, *stored)?;
+                report::warnings(&sweep).into_iter().filter(|_| is_text).for_each(warn);
+                report::sweep(&sweep, chosen, file)
+            }
+        })
+    }
+
+    /// The statistics that a table has.
+    fn chosen(&self) -> Chosen<'_> {
+        match (self.statistics.as_slice(), self.all || self.format == Some(TableFormat::Csv)) {
+            ([], false) => Chosen::First,
+            ([], true) => Chosen::All,
+            (statistics, _) => Chosen::These(statistics),
+        }
+    }
+
+    fn print_scenario(&self) -> Result<(), Failure> {
+        let [file] = self.files.as_slice() else {
+            return Err(Failure::usage("--scenario prints the scenario of one file", "give one file"));
+        };
+        let content = files::read(file, store::content)?;
+        let (text, is_measured) = content.scenario();
+        if is_measured {
+            note(
+                "measured values are in the file of results and not in the text: run it beside the data files that it names",
+            );
+        }
+        print_data(&text)
+    }
+
+    fn print_citations(&self) -> Result<(), Failure> {
+        let sentences = self.files.iter().map(|file| Ok(report::citation(&files::read(file, store::read)?)));
+        let sentences: Vec<[String; 2]> = sentences.collect::<Result<_, Failure>>()?;
+        let paper = sentences.first().map(|[_, paper]| paper.clone());
+        let lines = sentences.into_iter().map(|[run, _]| run).chain(paper);
+        print(&lines.map(|line| line + "\n").collect::<String>())
+    }
+}
+
+/// A file of any kind as one JSON object.
+fn json(file: &Path) -> Result<String, Failure> {
+    Ok(match files::read(file, store::content)? {
+        Content::Run(stored) => {
+            let scenario = results::scenario("scenario", &stored, &[]).ok();
+            if let Some(scenario) = &scenario {
+                results::warn(scenario, stored.summary.has_bias(), false);
+            }
+            note_unfinished(&stored);
+            let warnings = results::warnings(&stored.summary, scenario.as_ref());
+            report::json::of_run(&stored.summary, &info(file, &stored, scenario.as_ref()), &warnings)
+        }
+        Content::Calibration(stored) => {
+            stored.warnings.iter().for_each(|(_, text)| warn(text));
+            report::json::of_calibration(&stored)
+        }
+        Content::Trade(stored) => dataset::json(&Dataset::of_trade(&stored.scenario, &stored.trade), Some(file)),
+        Content::Sweep(stored) => dataset::json(&Dataset::of_sweep(&sweep::stored(file, *stored)?), Some(file)),
+    })
+}
+
+fn note_unfinished(stored: &Stored) {
+    if let Some(unfinished) = &stored.unfinished {
+        note(&format!("this run is not finished; continue it with: mc resume {}", unfinished.display()));
+    }
+}
+
+/// A format of a table for other programs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, clap::ValueEnum)]
+enum TableFormat {
+    Csv,
+    Markdown,
+    Latex,
+}
+
+pub(crate) fn info(file: &Path, stored: &Stored, scenario: Option<&Scenario>) -> RunInfo {
+    let Stored { header, status, part, ended_by, .. } = stored;
+    RunInfo {
+        scenario: header.title.clone(),
+        provenance: header.clone(),
+        part: *part,
+        threads: None,
+        seconds: None,
+        bias_seconds: None,
+        no_bias: scenario
+            .and_then(|scenario| scenario.bias_plan(stored.summary.completed_paths).err())
+            .map(|reason| reason.to_string()),
+        period: scenario.and_then(Scenario::period),
+        steps_per_path: None,
+        file: file.display().to_string(),
+        status: *status,
+        ended_by: ended_by.clone(),
+    }
+}

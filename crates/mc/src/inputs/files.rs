@@ -1,0 +1,53 @@
+//! Files of results as the verbs read them. Every verb says of a file without a checksum that it
+//! has none.
+
+use crate::output::failure::{Failure, note};
+use std::collections::BTreeSet;
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+use stickslip_files::store::{self, FileKind, StoreError};
+
+/// What one of the readers of the store reads from a file.
+pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>) -> Result<T, Failure> {
+    look(path);
+    reader(path).map_err(|error| explained(path, error))
+}
+
+/// The error of a reader. A file of another kind is named, and so is the likeliest reason why
+/// something is missing from a file without a checksum.
+pub fn explained(path: &Path, error: StoreError) -> Failure {
+    let other = |what: &str, resume: &str| {
+        let problem = format!("{} is {what}, which is not what this verb reads", path.display());
+        Failure::usage(problem, format!("`mc show`, `mc plot`, `mc report`,{resume} and `mc verify` take it"))
+    };
+    match error {
+        StoreError::Foreign { .. } => match store::kind(path) {
+            Ok(Some(FileKind::Trade)) => other("a trade", ""),
+            Ok(Some(FileKind::Sweep)) => other("a sweep", " `mc resume`"),
+            Ok(Some(FileKind::Calibration)) => other("a calibration", ""),
+            // A run that the readers of runs do not know lacks its version.
+            Ok(Some(FileKind::Run) | None) | Err(_) => error.into(),
+        },
+        StoreError::Damaged { cause, .. } if matches!(store::is_sealed(path), Ok(false)) => {
+            let problem = format!(
+                "{}: {cause}; another program left it out or changed it, or the file was cut short",
+                path.display()
+            );
+            Failure::run(problem, "save all variables with it, or take the file as mc wrote it")
+        }
+        error => error.into(),
+    }
+}
+
+/// Says once of each file that it has no checksum. What cannot be read at all is reported by the
+/// reader that comes next.
+pub fn look(path: &Path) {
+    static SEEN: Mutex<BTreeSet<PathBuf>> = Mutex::new(BTreeSet::new());
+    let mut seen = SEEN.lock().unwrap_or_else(PoisonError::into_inner);
+    if seen.insert(path.to_owned()) && matches!(store::is_sealed(path), Ok(false)) {
+        let name = path.display();
+        note(&format!(
+            "warning: {name} has no checksum: another program changed it, or an earlier version of mc wrote it"
+        ));
+    }
+}

@@ -1,0 +1,4 @@
+//! Files of results that a verb reads.
+
+pub(crate) mod files;
+pub(crate) mod results;

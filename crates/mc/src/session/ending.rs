@@ -1,0 +1,43 @@
+//! Messages of a run with a goal: why the goal cannot be reached, or was missed.
+
+use crate::output::numbers::{grouped, significant};
+use stickslip::engine::{Hopeless, MOST_PATHS, MissedGoal};
+use stickslip::stats::Verdict;
+
+/// Says why a goal cannot be reached, and what to do.
+pub fn hopeless(reason: &Hopeless) -> String {
+    match reason {
+        Hopeless::Zero { estimate, paths } => {
+            let name = estimate.statistic.name();
+            let (value, error) = (significant(estimate.estimate, 3), significant(estimate.standard_error, 2));
+            format!(
+                "{name} is {value} with a standard error of {error} after {} paths: zero within its error, \
+                 so a relative bound cannot be reached\n  fix: give a bound in its own unit, such as \
+                 --until \"{name} < {error}\"",
+                grouped(*paths)
+            )
+        }
+        Hopeless::Missing { statistic, paths } => format!(
+            "{} does not exist after {} paths, so its error cannot be bounded\n  fix: choose another statistic, or a \
+             longer time.end",
+            statistic.name(),
+            grouped(*paths)
+        ),
+        Hopeless::TooFar { goal, needed, least_error } => format!(
+            "{goal} takes about {needed:.1e} paths, and no run has more than {}, which make about {}\n  fix: a wider bound",
+            grouped(MOST_PATHS),
+            significant(*least_error, 2)
+        ),
+    }
+}
+
+/// Says that a goal was missed, and how many paths it would need if that is known.
+pub fn missed(MissedGoal { goal, paths, verdict }: &MissedGoal, needed: Option<u64>) -> String {
+    match (verdict, needed) {
+        (Verdict::Zero, _) => {
+            format!("{goal} is not reached: the estimate may be zero; give a bound in its own unit")
+        }
+        (_, Some(needed)) => format!("{goal} is not reached after {} paths; try --paths {needed}", grouped(*paths)),
+        (_, None) => format!("{goal} is not reached: the statistic does not exist"),
+    }
+}
