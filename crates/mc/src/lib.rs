@@ -67,7 +67,7 @@ verbs! {
     /// Draw a run, a path or a trade as SVG, PNG or PDF
     Plot(plot),
     /// Write a file as one page for a browser: table, warnings and pictures
-    Report(page),
+    Report(report),
     /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
     Replay(replay),
     /// Check a file against its checksum, and some of its paths against a second simulation

@@ -1,7 +1,7 @@
 //! `mc forecast`: simulates future years of a bearing that was measured.
 
 use crate::arguments::measurements::Source;
-use crate::commands::page;
+use crate::commands::report;
 use crate::output::dataset;
 use crate::output::numbers::parse_share_in;
 use crate::report::{bearing, text};
@@ -73,7 +73,7 @@ impl Arguments {
         foreseen.warnings().into_iter().for_each(warn);
         let found = &foreseen.forecast;
         let content = |output: &Path| match is_page(output) {
-            true => page::of_forecast(&scene, &foreseen),
+            true => report::of_forecast(&scene, &foreseen),
             false => csv(found),
         };
         let files: Vec<(&Path, String)> =

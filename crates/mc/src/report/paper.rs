@@ -95,8 +95,7 @@ fn latex_cell(cell: &str) -> String {
 mod tests {
     use super::super::sample_tests::{info, set, summary};
     use super::*;
-    use crate::Chosen;
-    use crate::commands::run;
+    use crate::report::{Chosen, run};
     use stickslip::stats::{Bias, Statistic};
 
     #[test]
