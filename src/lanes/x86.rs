@@ -92,7 +92,11 @@ impl Lanes for Avx512 {
             let among = _mm512_mask_cmp_pd_mask::<_CMP_NLT_UQ>(among, self.0, least.0);
             _mm512_mask_cmp_pd_mask::<_CMP_NGT_UQ>(among, self.0, most.0)
         }
-        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { _mm512_i64gather_epi64::<8>(_mm512_srli_epi64::<KEY_SHIFT>(key), table.as_ptr().cast()) }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits {
+            let at = _mm512_srli_epi64::<KEY_SHIFT>(key);
+            let low = entries(table, _mm512_castsi512_si256(at));
+            _mm512_inserti64x4::<1>(_mm512_castsi256_si512(low), entries(table, _mm512_extracti64x4_epi64::<1>(at)))
+        }
         fn to_bits(self) -> Self::Bits { _mm512_castpd_si512(self.0) }
         fn from_bits(bits: Self::Bits) -> Self { Avx512(_mm512_castsi512_pd(bits)) }
         fn splat_bits(value: u64) -> Self::Bits { _mm512_set1_epi64(value as i64) }
@@ -153,6 +157,22 @@ impl Lanes for Avx512 {
             // 0x96 is the truth table of a ^ b ^ c.
             unsafe { _mm512_ternarylogic_epi64::<0x96>(a, b, c) }
         }
+    }
+}
+
+/// The entries of the table with these four indices, loaded one by one: a gather instruction is microcode
+/// on AMD processors before Zen 5, and slowed by security updates on many of Intel's.
+///
+/// SAFETY: the processor has AVX2, and each index is below the length of the table.
+#[inline(always)]
+unsafe fn entries(table: &LookupTable, at: __m256i) -> __m256i {
+    let pair = |at: __m128i| unsafe {
+        let entry = |index: i64| table.as_ptr().add(index as usize).cast::<f64>();
+        _mm_loadh_pd(_mm_load_sd(entry(_mm_cvtsi128_si64(at))), entry(_mm_extract_epi64::<1>(at)))
+    };
+    unsafe {
+        let (low, high) = (pair(_mm256_castsi256_si128(at)), pair(_mm256_extracti128_si256::<1>(at)));
+        _mm256_castpd_si256(_mm256_set_m128d(high, low))
     }
 }
 
@@ -265,7 +285,7 @@ impl Lanes for Avx2 {
             _mm256_and_pd(above, _mm256_cmp_pd::<_CMP_NGT_UQ>(self.0, most.0))
         }
         fn bitmask(mask: Self::Mask) -> u32 { _mm256_movemask_pd(mask) as u32 }
-        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { _mm256_i64gather_epi64::<8>(table.as_ptr().cast(), _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
+        fn lookup(table: &LookupTable, key: Self::Bits) -> Self::Bits { entries(table, _mm256_srli_epi64::<{ KEY_SHIFT as i32 }>(key)) }
         fn to_bits(self) -> Self::Bits { _mm256_castpd_si256(self.0) }
         fn from_bits(bits: Self::Bits) -> Self { Avx2(_mm256_castsi256_pd(bits)) }
         fn splat_bits(value: u64) -> Self::Bits { _mm256_set1_epi64x(value as i64) }
