@@ -119,7 +119,7 @@ const INPUTS: &str = r#"
     mc sweep rho025.toml --paths 64 --vary rho=temperature.noise.intensity=0,0.25 -o discrete-vi.h5
     cp discrete-vi.h5 event-driven.h5; cp discrete-vi.h5 rho025-sweep.h5
     mc sweep belt --paths 16 --vary V=temperature.trend=0.2,0.5 -o belt-v.h5
-    mc trade rho025.toml --budget 0.3s -o trade.h5
+    mc trade rho025.toml --budget 1s -o trade.h5
     mc calibrate bridge.toml data.csv --method slips -o fit.h5
     mc fit-temperature data.csv -o weather.toml; cat bearing.toml weather.toml > year.toml
 "#;
@@ -127,7 +127,7 @@ const INPUTS: &str = r#"
 /// Options with which a command is cheap.
 const CHEAP: [(&str, &str, &str); 4] = [
     ("mc sweep ", "--paths", "64"),
-    ("mc trade ", "--budget", "0.3s"),
+    ("mc trade ", "--budget", "1s"),
     ("mc forecast ", "--draws", "2"),
     ("mc forecast ", "--years", "2"),
 ];
@@ -157,12 +157,6 @@ impl Workplace {
             std::os::unix::fs::symlink(root().join(name), folder.path().join(name)).expect("a link");
         }
         Workplace(folder)
-    }
-
-    fn with_inputs() -> Self {
-        let inputs = Self::new();
-        inputs.shell(INPUTS);
-        inputs
     }
 
     /// The output of commands of a shell, which must succeed.
@@ -213,36 +207,29 @@ impl Workplace {
     }
 }
 
+/// The commands of a page run one after the other in one folder, and each of a help text in its own.
 #[test]
-fn every_example_of_a_help_text_runs() {
-    let inputs = Workplace::with_inputs();
-    let mut count = 0;
+fn every_example_of_the_help_texts_and_pages_runs() {
+    let inputs = Workplace::new();
+    inputs.shell(INPUTS);
+    let mut counts = [0, 0];
     for text in std::fs::read_dir(root().join("crates/mc/src/commands/help")).expect("help texts") {
         let text = std::fs::read_to_string(text.expect("readable").path()).expect("a text");
         for line in text.lines().filter_map(|line| line.strip_prefix("  ")) {
-            // Words that explain the example stand behind two spaces.
-            let example = line.split("  ").next().expect("an example");
-            Workplace::new().run(&inputs, example);
-            count += 1;
+            // An explanation follows after two spaces or more.
+            Workplace::new().run(&inputs, line.split("  ").next().expect("an example"));
+            counts[0] += 1;
         }
     }
-    assert!(count > 70, "examples are recognised: {count}");
-}
-
-/// The commands of a page run one after the other, in one folder.
-#[test]
-fn every_command_in_a_block_of_a_page_runs() {
-    let inputs = Workplace::with_inputs();
-    let mut count = 0;
     for page in Page::all().into_iter().filter(|page| !TESTED.iter().any(|path| page.path == Path::new(path))) {
         let here = Workplace::new();
         for block in page.text.split("\n```sh\n").skip(1) {
             let block = block.split("\n```").next().expect("a block").replace("\\\n", " ");
             for line in block.lines().filter(|line| line.starts_with("mc ")) {
                 here.run(&inputs, line.split("  #").next().expect("a command").trim_end());
-                count += 1;
+                counts[1] += 1;
             }
         }
     }
-    assert!(count > 30, "commands are recognised: {count}");
+    assert!(counts[0] > 70 && counts[1] > 30, "examples are recognised: {counts:?}");
 }
