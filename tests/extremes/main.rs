@@ -10,8 +10,8 @@
 //!   invariants      what holds on every path of every scheme, checked by an observer
 //! ```
 //!
-//! docs/model.md and docs/event-driven.md describe this for users, and docs/validation.md has the
-//! results.
+//! docs/model.md and docs/event-driven.md describe this for users, and docs/validation.md lists the
+//! tests.
 
 #[path = "../common/mod.rs"]
 mod common;

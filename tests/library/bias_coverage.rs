@@ -1,8 +1,8 @@
 //! How often the bias that a run estimates is off by more than its uncertainty, in scenes that the
 //! rules of the estimate were not made for.
 //!
-//! `cargo test --release --test library bias_coverage:: -- --ignored --nocapture` prints the table;
-//! docs/validation.md has the last result.
+//! `cargo test --release --test library bias_coverage:: -- --ignored --nocapture` prints the table.
+//! Last result: 1.2 to 1.4 % of all estimates are off by more, at most 4.5 % of any statistic.
 
 use crate::common::paper;
 use rand_distr::{Distribution as _, Uniform};

@@ -2,8 +2,8 @@
 //! in clusters: the forcing at resonance, with 0.2 to 0.5 sticks a path, most of them in a few
 //! paths.
 //!
-//! `cargo test --release --test library rare_events:: -- --ignored --nocapture` prints the table;
-//! docs/validation.md has the last result.
+//! `cargo test --release --test library rare_events:: -- --ignored --nocapture` prints the table.
+//! Last result: 91.0 to 95.8 % for the mean stick, 91.4 to 97.6 % for the number of sticks.
 
 use crate::common::paper;
 use stickslip::ensemble::{BLOCK_SIZE, Plan};
