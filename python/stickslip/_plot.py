@@ -51,10 +51,10 @@ class Picture:
         """Write the picture to a file, which is replaced if it exists.
 
         Args:
-            file: name of the file. Its ending, .svg, .png or .pdf, selects the format.
+            file: name of the file. Its extension, .svg, .png or .pdf, selects the format.
 
         Raises:
-            ArgumentError: the name has another ending.
+            ArgumentError: the file extension is unknown.
             OSError: the file cannot be written.
         """
         path = Path(file)
@@ -63,7 +63,7 @@ class Picture:
         )
         if made is None:
             raise wrong_argument(
-                "file", path, "the ending does not tell a format", "end it in .svg, .png or .pdf"
+                "file", path, "unknown file extension", "use .svg, .png or .pdf"
             )
         path.write_bytes(made())
 
@@ -105,7 +105,7 @@ def plot(
             the first that the trade has an answer for, or two statistics of a sweep.
         theme: "light" or "dark".
         width: width of one figure in millimetres, from 60 to 400; a page is two figures wide.
-        log: whether densities and shares have logarithmic vertical axes.
+        log: whether densities and fractions have logarithmic vertical axes.
         title: the heading of a page; by default that of the subject.
         labels: words for keys and statistics at the axes of sweeps, by name.
         set: further keys of a scenario with their values, as for `run`. It has no effect on a data
@@ -115,13 +115,13 @@ def plot(
         The picture.
 
     Raises:
-        ArgumentError: the subject has no such figure, or an argument is wrong.
-        ScenarioError: something in the scenario is wrong.
+        ArgumentError: the subject has no such figure, or an argument is invalid.
+        ScenarioError: the scenario is invalid.
         RunError: there is nothing to draw, because every path was lost.
     """
     checked(plot, locals())
     is_known = theme in ("light", "dark")
-    require(is_known, "theme", theme, "there is no such theme", "write light or dark")
+    require(is_known, "theme", theme, "unknown theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log, title, [*(labels or {}).items()])
     given: Any = subject
     data: Mapping[str, Any] = {"sweep": given}
@@ -132,7 +132,7 @@ def plot(
     elif _kind(given) not in STUDIES:
         scenario = of_run(given)
     is_sweep = scenario is None and {*map(_kind, data.values())} == {"stick-slip sweep"}
-    require(is_sweep or not labels, "labels", labels, "the subject is no sweep", "leave it out")
+    require(is_sweep or not labels, "labels", labels, "the subject is not a sweep", "remove it")
     handed = [(str(name), raw(one)) for name, one in data.items()]
     return Picture(_native.plot(scenario, handed, path, statistic, drawn))
 

@@ -1,4 +1,4 @@
-"""Messages of the engine, in words of Python.
+"""Messages of the engine, in terms of Python.
 
 The engine speaks to users of the command as well, so some of its advice names a flag or another
 command. Here it names the argument or the function instead.

@@ -109,7 +109,7 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
     by_series = ss.calibrate(BRIDGE, temperature, later, method="slips")
     np.testing.assert_allclose(by_series.estimate, two.estimate, rtol=1e-9)
     np.testing.assert_allclose(by_series.slip_time, two.slip_time)
-    with pytest.raises(ss.ArgumentError, match="dates do not go with numbers"):
+    with pytest.raises(ss.ArgumentError, match="dates cannot be combined with numbers"):
         ss.calibrate(BRIDGE, temperature, (np.arange(300.0), np.arange(300.0)))
 
 

@@ -20,14 +20,14 @@ pub struct Flaw {
 
 impl Flaw {
     /// What the user can do about it.
-    pub const REMEDY: &'static str = "report it, with the scenario and the command";
+    pub const REMEDY: &'static str = "report this error with the scenario and the command";
 }
 
 impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Flaw { doing, message, place } = self;
         let doing = if doing.is_empty() { String::new() } else { format!(" {doing}") };
-        write!(f, "a flaw in the program{doing}: {message}, at {place}")
+        write!(f, "internal error{doing}: {message}, at {place}")
     }
 }
 

@@ -89,7 +89,7 @@ fn the_order_of_dates_is_the_one_in_which_rows_are_in_order() {
     let spring = ["23/04/15 12:00", "23/04/15 12:10", "23/04/15 12:20", "23/05/02 12:20"];
     let (start, since) = read(&spring).unwrap();
     assert_eq!((start.as_deref(), since[3]), (Some("2023-04-15T12:00:00Z"), 17.0 * 24.0 * HOUR + 1200.0));
-    assert_eq!(said(&spring), ["took dates as ymd, the order in which the rows are in order of time"]);
+    assert_eq!(said(&spring), ["took dates as ymd, the order in which the rows are sorted by time"]);
     let days: Vec<String> = (0..143).map(|i| format!("19-{:02}-{:02}", 3 + i / 28, 1 + i % 28)).collect();
     let days: Vec<&str> = days.iter().map(String::as_str).collect();
     let (start, since) = read(&days).unwrap();
@@ -170,8 +170,8 @@ fn a_number_or_a_date_that_may_be_another_is_refused() {
         ("time_h", "2025010123", &none, "looks like the date 2025-01-01T23:00:00", "`time`"),
         ("time_s", "20250101230000", &none, "looks like the date", "`time`"),
         ("time", "45658.5", &none, "may be a day of a spreadsheet, 2025-01-01T12:00:00", "--zone UTC"),
-        ("time", "17", &utc, "is a plain number, and a zone was given", "leave out the zone"),
-        ("time_h", "17", &utc, "is a plain number, and a zone was given", "leave out the zone"),
+        ("time", "17", &utc, "is a plain number, and a zone was given", "remove the zone"),
+        ("time_h", "17", &utc, "is a plain number, and a zone was given", "remove the zone"),
         ("time", "05/06/2025 12:00", &utc, "day and month may be exchanged", "--dates dmy"),
         ("time", "12:10", &utc, "is a time of day without a date", "--time Date,Time"),
         ("time", "2025-01-19 12:00", &none, "without a zone", "--zone UTC"),
@@ -390,7 +390,7 @@ fn the_names_of_the_columns_are_found_in_what_loggers_write() {
     let start = read_as(&layout(""), hobo.as_bytes()).unwrap().start.map(|start| start.to_string());
     assert_eq!(start.as_deref(), Some("2025-01-13T05:00:00Z"));
     let said = read_as(&layout("UTC"), canada.as_bytes()).unwrap().repairs.sentences();
-    assert_eq!(said[0], "left out 23 lines before the names of the columns");
+    assert_eq!(said[0], "left out 23 lines before the header");
 }
 
 #[test]

@@ -39,12 +39,12 @@ impl RunQuestion {
         let lines = || mine.lines().zip(theirs.lines());
         let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
         if let Some((mine, theirs)) = lines().find(|(mine, theirs)| mine != theirs) {
-            return Some(format!("it has `{}`, and this one `{}`", said(mine), said(theirs)));
+            return Some(format!("it has `{}`, but this one has `{}`", said(mine), said(theirs)));
         }
         if mine != theirs {
-            return Some("its scenario is another one".into());
+            return Some("its scenario differs".into());
         }
-        (self.asked != other.asked).then(|| "its goals, limits or options are others".into())
+        (self.asked != other.asked).then(|| "its goals, limits or options differ".into())
     }
 
     /// The question as the bytes of a state without paths.

@@ -18,7 +18,7 @@ pub fn take_remains() -> Vec<String> {
     // A second attempt may have removed it.
     remains.retain(|(path, _)| path.symlink_metadata().is_ok());
     let line = |(path, error): (PathBuf, String)| {
-        format!("{} stays, because it cannot be removed: {error}; remove it yourself", path.display())
+        format!("cannot remove {}: {error}; remove it by hand", path.display())
     };
     remains.into_iter().map(line).collect()
 }

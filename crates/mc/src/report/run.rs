@@ -214,7 +214,7 @@ mod tests {
         summary.sub_phases.counts = vec![];
         summary.periods.time.truncate(1);
         for (statistic, why) in [
-            (Statistic::StickDurationMean, "no stick ended, the first one apart"),
+            (Statistic::StickDurationMean, "no stick after the first ended"),
             (Statistic::FirstStickDurationMean, "no first stick ended"),
             (Statistic::SubPhasesMean, "no slip was completed"),
             (Statistic::JumpAbsMean, "no slip was completed"),
@@ -255,7 +255,7 @@ mod tests {
         assert_eq!(drift(4, PeriodSource::Forcing), "");
         assert_eq!(
             drift(10, PeriodSource::Share),
-            "from the ends of periods P = 25, a tenth of the time that is counted"
+            "from the ends of periods P = 25, a tenth of the counted time"
         );
     }
 

@@ -55,7 +55,7 @@ fn a_block_slides_as_far_as_a_record_in_any_unit_takes_it() {
         ("time_s,acc\ns,m/s\u{b2}", &si, "in m/s2"),
         ("Time (s),acc gal", &gal, "from gal to m/s2, times 0.01"),
         ("Time (s),acc [kN]", &kilonewton, "from kN to N, times 1000"),
-        ("time_s,acc", &si, "as it is, because nothing says its unit"),
+        ("time_s,acc", &si, "unit not given; assuming SI"),
     ] {
         let here = block(&csv(names, samples));
         let checked = done(here.path(), &["check", "block.toml"]);
@@ -142,10 +142,10 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     set("units.length=mm", &["is converted to m/s2, and `units.length` is \"mm\""]);
     set("units.time=ms", &["has times in seconds"]);
     set("input.ag.max_gap=1", &["unknown key `max_gap`", "`input` takes file, time, column"]);
-    set("input.ag.hash=abc", &["the samples are others than those of `input.ag.hash`"]);
+    set("input.ag.hash=abc", &["the samples differ from those of `input.ag.hash`"]);
     set("input.ag={}", &["missing key `input.ag.file`"]);
     set("input.ag=3", &["`input.ag` = 3 is a whole number", "a table"]);
-    set("force.expression=m*x", &["`input.ag` is in no expression", "write `ag` in `force.expression`"]);
+    set("force.expression=m*x", &["`input.ag` is not used in any expression", "write `ag` in `force.expression`"]);
     for (name, says) in [
         ("t", "the input `t` has a name with a meaning of its own"),
         ("xdot", "the input `xdot` has a name"),

@@ -138,7 +138,7 @@ fn what_does_not_go_with_a_series_is_refused() {
     check(&["temperature.series.value=temp"], &["no column is called `temp`", "did you mean `temperature_degC`?"]);
     check(&["temperature.series.time=when"], &["no column is called `when`", "`time`"]);
     check(&["temperature.series.max_gap=\"5min\""], &["bridge.csv:3", "for 10 min"]);
-    check(&["temperature.series.max_gap=soon"], &["`temperature.series.max_gap` = soon is no length of time", "6h"]);
+    check(&["temperature.series.max_gap=soon"], &["`temperature.series.max_gap` = soon is not a duration", "6h"]);
     check(&["temperature.series.hash=abc"], &["hash", "others than those"]);
     check(&["temperature.series={}"], &["missing key `temperature.series.file`"]);
     check(&["temperature.series.colour=1"], &["unknown key `colour`", "`temperature.series` takes file, time"]);

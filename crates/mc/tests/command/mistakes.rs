@@ -91,7 +91,7 @@ const MISTAKES: &[Mistake] = &[
     mistake("check scene.toml --until stick_duration_mean~<~1%", &["goal of mc run", "leave it out"]),
     mistake("run scene.toml --max-time soon", &["'soon'", "--max-time", "4h50m"]),
     mistake("run scene.toml --accuracy 200%", &["'200%'", "--accuracy"]),
-    mistake("run scene.toml --accuracy 1% --paths 100", &["--paths 100", "leave out one of them"]),
+    mistake("run scene.toml --accuracy 1% --paths 100", &["--paths 100", "remove one of them"]),
     mistake("run scene.toml --statistic mean --accuracy 1%", &["'mean'", "one of stick_duration_mean"]),
     mistake("run scene.toml --part 4/3", &["'4/3'", "--part"]),
     mistake("run scene.toml --part 1/2 --max-time 1m", &["--part 1/2", "--max-time", "mc resume"]),

@@ -515,7 +515,7 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     assert!((first / 2.574_004_435_173_1 - 1.0).abs() <= 1e-3, "{first}");
     for (more, says) in [
         (&["--statistic", "displacement_end_sd"][..], "displacement_end_sd: exactly zero"),
-        (&["--statistic", "drift_velocity", "--until", "20"], "drift_velocity: does not exist in this scene"),
+        (&["--statistic", "drift_velocity", "--until", "20"], "drift_velocity: does not exist in this scenario"),
         (&["--until", "0"], "`time.end` is 0"),
     ] {
         let output = run(more);
@@ -532,7 +532,7 @@ fn an_interrupted_pilot_runs_nothing() {
     let here = folder();
     let (code, _, said) = interrupted(&here, &["run", RHO025, "--accuracy", "1%"], 0);
     assert_eq!(code, Some(130));
-    assert!(said.contains("nothing was run, nothing is written"), "{said}");
+    assert!(said.contains("nothing was run, nothing was written"), "{said}");
     assert_eq!(std::fs::read_dir(here.path()).expect("there").count(), 0);
 }
 

@@ -178,7 +178,7 @@ fn of_several_reports_at_once_one_is_written_and_the_others_say_so() {
     assert_eq!(all.iter().filter(|output| output.status.success()).count(), 1);
     for output in all.iter().filter(|output| !output.status.success()) {
         let said = said(output);
-        let is_true = ["another process is making this file", "nothing is written", "exists and would be overwritten"];
+        let is_true = ["another process is making this file", "nothing was written", "exists and would be overwritten"];
         assert!(is_true.iter().any(|words| said.contains(words)) && !said.contains("r.html.partial"), "{said}");
     }
     assert_eq!(names(here.path()).into_iter().filter(|name| name.starts_with("r.")).collect::<Vec<_>>(), ["r.html"]);

@@ -286,6 +286,6 @@ fn a_long_or_binary_line_is_shown_in_part_and_as_characters() {
 fn a_time_limit_before_the_first_block_says_how_long_that_takes() {
     let folder = folder();
     let long = ["run", RHO025, "--paths", "1000", "--step", "1e-6", "--quiet", "-o", "a.h5", "--max-time", "1s"];
-    refused(folder.path(), &long, 1, &["first 256 paths", "which take about", "--max-time", "nothing is written"]);
+    refused(folder.path(), &long, 1, &["first 256 paths", "which take about", "--max-time", "nothing was written"]);
     assert!(everything(folder.path()).is_empty());
 }
