@@ -76,8 +76,15 @@ pub struct LaidOut {
 impl LaidOut {
     fn over(&self, py: Python<'_>, other: &Layout) -> PyResult<Layout> {
         let order = |word: &String| {
-            let unknown =
-                || errors::of_argument(py, "dates", word, "must be an order of year, month and day", "write ymd, dmy or mdy");
+            let unknown = || {
+                errors::of_argument(
+                    py,
+                    "dates",
+                    word,
+                    "must be an order of year, month and day",
+                    "write ymd, dmy or mdy",
+                )
+            };
             DateOrder::from_word(word).ok_or_else(unknown)
         };
         let mark = |text: &String| match text.as_str() {

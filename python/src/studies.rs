@@ -57,8 +57,7 @@ pub fn enough_memory(py: Python<'_>, scenario: &Checked, paths: u64, Threads(thr
 /// The statistic with this name.
 pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
     let remedy = "write one of stickslip.STATISTICS";
-    Statistic::from_name(name)
-        .ok_or_else(|| errors::of_argument(py, "statistic", name, "unknown statistic", remedy))
+    Statistic::from_name(name).ok_or_else(|| errors::of_argument(py, "statistic", name, "unknown statistic", remedy))
 }
 
 /// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
@@ -189,6 +188,7 @@ pub fn trade<'py>(
         let limits = Limits { stop: Some(&watch.stop), ..Limits::default() };
         measure_within(scenario, Duration::from_secs_f64(budget), workers.0, limits)
     })?;
-    let measured = measured.map_err(|error| errors::of_run(py, &error, "use a larger budget, or a shorter time.end"))?;
+    let measured =
+        measured.map_err(|error| errors::of_run(py, &error, "use a larger budget, or a shorter time.end"))?;
     Ok((to_python(py, Dataset::of_trade(scenario, &measured))?, is_interrupted))
 }

@@ -285,7 +285,7 @@ def fit_temperature(
             Celsius, as for `calibrate`.
         processes: largest number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast
             and a slow one.
-        periods: the periods of the harmonics, in seconds, as a text such as "10m", or as a
+        periods: the periods of the harmonics, in seconds, as a string such as "10m", or as a
             timedelta; by default a year of 365.25 days and a day, if the samples resolve them.
             An empty sequence fits no harmonics.
         temperature, temperature_unit, time, zone, dates, skip, missing, outliers,

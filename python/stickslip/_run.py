@@ -30,7 +30,7 @@ Record = Union[str, Sequence[str], Mapping[str, Any]]
 STUDIES = ("stick-slip trade", "stick-slip sweep", "stick-slip calibration")
 
 #: The attributes of the state of a part.
-_PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
+_PART_STATE = {"long_name": "state of a part of a run, used by mc merge"}
 
 
 def run(
@@ -80,7 +80,7 @@ def run(
         tolerance: permitted relative discretisation error of "event-driven" and "quasi-static"
             [scheme.tolerance].
         until: the time at which each path ends, in the unit of time of the scenario [time.end]; or
-            a goal; or a list of goals with at most one end time. A goal is a text such as
+            a goal; or a list of goals with at most one end time. A goal is a string such as
             "stick_duration_mean < 0.5%", or "stick_duration_mean < 0.01" in the unit of the
             statistic. With goals, paths are added until the standard error of each named statistic
             is below its bound.

@@ -120,7 +120,7 @@ def trade(
 
     Args:
         scenario, seed, set, temperature, inputs, threads: as for `run`.
-        budget: how long to measure, from 1 s to 7 d: seconds, a text such as "10m", or a timedelta.
+        budget: how long to measure, from 1 s to 7 d: seconds, a string such as "10m", or a timedelta.
 
     Returns:
         Along `rung`, one for each step or tolerance of each scheme: `rung_scheme`, `rung_step`,

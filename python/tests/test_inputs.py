@@ -162,7 +162,7 @@ def test_a_series_with_dates_is_in_seconds():
 @pytest.mark.parametrize(
     ("samples", "problem"),
     [
-        (([0.0, 1.0], [1.0]), "do not go together"),
+        (([0.0, 1.0], [1.0]), "have different shapes"),
         (([0.0, 0.0], [1.0, 2.0]), "the samples"),
         (([0.0, 1.0], [1.0, float("nan")]), "the samples"),
         (3.0, "no times and values"),

@@ -41,9 +41,7 @@ pub(super) fn inputs(sources: &Sources<'_>, root: &Fields<'_>, others: &[Measure
         let other = starts.filter(|_| measured.start.is_some()).find_map(|of| Some((start_of(of)?, &of.table)));
         if let (Some((other, table_of)), Some(start)) = (other, &measured.start) {
             let problem = format!("begins at {start}, but `{table_of}` begins at {other}; both must begin at t = 0");
-            sources.report(
-                sources.fault(table.place, problem, "cut the files to a common start").of(&reader.name),
-            );
+            sources.report(sources.fault(table.place, problem, "cut the files to a common start").of(&reader.name));
         }
         found.push((measured, table.place));
     }

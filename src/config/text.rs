@@ -103,8 +103,11 @@ impl Scenario {
         text.number(keys::OUTPUT_STEP, output_step);
         text.table("scheme");
         let is_followed = self.model.force.is_some() && !scheme.kind().has_step();
-        let meaning =
-            if is_followed { "from event to event, user-defined force to the tolerance" } else { scheme.kind().meaning() };
+        let meaning = if is_followed {
+            "from event to event, user-defined force to the tolerance"
+        } else {
+            scheme.kind().meaning()
+        };
         text.line(keys::KIND.name, string(scheme.name()), meaning);
         if let Some(tolerance) = scheme.tolerance() {
             text.number(keys::TOLERANCE, tolerance);
@@ -196,11 +199,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     text.table("initial");
     if *is_balanced {
         let x0 = model.initial_displacement;
-        text.line(
-            keys::DISPLACEMENT.name,
-            "\"balanced\"",
-            &format!("x0: beta T(0) = {x0:?}, zero spring force"),
-        );
+        text.line(keys::DISPLACEMENT.name, "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, zero spring force"));
     } else {
         text.number(keys::DISPLACEMENT, model.initial_displacement);
     }

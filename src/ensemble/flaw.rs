@@ -100,7 +100,7 @@ mod tests {
             std::thread::scope(|scope| scope.spawn(work).join().unwrap_or_else(|e| panic::resume_unwind(e)))
         });
         let said = flaw.expect_err("it panics").to_string();
-        assert!(said.starts_with("a flaw in the program in paths 0 to 255: index out of bounds"), "{said}");
+        assert!(said.starts_with("internal error in paths 0 to 255: index out of bounds"), "{said}");
         assert!(said.contains("at src/ensemble/flaw.rs:"), "{said}");
         assert_eq!(guarded(|| 3), Ok(3));
     }

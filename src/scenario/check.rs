@@ -101,8 +101,10 @@ impl Ensemble {
         if !self.antithetic || paths.is_multiple_of(2) {
             return None;
         }
-        let problem = format!("`ensemble.antithetic` needs an even number of paths, and `ensemble.paths` = \
-            {paths} is odd");
+        let problem = format!(
+            "`ensemble.antithetic` needs an even number of paths, and `ensemble.paths` = \
+            {paths} is odd"
+        );
         let remedy = format!("write `paths = {}`", paths + 1);
         Some(Misfit::new(&[("ensemble.paths", paths as f64)], problem, remedy))
     }
@@ -163,7 +165,8 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
     let mass = ("oscillator.mass", oscillator.mass);
     let stiffness = ("oscillator.stiffness", oscillator.stiffness);
     if oscillator.stiffness > 0.0 && !oscillator.natural_frequency().powi(2).is_normal() {
-        let problem = format!("gives K/m = {:e}, outside the range of double precision", oscillator.stiffness / oscillator.mass);
+        let problem =
+            format!("gives K/m = {:e}, outside the range of double precision", oscillator.stiffness / oscillator.mass);
         let remedy = "choose units in which mass and stiffness are closer to 1";
         return Some(Misfit::new(&[stiffness, mass], problem, remedy));
     }
@@ -267,9 +270,8 @@ fn check_extent(model: &Model, end: f64) -> Option<Misfit> {
     if can_be_computed_with(&[extent, speed]) {
         return None;
     }
-    let problem = format!(
-        "lets |x| grow towards {extent:e} and |x'| towards {speed:e}, which must not exceed {LARGEST:e}"
-    );
+    let problem =
+        format!("lets |x| grow towards {extent:e} and |x'| towards {speed:e}, which must not exceed {LARGEST:e}");
     let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
     Some(Misfit::new(&[("time.end", end)], problem, remedy))
 }

@@ -26,7 +26,10 @@ impl WhiteNoise {
     pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, Misfit> {
         let chosen = || scheme.tolerance().map(|tolerance| 1.0 / (tolerance * self.memory_of_body(model).min(end)));
         let Some(relaxation_rate) = self.relaxation_rate.or_else(chosen) else {
-            let problem = format!("is white noise, which the {} scheme cannot resolve because it has no tolerance", scheme.name());
+            let problem = format!(
+                "is white noise, which the {} scheme cannot resolve because it has no tolerance",
+                scheme.name()
+            );
             let remedy = "choose `scheme.kind = \"event-driven\"`, or give the noise a correlation time, e.g. \
                           `relaxation_rate = 100`";
             return Err(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy));

@@ -103,8 +103,7 @@ impl Method for QuasiStatic {
             return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
         }
         if stiffness == 0.0 {
-            let problem =
-                "leaves no spring, but the quasi-static recursion needs one to drive slips";
+            let problem = "leaves no spring, but the quasi-static recursion needs one to drive slips";
             return Err(Misfit::new(&[("oscillator.stiffness", stiffness)], problem, remedy));
         }
         if model.initial_velocity != 0.0 {

@@ -37,10 +37,7 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
                 continue;
             }
             if time.is_nan() || time.abs() > LARGEST_MEASURED {
-                return Err(wrong(
-                    "has a time that is missing or too large",
-                    "give the sample a time, or remove it",
-                ));
+                return Err(wrong("has a time that is missing or too large", "give the sample a time, or remove it"));
             }
             column
                 .take(*time, *value, place as u32, &marks)

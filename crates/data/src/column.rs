@@ -60,9 +60,12 @@ impl<'a> Column<'a> {
     /// A column with the unit that is given, or that its name says.
     pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
         let unit = match wanted.unit {
-            Some(given) => Some(wanted.quantity.unit(given).ok_or_else(|| {
-                (format!("unknown unit `{given}`"), format!("give {}", wanted.quantity.units()))
-            })?),
+            Some(given) => Some(
+                wanted
+                    .quantity
+                    .unit(given)
+                    .ok_or_else(|| (format!("unknown unit `{given}`"), format!("give {}", wanted.quantity.units())))?,
+            ),
             None => unit::of_name(wanted.quantity, name)?,
         };
         let said = ColumnRepairs { name: name.to_string(), ..ColumnRepairs::default() };
@@ -74,10 +77,7 @@ impl<'a> Column<'a> {
         let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let Some(unit) = self.wanted.quantity.unit(inside) else { return Ok(()) };
         if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
-            return Err((
-                "contradicts the unit in the name of the column".into(),
-                "give the same unit in both".into(),
-            ));
+            return Err(("contradicts the unit in the name of the column".into(), "give the same unit in both".into()));
         }
         self.unit = self.unit.or(Some(unit));
         Ok(())
@@ -164,7 +164,7 @@ impl<'a> Column<'a> {
         } else if let Some((value, count)) = odd(&values) {
             let first = self.samples.iter().find(|sample| sample.1 == value).map_or(0, |sample| line(sample.2));
             let name = &self.name;
-            let more = if count > 1 { format!(", as do {} others", count - 1) } else { String::new() };
+            let more = if count > 1 { format!(" and {} others", count - 1) } else { String::new() };
             self.said.odd = Some(format!(
                 "kept the outlier `{name}` = {value} in line {first}{more}; use `outliers` or `missing` to \
                  leave out invalid values"

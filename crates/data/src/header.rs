@@ -44,8 +44,7 @@ pub(super) fn open<'a>(
 ) -> Result<(CsvRows<'a>, Header), DataError> {
     let lines = lines(file, bytes, layout.skip);
     let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
-        let problem =
-            if layout.skip.is_some() && !bytes.is_empty() { "it has no header" } else { "it is empty" };
+        let problem = if layout.skip.is_some() && !bytes.is_empty() { "it has no header" } else { "it is empty" };
         let remedy = "give a CSV file whose first line names its columns";
         return Err(DataError::file(file, problem, remedy));
     };

@@ -43,9 +43,8 @@ impl Origin<'_> {
         }
         let problem = format!("the name of column `{}` gives no unit of time", table.time);
         let renamed = layout.wording.option("time", "time_h");
-        let remedy = format!(
-            "rename it in the file, e.g. to `time_s` or `time_h`, and use the new name, e.g. {renamed}"
-        );
+        let remedy =
+            format!("rename it in the file, e.g. to `time_s` or `time_h`, and use the new name, e.g. {renamed}");
         Err(DataError::file(&self.name(), problem, &remedy))
     }
 }

@@ -63,11 +63,7 @@ impl Repairs {
     /// The repairs as sentences; none if nothing was repaired.
     pub fn sentences(&self) -> Vec<String> {
         let at_first = [
-            many(
-                self.skipped,
-                "skipped # line before the header",
-                "skipped # lines before the header",
-            ),
+            many(self.skipped, "skipped # line before the header", "skipped # lines before the header"),
             many(
                 self.unit_rows,
                 "took # line below the header as units",
@@ -76,11 +72,7 @@ impl Repairs {
             self.encoding.map(|name| format!("read the text as {name}")),
             self.order.as_ref().map(|order| format!("took dates as {order}")),
             self.zone.as_ref().map(|zone| format!("took times in {zone}, from the name of their column")),
-            many(
-                self.unsorted,
-                "sorted # row that was out of order",
-                "sorted # rows that were out of order",
-            ),
+            many(self.unsorted, "sorted # row that was out of order", "sorted # rows that were out of order"),
             many(self.repeated, "left out # duplicate row", "left out # duplicate rows"),
             many(
                 self.folds,

@@ -242,10 +242,7 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<I
 }
 
 fn two(column: &str) -> ProblemAndRemedy {
-    (
-        format!("the name of column `{column}` says two units"),
-        "keep only the right unit in the name".into(),
-    )
+    (format!("the name of column `{column}` gives two units"), "keep only the right unit in the name".into())
 }
 
 /// The conversion to seconds for a column of numeric times; `None` if the name of the column gives

@@ -115,8 +115,9 @@ fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> Expressio
         Some("xdot") => "write `xdot` for the velocity".into(),
         Some(CASES) => format!("comparisons are not supported: {CASES}"),
         Some(right) => format!("write `{right}`"),
-        None => "use numbers, names (letters a to z, digits and _), the operators + - * / ^, parentheses and commas"
-            .into(),
+        None => {
+            "use numbers, names (letters a to z, digits and _), the operators + - * / ^, parentheses and commas".into()
+        }
     };
     let problem = format!("unexpected `{}` in an expression", short(&text[place.clone()]));
     ExpressionError::new(place, problem, remedy)

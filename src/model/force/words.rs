@@ -185,11 +185,7 @@ pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
             );
         }
         if reserved(name).is_some() {
-            return fault(
-                name,
-                format!("the name of the {kind} `{shown}` is reserved"),
-                "give it another name",
-            );
+            return fault(name, format!("the name of the {kind} `{shown}` is reserved"), "give it another name");
         }
         if let Some((_, other)) = names.all().take(i).find(|(other, _)| *other == name) {
             let both = if other == kind { format!("two {kind}s are") } else { format!("a {other} and an {kind} are") };

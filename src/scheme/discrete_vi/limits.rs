@@ -31,9 +31,8 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     if increment.is_normal() && can_be_computed_with(&[start / increment]) {
         return Ok(());
     }
-    let problem = format!(
-        "moves v by {increment:e} per step h = {h:?}, too little to resolve against its start {start:e}"
-    );
+    let problem =
+        format!("moves v by {increment:e} per step h = {h:?}, too little to resolve against its start {start:e}");
     let remedy = "set `diffusion = 0` to let v relax from v(0), raise it, or choose `--scheme event-driven`";
     Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
 }

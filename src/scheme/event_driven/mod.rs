@@ -86,8 +86,7 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let f_s = model.friction.static_force;
     let felt = Scene::new(model).felt_noise(end);
     if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {
-        let problem =
-            "`temperature.noise.pinned` is true, but the noise is negligible".to_string();
+        let problem = "`temperature.noise.pinned` is true, but the noise is negligible".to_string();
         return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "remove [temperature.noise]"));
     }
     if felt.is_none() && model.temperature.has_two_noises() {
@@ -98,8 +97,10 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     if can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
         return Ok(());
     }
-    let problem = format!("is negligible compared with the noise, which moves b by {noise:e}: crossings of \
-        f_s cannot be computed");
+    let problem = format!(
+        "is negligible compared with the noise, which moves b by {noise:e}: crossings of \
+        f_s cannot be computed"
+    );
     let remedy = "set `static = 0` and `dynamic = 0` for no friction, or choose units in which forces are \
         closer to 1";
     Err(Misfit::new(&[("friction.static", f_s)], problem, remedy))

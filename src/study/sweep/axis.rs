@@ -265,7 +265,7 @@ mod tests {
             ("rho=temperature.noise.intensity=0:1:x", "x", "not a number of values"),
             ("rho=temperature.noise.intensity=0:1:1", "1", "not a number of values"),
             ("rho=k=0:one:5", "one", "not a finite number"),
-            ("k=lag:1:2:5", "lag", "no kind of grid"),
+            ("k=lag:1:2:5", "lag", "unknown grid"),
             ("k=log:0:2:5", "0", "above 0"),
             ("k=1:1:5", "1:1", "too close"),
             ("k=1,2,1", "1", "twice"),
@@ -273,7 +273,7 @@ mod tests {
             ("k=nan", "nan", "not a finite number"),
             ("k=", "", "no values"),
             ("=1", "", "no key"),
-            ("2x=k=1", "2x", "no name"),
+            ("2x=k=1", "2x", "not a valid name"),
             ("a=b=c=1", "1", "more than two"),
             ("k=1:2", "1:2", "no values"),
         ];

@@ -63,12 +63,7 @@ macro_rules! bins {
     ($upper:literal, $lower:literal, $unit:expr, $of:literal) => {
         [
             coordinate!($upper, $unit, concat!("upper edge of the bin of the ", $of)),
-            variable(
-                $lower,
-                &[$upper],
-                $unit,
-                concat!("lower edge of the bin of the ", $of, ", inclusive"),
-            ),
+            variable($lower, &[$upper], $unit, concat!("lower edge of the bin of the ", $of, ", inclusive")),
         ]
     };
 }
@@ -189,7 +184,7 @@ table! {
         "numbers of the paths that diverged or were given up, excluded from all statistics");
 
     PART_STATE = coordinate!("part_state", Unit::None,
-        "state of a part of a run, from which mc merge joins it to the others");
+        "state of a part of a run, used by mc merge");
 
     PATH = coordinate!("path", Unit::ONE, "path number").with(&[("standard_name", "realization")]);
     EVENT = coordinate!("event", Unit::None, BARE_DIMENSION);

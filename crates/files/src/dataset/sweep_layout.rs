@@ -30,8 +30,13 @@ table! {
 
 /// The variables with one value per statistic of each difference.
 pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
-    variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension minus the \
-        one here"),
+    variable(
+        "difference",
+        STATISTIC,
+        Unit::None,
+        "estimate at the next point along the dimension minus the \
+        one here",
+    ),
     variable(
         "difference_error",
         STATISTIC,
@@ -40,8 +45,13 @@ pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
     ),
     variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference"),
     variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference"),
-    variable("difference_gain", STATISTIC, Unit::ONE, "variance of the difference with independent seeds, \
-        divided by its actual variance"),
+    variable(
+        "difference_gain",
+        STATISTIC,
+        Unit::ONE,
+        "variance of the difference with independent seeds, \
+        divided by its actual variance",
+    ),
 ];
 
 /// The variables with one value per statistic of each elasticity.
@@ -50,8 +60,13 @@ pub(crate) const PER_ELASTICITY: [Variable; 5] = [
     variable("elasticity_error", STATISTIC, Unit::ONE, "standard error of the elasticity"),
     variable("elasticity_low", STATISTIC, Unit::ONE, "lower end of the 95 % confidence interval of the elasticity"),
     variable("elasticity_high", STATISTIC, Unit::ONE, "upper end of the 95 % confidence interval of the elasticity"),
-    variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds, \
-        divided by its actual variance"),
+    variable(
+        "elasticity_gain",
+        STATISTIC,
+        Unit::ONE,
+        "variance of the elasticity with independent seeds, \
+        divided by its actual variance",
+    ),
 ];
 
 #[cfg(test)]

@@ -96,8 +96,7 @@ impl Parts {
             }
             let (mine, cut) = whole(state);
             let difference = mine.difference_from(&question).or_else(|| {
-                (cut != count)
-                    .then(|| format!("it is one of {} parts, not {}", cut.unwrap_or(1), count.unwrap_or(1)))
+                (cut != count).then(|| format!("it is one of {} parts, not {}", cut.unwrap_or(1), count.unwrap_or(1)))
             });
             if let Some(difference) = difference {
                 return Err(PartsError::Foreign { path: path.clone(), first, difference });

@@ -102,8 +102,11 @@ fn failure(error: AccuracyError) -> Failure {
     let problem = format!("--accuracy: {error}");
     let remedy = match error {
         AccuracyError::Pilot(TradeError::BudgetTooSmall { .. }) => {
-            return Failure::run(problem, "choose --scheme and --paths yourself, or measure longer with mc \
-                trade --budget");
+            return Failure::run(
+                problem,
+                "choose --scheme and --paths yourself, or measure longer with mc \
+                trade --budget",
+            );
         }
         AccuracyError::Pilot(error) => return error.into(),
         AccuracyError::Misfit(error) => return error.into(),
@@ -145,7 +148,8 @@ fn alternative(instead: Option<Alternative>) -> String {
             time(seconds)
         ),
         None => "allow more time with --max-time, or select fewer statistics with --statistic; mc trade gives \
-            details".into(),
+            details"
+            .into(),
     }
 }
 

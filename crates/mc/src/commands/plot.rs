@@ -97,10 +97,7 @@ impl Arguments {
             }
             Some(FileKind::Sweep) => {}
             _ if !self.label.is_empty() => {
-                return refused(
-                    format!("--label applies to sweeps, but {shown} is not one"),
-                    "remove it",
-                );
+                return refused(format!("--label applies to sweeps, but {shown} is not one"), "remove it");
             }
             _ if !self.beside.is_empty() => {
                 let remedy = "several files can be drawn together only if they are sweeps over the same key";
@@ -267,9 +264,5 @@ fn label(text: &str) -> Result<(String, String), String> {
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
 fn width(text: &str) -> Result<f64, String> {
-    parse_number_in(
-        text,
-        &WIDTHS,
-        &format!("must be between {} and {} mm", WIDTHS.start(), WIDTHS.end()),
-    )
+    parse_number_in(text, &WIDTHS, &format!("must be between {} and {} mm", WIDTHS.start(), WIDTHS.end()))
 }

@@ -110,10 +110,7 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
     let page = Page {
         report,
         warnings: own.chain(foreseen.map(Foreseen::warnings).unwrap_or_default()).collect(),
-        words: vec![
-            ("Results from the record", report::bearing::seen(calibration)),
-            ("Not included", LEFT_OUT.into()),
-        ],
+        words: vec![("Results from the record", report::bearing::seen(calibration)), ("Not included", LEFT_OUT.into())],
         pictures: pictures(&Subject::Calibration { title, calibration }),
         scenario: scenario_text,
         provenance: vec![("program", format!("mc {program}"))],

@@ -147,9 +147,7 @@ impl Arguments {
         let content = files::read(file, store::content)?;
         let (text, is_measured) = content.scenario();
         if is_measured {
-            note(
-                "measured values are in the result file, not in this text: to run it, keep the data files it names",
-            );
+            note("measured values are in the result file, not in this text: to run it, keep the data files it names");
         }
         print_data(&text)
     }

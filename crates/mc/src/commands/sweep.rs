@@ -87,8 +87,7 @@ impl Arguments {
     fn question(&self) -> Result<SweepQuestion, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         if let Some(key) = scenario.record.curve() {
-            let remedy =
-                format!("turn it off with --set {key}=false, or run each point with `mc run --set KEY=VALUE`");
+            let remedy = format!("turn it off with --set {key}=false, or run each point with `mc run --set KEY=VALUE`");
             return Err(Failure::usage(format!("{key} = true: a sweep stores statistics only, no curves"), remedy));
         }
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };

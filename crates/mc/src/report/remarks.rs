@@ -245,7 +245,7 @@ mod tests {
         let short = remarks(&summary(), &info(), false);
         assert_eq!(short.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["drift", "paths", "file"]);
         let table = table(&summary(), &info());
-        assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
+        assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns per path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running (censored)"), "{table}");
     }
 
@@ -257,7 +257,7 @@ mod tests {
             let e = &mut summary.estimates[statistic.index()];
             (e.estimate, e.standard_error, e.low, e.high) = (1.0, 0.5, f64::NAN, f64::NAN);
         }
-        let line = "too few of the paths have any sticks or slips to bound stick_duration_mean, stick_duration_sd";
+        let line = "too few paths have sticks or slips to bound stick_duration_mean, stick_duration_sd";
         assert_eq!(too_few(&summary).map(|text| text.starts_with(line)), Some(true), "{:?}", too_few(&summary));
         // A single path has no errors at all, and another line says so.
         summary.estimates.iter_mut().for_each(|e| e.standard_error = f64::NAN);
@@ -267,7 +267,7 @@ mod tests {
     #[test]
     fn a_median_of_multiples_of_the_step_is_explained() {
         let mut summary = summary();
-        let line = "their durations are multiples of the step, 0.01, and so is their median";
+        let line = "durations are multiples of the step, 0.01, and so is the median";
         assert!(!table(&summary, &info()).contains("multiples"));
         summary.stick_durations.step = Some(0.01);
         assert!(table(&summary, &info()).contains(line), "{}", table(&summary, &info()));
@@ -278,7 +278,7 @@ mod tests {
     #[test]
     fn many_slips_that_have_not_ended_are_mentioned() {
         let mut summary = summary();
-        let line = "sub_phases_* and jump_* are of slips that ended";
+        let line = "sub_phases_* and jump_* include only completed slips";
         summary.sub_phases.counts = vec![900, 80];
         for (censored, is_mentioned) in [(19, false), (21, true)] {
             summary.sub_phases.censored = censored;
@@ -293,13 +293,13 @@ mod tests {
     #[test]
     fn what_a_burn_in_leaves_out_is_told() {
         let mut summary = summary();
-        assert!(!table(&summary, &info()).contains("left out"));
+        assert!(!table(&summary, &info()).contains("excluded"));
         let displacement = Measurement { estimate: -1.25, standard_error: 0.05, low: -1.35, high: -1.15 };
         let transient = Transient { end: 25.5, sticks: 31_000, slips: 42_000, displacement };
         summary.transient = Some(transient);
         let units = Units { time: "s".into(), length: "mm".into(), ..Units::default() };
-        let line = "start   left out: what began before t = 25.5 s: 31 000 sticks and 42 000 slips; until then x moved by \
-                    -1.250 mm in the mean (std. error 0.050)";
+        let line = "start   excluded: phases that began before t = 25.5 s (31 000 sticks, 42 000 slips); until then the mean \
+                    displacement was -1.250 mm (std. error 0.050)";
         let reported = table(&summary, &info_in(units));
         assert!(unbroken(&reported).contains(&unbroken(line)), "{reported}");
     }
@@ -332,7 +332,7 @@ mod tests {
         let mut summary = summary();
         summary.diverged = (0..12).map(|i| 4711 + i).collect();
         let table = table(&summary, &info());
-        assert!(table.contains("12 paths diverged, in no statistic: number 4711, 4712"), "{table}");
+        assert!(table.contains("12 paths diverged, excluded from all statistics: number 4711, 4712"), "{table}");
         assert!(table.contains("4720, ...") && !table.contains("4721"), "{table}");
         summary.diverged = (0..10_000).collect();
         set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
@@ -340,7 +340,7 @@ mod tests {
         let without_step = RunInfo { provenance: Provenance { step: None, ..info().provenance }, ..info() };
         let table = super::super::sample_tests::table(&summary, &without_step);
         assert!(
-            table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),
+            table.contains("10 000 paths given up, excluded from all statistics") && !table.contains("paths diverged"),
             "{table}"
         );
     }

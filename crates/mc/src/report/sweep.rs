@@ -153,8 +153,10 @@ pub fn warnings(sweep: &Sweep) -> Vec<String> {
     let diverged: u64 = sweep.points.iter().flatten().map(|point| point.diverged_paths).sum();
     let points = sweep.points.iter().flatten().filter(|point| point.diverged_paths > 0).count();
     let (lost, of) = (grouped(diverged), sweep.points.len());
-    let lost = format!("{lost} paths at {points} of {of} points diverged or were given up, excluded from all \
-        statistics");
+    let lost = format!(
+        "{lost} paths at {points} of {of} points diverged or were given up, excluded from all \
+        statistics"
+    );
     let along = sweep.question.design.along().into_iter().enumerate();
     let hardly = along.filter(|_| sweep.question.seeds == Seeds::Common).filter_map(|(dimension, name)| {
         let is_low = |statistic: &Statistic| sweep.gain(dimension, *statistic) < LOW_GAIN;

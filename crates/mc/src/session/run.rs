@@ -112,7 +112,9 @@ impl<'a> Sitting<'a> {
                 }
                 let info = self.print(&outcome)?;
                 let kept = match self.leaves {
-                    Leaves::Run => format!("the paths before it are saved; print them with mc show {}", self.output.display()),
+                    Leaves::Run => {
+                        format!("the paths before it are saved; print them with mc show {}", self.output.display())
+                    }
                     Leaves::File => format!("the paths before it are in {}", info.file),
                     Leaves::Nothing => "nothing was written".to_string(),
                 };

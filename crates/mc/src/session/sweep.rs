@@ -43,7 +43,10 @@ impl SweepSitting<'_> {
             file.save_now(&sweep)?;
             let (done, all) = (sweep.done(), sweep.points.len());
             let partial = partial_path(self.output);
-            note(&format!("{done} of {all} points are in {}; run the same command again to continue", partial.display()));
+            note(&format!(
+                "{done} of {all} points are in {}; run the same command again to continue",
+                partial.display()
+            ));
             return Err(Failure::Interrupted);
         }
         if !file.has_name() {

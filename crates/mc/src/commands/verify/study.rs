@@ -60,8 +60,7 @@ impl Arguments {
     /// Check a trade: everything that follows from its measurements is computed again.
     pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
         Ok(Checked {
-            simulated: "nothing: times cannot be reproduced, and estimates depend on them"
-                .into(),
+            simulated: "nothing: times cannot be reproduced, and estimates depend on them".into(),
             compared: "every bias, order and prediction against the stored measurements, attributes, \
                        coordinates and units"
                 .into(),
