@@ -80,7 +80,7 @@ def calibrate(
             one whose name begins with `temperature`.
         temperature_file: the path of the CSV file of temperatures, if `data` is a file that lacks
             them.
-        temperature_unit, displacement_unit: the units in a file or a DataFrame, if they are not stated
+        temperature_unit, displacement_unit: the units in a file or a DataFrame, if not stated
             there: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
         time: the name of the column of times in a file or a DataFrame, or those of dates and of
             times of day with a comma between them; by default the one with a usual name, such as
@@ -177,18 +177,18 @@ def forecast(
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
         interval: confidence level of the intervals, from 0.5 to 0.999.
-        share: a fraction of f_s, from 0 to below 1. Time counts as loaded while the friction force is
-            above this fraction of f_s.
+        share: a fraction of f_s, from 0 to below 1. Time counts as loaded while the friction force
+            is above this fraction of f_s.
         processes: number of Ornstein-Uhlenbeck processes in the weather: 1, or 2 for a fast and a
             slow one.
 
     Returns:
         Along `quantity`, in the unit `quantity_unit`: `expected`, the mean of a year with the most
-        likely parameters, its interval `expected_low` to `expected_high`, which includes the uncertainty of
-        the parameters, and the interval `year_low` to `year_high` for a single year. Along
-        `return_period`, in years: `return_level`, the |z| in metres exceeded once per
-        period, with its interval `return_level_low` to `return_level_high`. Along `draw` and
-        `year`, each simulated year: `sliding_path` in m, `slips`, `displacement_range` and
+        likely parameters, its interval `expected_low` to `expected_high`, which includes the
+        uncertainty of the parameters, and the interval `year_low` to `year_high` for a single year.
+        Along `return_period`, in years: `return_level`, the |z| in metres exceeded once per period,
+        with its interval `return_level_low` to `return_level_high`. Along `draw` and `year`, each
+        simulated year: `sliding_path` in m, `slips`, `displacement_range` and
         `displacement_abs_max` in m, `loaded_share`, and `force_abs_max` in N if K_BP is known.
 
     Raises:
@@ -402,9 +402,8 @@ def twin(
     require(gaps >= 0, "gaps", gaps, "out of range", "must be at least 0")
     require(abs(drift) < float("inf"), "drift", drift, "must be finite", "give metres per year")
     problem = "out of range"
-    require(
-        thermometer_every >= 1, "thermometer_every", thermometer_every, problem, "must be at least 1"
-    )
+    remedy = "must be at least 1"
+    require(thermometer_every >= 1, "thermometer_every", thermometer_every, problem, remedy)
     moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
     problem = f"{seconds / step:.0f} samples; must be between 2 and 1e7"
@@ -544,7 +543,8 @@ def _arrays(arrays: list[Any] | None, given: Mapping[str, Any]) -> _native.Measu
 
 def _probability(interval: float) -> None:
     problem = "out of range"
-    require(0.5 <= interval <= 0.999, "interval", interval, problem, "must be between 0.5 and 0.999")
+    remedy = "must be between 0.5 and 0.999"
+    require(0.5 <= interval <= 0.999, "interval", interval, problem, remedy)
 
 
 def _one_or_two(processes: int) -> None:

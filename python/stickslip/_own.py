@@ -90,7 +90,8 @@ def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
         )
         problem = "it returned numbers that are not finite"
         is_finite = all(np.isfinite(part).all() for part in numbers)
-        require(is_finite, "own", name, problem, "return a finite number for each path, e.g. 0 for a path without events")
+        remedy = "return a finite number for each path, e.g. 0 for a path without events"
+        require(is_finite, "own", name, problem, remedy)
         return numbers[0], (numbers[1] if len(numbers) > 1 else None)
 
     return call

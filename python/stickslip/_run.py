@@ -123,14 +123,14 @@ def run(
         A data set with one value for each statistic along `statistic` (coordinate: the names in
         `STATISTICS`): `estimate`, `standard_error`, the 95 % confidence interval from
         `interval_low` to `interval_high`, and `bias` with `bias_uncertainty`. They are in the units
-        of `statistic_unit`, and NaN where the statistic does not exist. The interval holds the
-        error of a finite ensemble only; `estimate_corrected` and its interval allow for the bias as
-        well.
+        of `statistic_unit`, and NaN where the statistic does not exist. The interval covers
+        only the error of a finite ensemble; `estimate_corrected` and its interval also allow for
+        the bias.
 
         Curves of mean, standard deviation and quantiles are along `time`, the histogram and the
         survival curve of stick durations along `law` and `law_bin`, and the numbers of sub-phases
-        along `sub_phase`. The interval of such a variable has its name and `_interval`. What is recorded of single paths is along `path`, `event` and `trajectory`.
-        User-defined statistics are `own_estimate`, `own_standard_error`, `own_interval_low` and
+        along `sub_phase`. The interval of such a variable has its name and `_interval`. Per-path
+        records are along `path`, `event` and `trajectory`. User-defined statistics are `own_estimate`, `own_standard_error`, `own_interval_low` and
         `own_interval_high` along `own`. All intervals are 95 %, with paths as independent units.
 
         The attributes contain everything needed to repeat the run, such as the resolved `scenario`,
@@ -242,7 +242,7 @@ def _chosen(
     decided: object,
 ) -> tuple[_native.Scenario, str]:
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
-    problem = "it chooses scheme, step or tolerance, and paths, which are also set by another argument"
+    problem = "it chooses scheme, step or tolerance, and paths, which another argument also sets"
     require(not decided, "accuracy", accuracy, problem, "remove one of them")
     problem = "it is not a relative error that can be reached"
     require(1e-6 <= accuracy <= 0.5, "accuracy", accuracy, problem, "must be between 1e-6 and 0.5")

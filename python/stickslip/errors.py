@@ -37,7 +37,7 @@ class StickSlipError(Exception):
 class ScenarioError(StickSlipError, ValueError):
     """A scenario cannot be read, or one of its values is invalid.
 
-    If there are several errors, the message lists all of them, and the attributes describe the first.
+    If there are several errors, the message lists them all; the attributes describe the first.
 
     Attributes:
         origin: the file, or the argument with its value.

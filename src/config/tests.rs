@@ -117,6 +117,22 @@ fn an_override_reaches_every_kind_of_key() {
 }
 
 #[test]
+fn the_title_lists_what_overrides_change() {
+    let title = |text: &str, set: &[&str]| {
+        let set: Vec<Override> = set.iter().map(|text| Override::set(text).unwrap()).collect();
+        Scenario::parse("rho025", text, &set).unwrap()
+    };
+    let text = shipped("rho025").unwrap().text;
+    let first = title(text, &["friction.static=1.3", "ensemble.paths=10", "record.events=true"]);
+    assert_eq!(first.title, format!("{} (changed: friction.static = 1.3)", title(text, &[]).title));
+    let read_again = first.to_toml();
+    assert_eq!(title(&read_again, &[]), first);
+    let second = title(&read_again, &["temperature.harmonics.0.amplitude=2"]).title;
+    assert!(second.ends_with(" (changed: friction.static = 1.3, temperature.harmonics.0.amplitude = 2)"), "{second}");
+    assert_eq!(title(text, &["friction.static=1.3", "title=mine"]).title, "mine");
+}
+
+#[test]
 fn the_last_override_wins() {
     assert_eq!(base(&["time.end=30", "time.end=40"]).unwrap().time.end, 40.0);
 }

@@ -272,10 +272,10 @@ mod tests {
             ("k=1,,2", "", "not a finite number"),
             ("k=nan", "nan", "not a finite number"),
             ("k=", "", "no values"),
-            ("=1", "", "no key"),
+            ("=1", "", "missing key"),
             ("2x=k=1", "2x", "not a valid name"),
             ("a=b=c=1", "1", "more than two"),
-            ("k=1:2", "1:2", "no values"),
+            ("k=1:2", "1:2", "no valid values"),
         ];
         for (text, wrong, problem) in cases {
             let error = SweepAxis::parse(text, |_| None).expect_err(text);
