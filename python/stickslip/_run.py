@@ -130,8 +130,9 @@ def run(
         Curves of mean, standard deviation and quantiles are along `time`, the histogram and the
         survival curve of stick durations along `law` and `law_bin`, and the numbers of sub-phases
         along `sub_phase`. The interval of such a variable has its name and `_interval`. Per-path
-        records are along `path`, `event` and `trajectory`. User-defined statistics are `own_estimate`, `own_standard_error`, `own_interval_low` and
-        `own_interval_high` along `own`. All intervals are 95 %, with paths as independent units.
+        records are along `path`, `event` and `trajectory`. User-defined statistics are
+        `own_estimate`, `own_standard_error`, `own_interval_low` and `own_interval_high` along
+        `own`. All intervals are 95 %, with paths as independent units.
 
         The attributes contain everything needed to repeat the run, such as the resolved `scenario`,
         `seed` and `paths`, and how it ended (`status`, `completed_paths`). The page
