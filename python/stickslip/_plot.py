@@ -96,8 +96,9 @@ def plot(
             several data sets of sweeps over the same key, as a dictionary by name.
         only: the name of one figure, or of one of its panels by its letter, e.g. "sticks.B". Of a
             scenario: "path". Of a run: "overview", "path", "fan", "sticks", "sub-phases" or
-            "drift". Of a trade: "trade". Of sweeps: "sweep", or "tornado" for elasticities. Of a
-            calibration: "calibration", "loops" or "residuals".
+            "drift", and "laws", "density" or "spectrum" if recorded. Of a trade: "trade". Of
+            sweeps: "sweep", "section" for deterministic scenarios, or "tornado" for elasticities.
+            Of a calibration: "calibration", "loops" or "residuals".
         path: number of the path that is drawn, from 0, of a scenario or a run.
         until: time at which the path of a scenario ends, in its unit of time. It has no effect on a
             data set.

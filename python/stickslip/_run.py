@@ -22,8 +22,8 @@ if TYPE_CHECKING:
 #: run.
 Until = Union[float, str, Sequence[str]]
 
-#: What is recorded per path: the names "paths" and "events", or a dictionary, which may also
-#: have the key "trajectories".
+#: What is recorded: names such as "paths" and "events", or a dictionary, which may also have the
+#: key "trajectories".
 Record = Union[str, Sequence[str], Mapping[str, Any]]
 
 #: The formats of data sets that are not of a run.
@@ -87,10 +87,11 @@ def run(
         set: further keys of the scenario with their values, e.g. `{"friction.static": 1.3}` or
             `{"friction": {"static": 1.3}}`. A dictionary as a value leaves the other keys of its
             table as they are.
-        record: what is recorded per path: "paths" for a few numbers of each path, "events" for
-            every event of each path, a list of both, or a dictionary such as `{"events": True,
-            "trajectories": 3}`, in which `trajectories` is the number of paths whose trajectory is
-            recorded.
+        record: what is recorded: "paths" for a few numbers of each path, "events" for every event
+            of each path, "laws" for distributions of slips, "density" for densities of x and x',
+            "energy" for the work of every force, "spectrum" for spectra; a list of these names; or
+            a dictionary such as `{"events": True, "trajectories": 3}`, in which `trajectories` is
+            the number of paths whose trajectory is recorded.
         temperature: a measured temperature, which replaces the table `[temperature.series]` of the
             scenario: a pandas Series with time as its index, a one-dimensional DataArray along
             time, or a pair (times, values) of one-dimensional arrays of equal length. Times and

@@ -61,7 +61,7 @@ _ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
     ),
     "Record": (
         lambda given: _is_table(given) or _are_texts(given),
-        'give "paths", "events", a list of both, or a dictionary',
+        'give a name such as "events", a list of names, or a dictionary',
     ),
     "Progress": (
         lambda given: given is None or isinstance(given, bool) or callable(given),

@@ -196,7 +196,7 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         ("time,T\n0,1\n1,inf\n", Some(3), "is not finite", "missing = "),
         ("time,T\n0,1\n,2\n", Some(3), "has no time", "remove it"),
         ("time,T\n0,1\n2015-01-01,2\n", Some(3), "is not a number like the times before it", "fix"),
-        ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "mend"),
+        ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "fix"),
         ("time,T\n2015-01-01 00:00,1\n", Some(2), "without a zone", "zone = \"UTC\""),
         ("time,T\n13/08/2015 00:10,1\n", Some(2), "without a zone", "zone = \"UTC\""),
         ("time,T\n05/06/2015 00:10,1\n", Some(2), "may be exchanged", "dates = \"dmy\""),
