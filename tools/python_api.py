@@ -15,9 +15,9 @@ INTRODUCTION = """\
 # The package for Python
 
 Every function of the package `stickslip` with its arguments, and every class.
-[Work in Python](python.md) shows how they are used, and `help(ss.run)` has all that an argument may be, what is returned, and which errors are raised.
+[Work in Python](python.md) shows how they are used, and `help(ss.run)` describes all values of its arguments, its result, and its errors.
 An argument without a line of its own is the flag of the command of the same name (`mc help run`), or that of [`run`](#run) or [`calibrate`](#calibrate); the result is a [data set](output-format.md) where no type is given.
-A length of time is a number of seconds, a text such as "10m", or a timedelta.
+A duration is a number of seconds, a string such as "10m", or a timedelta.
 `tools/python_api.py` writes this page from the docstrings.
 """
 

@@ -76,14 +76,21 @@ pub struct LaidOut {
 impl LaidOut {
     fn over(&self, py: Python<'_>, other: &Layout) -> PyResult<Layout> {
         let order = |word: &String| {
-            let unknown =
-                || errors::of_argument(py, "dates", word, "it is no order of a date", "write ymd, dmy or mdy");
+            let unknown = || {
+                errors::of_argument(
+                    py,
+                    "dates",
+                    word,
+                    "must be an order of year, month and day",
+                    "write ymd, dmy or mdy",
+                )
+            };
             DateOrder::from_word(word).ok_or_else(unknown)
         };
         let mark = |text: &String| match text.as_str() {
             "." => Ok('.'),
             "," => Ok(','),
-            _ => Err(errors::of_argument(py, "decimal", text, "it is no decimal mark", "write \".\" or \",\"")),
+            _ => Err(errors::of_argument(py, "decimal", text, "must be a decimal separator", "write \".\" or \",\"")),
         };
         let layout = Layout {
             time: self.time.clone(),
@@ -202,13 +209,13 @@ pub fn calibrate<'py>(
     let (record, mut remarks) = measured.record(py, &scene)?;
     let quantity = |key: &str| {
         let remedy = format!("write some of {}", Quantity::FITTED.map(Quantity::key).join(", "));
-        let unknown = || errors::of_argument(py, "fit or bounds", key, "it is no parameter of a bearing", &remedy);
+        let unknown = || errors::of_argument(py, "fit or bounds", key, "it is not a parameter of a bearing", &remedy);
         Quantity::fitted(key).ok_or_else(unknown)
     };
     let fitted = fit.iter().map(|key| quantity(key)).collect::<PyResult<Vec<_>>>()?;
     let bounds =
         bounds.iter().map(|(key, low, high)| Ok((quantity(key)?, [*low, *high]))).collect::<PyResult<Vec<_>>>()?;
-    let no_method = || errors::of_argument(py, "method", method, "there is no such method", "write slips, err or both");
+    let no_method = || errors::of_argument(py, "method", method, "unknown method", "write slips, err or both");
     let question = CalibrationQuestion {
         method: CalibrationMethod::from_name(method).ok_or_else(no_method)?,
         starts,
@@ -219,7 +226,7 @@ pub fn calibrate<'py>(
     };
     let question = question.fitting(&fitted, &scene).map_err(|error| {
         let (quantity, remedy) = match error {
-            NotHeld::NoNumber(quantity) => (quantity, "fit it as well, or give it a value with `set`"),
+            NotHeld::NoNumber(quantity) => (quantity, "fit it too, or give it a value with `set`"),
             NotHeld::TakesShearStiffness(quantity) => {
                 (quantity, "give bearing.stiffness, in the scenario or with `set`")
             }
@@ -231,7 +238,7 @@ pub fn calibrate<'py>(
     let calibration = calibration.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
     remarks.extend(warnings(&calibration));
     if is_interrupted {
-        remarks.push("interrupted: fewer starts of the least squares than asked for".into());
+        remarks.push("interrupted: fewer least-squares starts than requested".into());
     }
     Ok((
         to_python(py, Dataset::of_calibration(&StoredCalibration::of(&scene.title, &scene.text, calibration)))?,
@@ -262,13 +269,13 @@ pub fn forecast<'py>(
     let (ended, is_interrupted) =
         watched(py, None, |watch| Foreseen::of(&scene, &record, &asked, processes, workers.0, &watch.stop))?;
     let foreseen = ended.map_err(|error| errors::of_run(py, &error, error.remedy()))?;
-    let stopped = || PyKeyboardInterrupt::new_err("interrupted before two draws of the parameters were done");
+    let stopped = || PyKeyboardInterrupt::new_err("interrupted before two parameter draws were done");
     let foreseen = foreseen.ok_or_else(stopped)?;
     let found = &foreseen.forecast;
     remarks.extend(warnings(&foreseen.calibration));
     remarks.extend(foreseen.warnings());
     if is_interrupted {
-        remarks.push(format!("interrupted: {} draws of the parameters are in it, of {draws}", found.years.len()));
+        remarks.push(format!("interrupted: {} of {draws} parameter draws are included", found.years.len()));
     }
     Ok((to_python(py, Dataset::of_forecast(&scene.title, &scene.text, found))?, remarks))
 }
@@ -379,12 +386,12 @@ pub fn twin<'py>(
     let mut remarks = Vec::new();
     let given = start.as_deref().map(|date| {
         let remedy = "write a date such as 2024-06-01, also with a time and a zone";
-        Start::of_calendar(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is no such date", remedy))
+        Start::of_calendar(date).ok_or_else(|| errors::of_argument(py, "start", date, "it is not a valid date", remedy))
     });
     let is_measured = temperature.is_some() || scene.temperature_source.file.is_some();
     if let Some(date) = start.as_deref().filter(|_| is_measured) {
-        let remedy = "leave it out, or take the measured temperature out";
-        return Err(errors::of_argument(py, "start", date, "the measured temperature has dates of its own", remedy));
+        let remedy = "remove it, or remove the measured temperature";
+        return Err(errors::of_argument(py, "start", date, "the measured temperature already has dates", remedy));
     }
     let mut start = given.transpose()?;
     let air = match (&temperature, &scene.temperature_source.file) {

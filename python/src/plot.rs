@@ -31,7 +31,7 @@ impl Picture {
 
     /// The picture as the bytes of a PDF file.
     fn pdf(&self, py: Python<'_>) -> PyResult<Vec<u8>> {
-        stickslip_figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "a flaw in the program: no PDF", "report it"))
+        stickslip_figure::pdf(&self.0).ok_or_else(|| errors::of_run(py, "internal error: no PDF", "report it"))
     }
 }
 
@@ -66,7 +66,7 @@ pub fn plot(
         }
         (None, [(_, trade)], Some(Attribute::Text(kind))) if kind == "stick-slip trade" => {
             let prices = trade.trade().map_err(wrong)?.prices(of);
-            let prices = prices.ok_or_else(|| damaged(py, "no statistic in it has prices"))?;
+            let prices = prices.ok_or_else(|| damaged(py, "it has no costs for any statistic"))?;
             draw(py, &Subject::Trade(&prices), drawn)
         }
         (None, [(_, fit)], Some(Attribute::Text(kind))) if kind == "stick-slip calibration" => {
@@ -103,15 +103,15 @@ fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, label
             py,
             "width",
             width,
-            "letters would be crowded or lost",
-            "give 60 to 400 millimetres",
+            "too narrow or too wide for the text",
+            "must be between 60 and 400 mm",
         ));
     }
     let theme = if dark { Theme::Dark } else { Theme::Light };
     let style = Style { theme, width, log, title: title.as_deref(), labels: &labels };
     let refused = |name: &str, absent: Absent| {
         let remedy = match absent {
-            Absent::Panel(..) => "choose one of them, or leave the letter out for all",
+            Absent::Panel(..) => "choose one of them, or drop the letter for all",
             _ => "choose another figure or another path",
         };
         errors::of_argument(py, "only", name, &absent, remedy)
@@ -122,7 +122,7 @@ fn draw(py: Python<'_>, subject: &Subject, (only, dark, width, log, title, label
     let drawn = || {
         stickslip_figure::draw(only, subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => refused(figure.name, absent),
-            NoPage::Empty => errors::of_run(py, "there is nothing to draw: every path was lost", "draw another run"),
+            NoPage::Empty => errors::of_run(py, "nothing to draw: every path was lost", "draw another run"),
             NoPage::Label(name, known) => {
                 let remedy = format!("name a statistic, or one of {known}");
                 errors::of_argument(py, "labels", &name, "the sweep has no such key", &remedy)

@@ -126,15 +126,15 @@ pub fn merge<'py>(
 /// Reads the number of a part. Refuses what only a whole run can have: goals and a time limit.
 fn cut(py: Python<'_>, text: &str, scenario: &Checked, goals: &[Goal], max_time: Option<f64>) -> PyResult<Part> {
     let wrong = |problem: &str, remedy: &str| errors::of_argument(py, "part", text, problem, remedy);
-    let part: Part = text.parse().map_err(|_| wrong("it is no part", "write 3/16 for the third of 16 parts"))?;
+    let part: Part = text.parse().map_err(|_| wrong("it is not a part", "write 3/16 for the third of 16 parts"))?;
     if !goals.is_empty() || max_time.is_some() {
-        let problem = "a part does not go with a goal or with max_time, whose end is known of all parts together only";
+        let problem = "a part cannot be combined with a goal or max_time, whose end depends on all parts together";
         return Err(wrong(problem, "give the number of paths of the whole run"));
     }
     let blocks = Asked { part: None, ..Run::of(scenario).question() }.blocks().end;
     if part.of() > blocks {
-        let problem = format!("the run has {blocks} blocks, and a part has one at least");
-        return Err(wrong(&problem, &format!("give {blocks} parts at most")));
+        let problem = format!("the run has {blocks} blocks, and each part needs at least one");
+        return Err(wrong(&problem, &format!("use at most {blocks} parts")));
     }
     Ok(part)
 }
@@ -160,19 +160,19 @@ fn remarks(py: Python<'_>, scenario: &Checked, outcome: &Outcome, is_interrupted
         return Err(match is_interrupted {
             true => PyKeyboardInterrupt::new_err("interrupted before the first paths were done"),
             false => {
-                let remedy = "a longer max_time, or a larger step or tolerance; check() says how long it takes";
-                errors::of_run(py, "the time was up before the first paths were done", remedy)
+                let remedy = "use a longer max_time, or a larger step or tolerance";
+                errors::of_run(py, "the time limit was reached before the first paths were done", remedy)
             }
         });
     }
     let mut remarks = Vec::new();
     if is_interrupted {
-        remarks.push(format!("interrupted after {paths} paths: the statistics are of these"));
+        remarks.push(format!("interrupted after {paths} paths; the statistics include only these"));
     }
     if outcome.is_all_lost() {
         let first = outcome.summary.diverged.first();
         let why = first.and_then(|path| scenario.plan().why_lost(*path, &AtomicBool::new(false)));
-        let why = why.map_or_else(|| "take a smaller step".to_string(), |why| format!("of the first, {why}"));
+        let why = why.map_or_else(|| "use a smaller step".to_string(), |why| format!("of the first, {why}"));
         remarks.push(format!("every path diverged or was given up, so there are no statistics: {why}"));
     }
     if let Some(reason @ EndedBy::Hopeless(_)) = &outcome.ended_by {

@@ -33,14 +33,14 @@ impl<'py> FromPyObject<'_, 'py> for Threads {
         let wrong = |problem: String| errors::of_argument(given.py(), "threads", given.to_string(), problem, REMEDY);
         let number = match given.is_none() {
             true => cores(),
-            false => given.extract().map_err(|_| wrong("it is no number of threads".into()))?,
+            false => given.extract().map_err(|_| wrong("must be a number of threads".into()))?,
         };
         check_threads(number).map_err(|error| wrong(error.to_string()))?;
         Ok(Threads(number))
     }
 }
 
-const REMEDY: &str = "give 1 to 1024, or leave it out for one a core; the results do not depend on it";
+const REMEDY: &str = "give 1 to 1024, or None for one per core; the results do not depend on it";
 
 /// Refuses a run of so many paths for which there is too little memory.
 pub fn enough_memory(py: Python<'_>, scenario: &Checked, paths: u64, Threads(threads): Threads) -> PyResult<()> {
@@ -49,16 +49,15 @@ pub fn enough_memory(py: Python<'_>, scenario: &Checked, paths: u64, Threads(thr
         let megabytes = |bytes: f64| (bytes / 1e6).round();
         let (needed, free) = (megabytes(needed), megabytes(free));
         let problem =
-            format!("it takes about {needed} MB of memory on {threads} threads, and {limit} leaves {free} MB");
-        errors::of_run(py, &problem, "give fewer threads, a larger time.output_step, or record less of single paths")
+            format!("the run needs about {needed} MB of memory on {threads} threads, but {limit} leaves {free} MB");
+        errors::of_run(py, &problem, "use fewer threads, a larger time.output_step, or record less per path")
     })
 }
 
 /// The statistic with this name.
 pub fn statistic(py: Python<'_>, name: &str) -> PyResult<Statistic> {
     let remedy = "write one of stickslip.STATISTICS";
-    Statistic::from_name(name)
-        .ok_or_else(|| errors::of_argument(py, "statistic", name, "there is no such statistic", remedy))
+    Statistic::from_name(name).ok_or_else(|| errors::of_argument(py, "statistic", name, "unknown statistic", remedy))
 }
 
 /// The scenario with scheme, step or tolerance, and paths chosen for a relative error; and that
@@ -80,9 +79,9 @@ pub fn choose(
         accuracy.choose(&scenario.checked, Limits { stop: Some(&watch.stop), ..Limits::default() })
     })?;
     if is_interrupted {
-        return Err(PyKeyboardInterrupt::new_err("interrupted while choosing how to run it"));
+        return Err(PyKeyboardInterrupt::new_err("interrupted during the pilot run"));
     }
-    let remedy = "ask for less, give more time, or name fewer statistics; trade() says more";
+    let remedy = "use a larger error, more time, or fewer statistics; trade() gives details";
     let (decision, _) = chosen.map_err(|error| errors::of_run(py, format!("accuracy: {error}"), remedy))?;
     let accuracy_goal: AccuracyGoal = decision.accuracy_goal();
     Ok((scenario.replaced(decision.scenario), accuracy_goal.to_string()))
@@ -116,15 +115,15 @@ pub fn sweep<'py>(
             })
         };
         let axes = vary.iter().map(axis).collect::<PyResult<Vec<_>>>()?;
-        let remedy = "give other names, as many values where they are zipped, or fewer";
+        let remedy = "give different names, equal numbers of values with zip, or fewer values";
         let refused = |error: DesignError| errors::of_argument(py, "vary", vary.join(", "), &error, remedy);
         Design::of(axes, zip).map_err(refused)?
     } else {
         star(py, scenario, elasticity, relative_step)?
     };
     if let Some(key) = scenario.checked.record.curve() {
-        let remedy = format!("leave it out, or run each point with ss.run and {key} = true");
-        return Err(errors::of_argument(py, "scenario", key, "a sweep keeps statistics, and no curves", &remedy));
+        let remedy = format!("turn it off, or run each point with ss.run and {key} = true");
+        return Err(errors::of_argument(py, "scenario", key, "a sweep stores statistics only, no curves", &remedy));
     }
     let laid = |Setting { key, value }: &Setting| Override::number(&format!("{key}, swept to"), key, *value);
     let point = |settings: &[Setting]| {
@@ -151,15 +150,15 @@ pub fn sweep<'py>(
 
 fn star(py: Python<'_>, scenario: &Scenario, keys: Vec<String>, relative_step: f64) -> PyResult<Design> {
     if !RELATIVE_STEPS.contains(&relative_step) {
-        let problem = "no difference over it says something";
-        return Err(errors::of_argument(py, "relative_step", relative_step, problem, "give a share from 1e-6 to 0.5"));
+        let problem = "out of range";
+        return Err(errors::of_argument(py, "relative_step", relative_step, problem, "must be between 1e-6 and 0.5"));
     }
     let star = Design::star(&keys, relative_step, |key| scenario.checked.number_at(key));
     star.map_err(|(key, error)| {
         let remedy = match error {
             StarError::NoNumber => "check(scenario).toml has every key",
             StarError::Zero => "give it a value with `set`",
-            StarError::Twice => "name it once",
+            StarError::Twice => "list it once",
         };
         errors::of_argument(py, "elasticity", &key, &error, remedy)
     })
@@ -180,7 +179,7 @@ pub fn trade<'py>(
             py,
             "budget",
             budget,
-            "it is no time to measure for",
+            "must be a duration from one second to a week",
             "give 1 to 604800 seconds",
         ));
     }
@@ -189,6 +188,7 @@ pub fn trade<'py>(
         let limits = Limits { stop: Some(&watch.stop), ..Limits::default() };
         measure_within(scenario, Duration::from_secs_f64(budget), workers.0, limits)
     })?;
-    let measured = measured.map_err(|error| errors::of_run(py, &error, "a larger budget, or a shorter time.end"))?;
+    let measured =
+        measured.map_err(|error| errors::of_run(py, &error, "use a larger budget, or a shorter time.end"))?;
     Ok((to_python(py, Dataset::of_trade(scenario, &measured))?, is_interrupted))
 }

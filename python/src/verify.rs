@@ -43,7 +43,7 @@ pub fn verify<'py>(
     let dataset = from_python(run)?;
     let sample = blocks.map_or(BlocksAgain::All, BlocksAgain::Some);
     let (again, is_interrupted) = watched(py, None, |watch| again_in_memory(&dataset, sample, threads.0, &watch.stop))?;
-    let again = again.map_err(|problem| errors::of_run(py, &problem, "take the data set as it was made"))?;
+    let again = again.map_err(|problem| errors::of_run(py, &problem, "use the unmodified data set"))?;
     if is_interrupted {
         return Err(PyKeyboardInterrupt::new_err("interrupted while blocks were simulated again"));
     }

@@ -86,6 +86,6 @@ pub fn watched<T: Send>(
         (_, Some(error)) if !is_interrupt(&error) => Err(error),
         (Ok(Ok(result)), failure) => Ok((result, failure.is_some())),
         (Ok(Err(flaw)), _) => Err(errors::of_flaw(py, &flaw)),
-        (Err(_), _) => Err(errors::of_run(py, "the work has ended without a result", Flaw::REMEDY)),
+        (Err(_), _) => Err(errors::of_run(py, "internal error: the computation ended without a result", Flaw::REMEDY)),
     }
 }

@@ -80,8 +80,8 @@ def calibrate(
             one whose name begins with `temperature`.
         temperature_file: the path of the CSV file of temperatures, if `data` is a file that lacks
             them.
-        temperature_unit, displacement_unit: the units in a file or a DataFrame, if it does not say
-            them: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
+        temperature_unit, displacement_unit: the units in a file or a DataFrame, if not stated
+            there: "degC", "K", "degF" or "degR", and "m", "cm", "mm" or "um".
         time: the name of the column of times in a file or a DataFrame, or those of dates and of
             times of day with a comma between them; by default the one with a usual name, such as
             "time", "Timestamp" or "Date/Time".
@@ -91,11 +91,11 @@ def calibrate(
         skip: number of lines before the names of the columns; by default up to the first line with
             the names that are wanted.
         missing: numbers and words that mark a missing value, besides the usual ones.
-        outliers: leave out values that differ from those around them by more than so many standard
-            deviations of such differences, e.g. 8; none is left out by default.
-        decimal: the decimal mark of numbers, "." or ","; by default what all of them together tell.
-        averaged: the time before its stamp over which each value is a mean, 0 for values of an
-            instant; by default what the name of its column says.
+        outliers: leave out values that differ from their neighbours by more than this many standard
+            deviations of such differences, e.g. 8; by default none is left out.
+        decimal: the decimal mark of numbers, "." or ","; by default inferred from all numbers.
+        averaged: averaging time of each value, ending at its stamp; 0 for instantaneous values; by
+            default taken from the name of the column.
         temperature_layout: `time`, `zone`, `dates`, `skip`, `missing` and `averaged` of the
             temperatures, where they differ.
         set: further keys of the scenario with their values, as for `run`.
@@ -110,16 +110,16 @@ def calibrate(
         `displacement_modelled` in metres.
 
     Raises:
-        ScenarioError: something in the scenario is wrong.
-        ArgumentError: an argument, or something in the data, is wrong.
+        ScenarioError: the scenario is invalid.
+        ArgumentError: an argument, or the data, are invalid.
         RunError: the measurement does not determine the parameters.
     """
     given = locals()
     checked(calibrate, given)
     ready()
     _probability(interval)
-    problem = "so many starts are none, or too many"
-    require(1 <= starts <= 1000, "starts", starts, problem, "give 1 to 1000")
+    problem = "out of range"
+    require(1 <= starts <= 1000, "starts", starts, problem, "must be between 1 and 1000")
     made, remarks = _native.calibrate(
         (*source(scenario), written(set)),
         _record(given),
@@ -177,23 +177,23 @@ def forecast(
         years: number of years for each draw, from 2 to 10000.
         seed: seed of all random numbers.
         interval: confidence level of the intervals, from 0.5 to 0.999.
-        share: a share of f_s, from 0 to below 1. Time counts as loaded where the friction force is
-            above this share of f_s.
+        share: a fraction of f_s, from 0 to below 1. Time counts as loaded while the friction force
+            is above this fraction of f_s.
         processes: number of Ornstein-Uhlenbeck processes in the weather: 1, or 2 for a fast and a
             slow one.
 
     Returns:
         Along `quantity`, in the unit `quantity_unit`: `expected`, the mean of a year with the most
-        likely parameters, its interval `expected_low` to `expected_high`, which holds the error of
-        the parameters, and the interval `year_low` to `year_high` for a single year. Along
-        `return_period`, in years: `return_level`, the |z| in metres that is exceeded once in this
-        period, with its interval `return_level_low` to `return_level_high`. Along `draw` and
-        `year`, each simulated year: `sliding_path` in m, `slips`, `displacement_range` and
+        likely parameters, its interval `expected_low` to `expected_high`, which includes the
+        uncertainty of the parameters, and the interval `year_low` to `year_high` for a single year.
+        Along `return_period`, in years: `return_level`, the |z| in metres exceeded once per period,
+        with its interval `return_level_low` to `return_level_high`. Along `draw` and `year`, each
+        simulated year: `sliding_path` in m, `slips`, `displacement_range` and
         `displacement_abs_max` in m, `loaded_share`, and `force_abs_max` in N if K_BP is known.
 
     Raises:
-        ScenarioError: something in the scenario is wrong.
-        ArgumentError: an argument, or something in the data, is wrong.
+        ScenarioError: the scenario is invalid.
+        ArgumentError: an argument, or the data, are invalid.
         RunError: the measurement does not determine the parameters of bearing or weather.
         KeyboardInterrupt: Ctrl-C came before two draws were done.
     """
@@ -201,11 +201,11 @@ def forecast(
     checked(forecast, given)
     ready()
     _probability(interval)
-    problem = "so many are too few to say how sure it is, or too many"
+    problem = "out of range"
     for name, count in (("draws", draws), ("years", years)):
-        require(2 <= count <= 10_000, name, count, problem, "give 2 to 10000")
-    problem = "it is no share of f_s that friction can hold"
-    require(0 <= share < 1, "share", share, problem, "give 0 to below 1")
+        require(2 <= count <= 10_000, name, count, problem, "must be between 2 and 10000")
+    problem = "out of range"
+    require(0 <= share < 1, "share", share, problem, "must be in [0, 1)")
     _one_or_two(processes)
     made, remarks = _native.forecast(
         (*source(scenario), written(set)),
@@ -285,8 +285,8 @@ def fit_temperature(
             Celsius, as for `calibrate`.
         processes: largest number of Ornstein-Uhlenbeck processes in the noise: 1, or 2 for a fast
             and a slow one.
-        periods: the periods of the harmonics, in seconds, as a text such as "10m", or as a
-            timedelta; by default a year of 365.25 days and a day, as far as the samples tell them.
+        periods: the periods of the harmonics, in seconds, as a string such as "10m", or as a
+            timedelta; by default a year of 365.25 days and a day, if the samples resolve them.
             An empty sequence fits no harmonics.
         temperature, temperature_unit, time, zone, dates, skip, missing, outliers,
             decimal, averaged: as for `calibrate`.
@@ -295,7 +295,7 @@ def fit_temperature(
         The fitted temperature with its standard errors.
 
     Raises:
-        ArgumentError: an argument, or something in the data, is wrong.
+        ArgumentError: an argument, or the data, are invalid.
         RunError: the samples do not determine the fit.
     """
     given = locals()
@@ -304,9 +304,9 @@ def fit_temperature(
     lengths = None
     if periods is not None:
         lengths = [_seconds("periods", period) for period in periods]
-        problem = "they name one period twice"
+        problem = "a period is listed twice"
         is_right = len({*lengths}) == len(lengths)
-        require(is_right, "periods", list(periods), problem, "name each period once")
+        require(is_right, "periods", list(periods), problem, "list each period once")
     if _is_table(data):
         measured = _table(given)
     else:
@@ -338,7 +338,7 @@ def twin(
 ) -> xr.Dataset:
     """Make synthetic measurements of a bearing with known parameters, like `mc twin`.
 
-    A calibration can be tried on them: `calibrate(scenario, ds.temperature, ds.displacement)`
+    Use them to test a calibration: `calibrate(scenario, ds.temperature, ds.displacement)`
     estimates the parameters from them, and `ds.truth` holds the true values.
 
     Args:
@@ -359,8 +359,7 @@ def twin(
         drift: drift of the displacement sensor, in metres a year.
         zero_set: when the zero of the displacement sensor is set, and by how many metres its
             readings move from then on; None where it is not set.
-        thermometer_every: the thermometer shows only every so-many-th sample; its other samples are
-            NaN.
+        thermometer_every: the thermometer shows only every n-th sample; its other samples are NaN.
         start: the date of the first sample (UTC where it has no zone), at which t = 0 in the
             harmonics, if the temperature is simulated; by default 2015-01-01T00:00:00Z.
         duration: length of the measurement, if the temperature is simulated.
@@ -375,8 +374,8 @@ def twin(
         parameters in the unit `quantity_unit`. The attribute `start` is the date of time 0.
 
     Raises:
-        ScenarioError: something in the scenario is wrong.
-        ArgumentError: an argument is wrong.
+        ScenarioError: the scenario is invalid.
+        ArgumentError: an argument is invalid.
     """
     checked(twin, locals())
     ready()
@@ -391,26 +390,25 @@ def twin(
         1 <= len(sensor_noise) <= 3,
         "sensor_noise",
         sensor_noise,
-        "it is one to three numbers",
+        "must be one to three numbers",
         "give (white, red, time), e.g. (30e-6, 150e-6, 86400)",
     )
     parts: list[Any] = [*sensor_noise, *(0.0, 86_400.0)[len(sensor_noise) - 1 :]]
     white, red, memory = parts
     for sd in (white, red):
         is_right = not isinstance(sd, (str, timedelta)) and 0 <= sd < float("inf")
-        problem = "it is no standard deviation"
-        require(is_right, "sensor_noise", sd, problem, "give metres, 0 or above")
-    require(gaps >= 0, "gaps", gaps, "it is no number of gaps", "give 0 or more")
-    require(abs(drift) < float("inf"), "drift", drift, "it is no drift", "give metres a year")
-    problem = "it is no number of samples"
-    require(
-        thermometer_every >= 1, "thermometer_every", thermometer_every, problem, "give 1 or more"
-    )
+        problem = "must be a standard deviation"
+        require(is_right, "sensor_noise", sd, problem, "give metres, at least 0")
+    require(gaps >= 0, "gaps", gaps, "out of range", "must be at least 0")
+    require(abs(drift) < float("inf"), "drift", drift, "must be finite", "give metres per year")
+    problem = "out of range"
+    remedy = "must be at least 1"
+    require(thermometer_every >= 1, "thermometer_every", thermometer_every, problem, remedy)
     moved = None if zero_set is None else (_seconds("zero_set", zero_set[0]), float(zero_set[1]))
     seconds, step = _seconds("duration", duration), _seconds("every", every)
-    problem = f"{seconds / step:.0f} samples are not between 2 and 1e7"
+    problem = f"{seconds / step:.0f} samples; must be between 2 and 1e7"
     is_right = 2 <= seconds / step <= 1e7
-    require(is_right, "duration", duration, problem, "choose other duration and every")
+    require(is_right, "duration", duration, problem, "change duration or every")
     first = None
     arrays = None
     if temperature is not None:
@@ -462,11 +460,11 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
             displacement is None or isinstance(displacement, str),
             "displacement",
             type(displacement).__name__,
-            "the data have columns",
+            "the data are a table",
             "give the name of one",
         )
         return _table(given)
-    problem = "the temperatures come without displacements"
+    problem = "displacements are missing"
     require(displacement is not None, "displacement", None, problem, "give both")
     of_arrays = ("displacement", "outliers", "averaged")
     for name in ("temperature_file", *_LAYOUT, *_COLUMNS):
@@ -474,8 +472,8 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
             name in of_arrays or not given[name],
             name,
             given[name],
-            "it is about files, and these data are arrays",
-            "leave it out; arrays are in degrees, metres, and seconds or dates",
+            "it applies to files, but the data are arrays",
+            "remove it; arrays are in degrees Celsius, metres, and seconds or dates",
         )
     outliers = given["outliers"]
     times, temperatures, first = _repaired(data, "data", "temperature", outliers)
@@ -484,7 +482,7 @@ def _record(given: Mapping[str, Any]) -> _native.Measured:
         (first is None) == (later is None),
         "displacement",
         "its times",
-        "dates do not go with numbers",
+        "dates cannot be combined with numbers",
         "give dates for both, or seconds for both",
     )
     if first is not None and later is not None:
@@ -510,7 +508,7 @@ def _table(given: Mapping[str, Any]) -> _native.Measured:
     other = given.get("temperature_layout") or {}
     remedy = f"give some of {', '.join(_LAYOUT)}"
     for name in other:
-        require(name in _LAYOUT, "temperature_layout", name, "a layout has no such part", remedy)
+        require(name in _LAYOUT, "temperature_layout", name, "unknown part of a layout", remedy)
     about: Any = {name: given.get(name) for name in _COLUMNS}
     about["temperature_file"] = None if beside is None else os.fspath(beside)
     measured = _arrays(None, given)
@@ -544,10 +542,11 @@ def _arrays(arrays: list[Any] | None, given: Mapping[str, Any]) -> _native.Measu
 
 
 def _probability(interval: float) -> None:
-    problem = "it is no probability of an interval"
-    require(0.5 <= interval <= 0.999, "interval", interval, problem, "give 0.5 to 0.999")
+    problem = "out of range"
+    remedy = "must be between 0.5 and 0.999"
+    require(0.5 <= interval <= 0.999, "interval", interval, problem, remedy)
 
 
 def _one_or_two(processes: int) -> None:
-    problem = "the weather has one process or two"
-    require(processes in (1, 2), "processes", processes, problem, "give 1 or 2")
+    problem = "out of range"
+    require(processes in (1, 2), "processes", processes, problem, "must be 1 or 2")

@@ -16,11 +16,11 @@ class Check:
     """A checked scenario, as `mc check` prints it.
 
     Attributes:
-        title: what the scenario asks, in one line.
+        title: title of the scenario, in one line.
         toml: the whole scenario as TOML text, with every default written out. `run` accepts it as a
             scenario.
-        derived: numbers that follow from the scenario, by name, e.g. "natural_frequency" or
-            "steps". They are in the units of the scenario, and None where there is no such number.
+        derived: derived quantities by name, e.g. "natural_frequency" or
+            "steps". In the units of the scenario; None if a quantity does not exist.
         warnings: sentences by name; empty if there is nothing to warn about.
     """
 
@@ -50,11 +50,10 @@ def check(
             `run`; `until` is a time.
 
     Returns:
-        The scenario in full, the numbers that follow from it, and warnings.
+        The resolved scenario, derived quantities, and warnings.
 
     Raises:
-        ScenarioError: something in the scenario is wrong. The error says where, and what would be
-            right.
+        ScenarioError: the scenario is invalid. The error gives the location and a fix.
         ArgumentError: `temperature` or one of `inputs` is not a measurement.
     """
     given = locals()

@@ -58,8 +58,8 @@ def raw(ds: xr.Dataset) -> tuple[dict[str, Any], list[tuple[str, list[str], Any,
 def load(file: str | os.PathLike[str]) -> xr.Dataset:
     """Open a file that `mc run`, `merge`, `replay`, `sweep`, `trade` or `calibrate` wrote.
 
-    Values are read from the file when they are used. xarray needs a reader of netCDF-4 files for
-    it: `pip install stickslip[files]` installs h5netcdf.
+    Values are read from the file when they are used. xarray needs a netCDF-4 backend:
+    `pip install stickslip[files]` installs h5netcdf.
 
     Args:
         file: path of the file.
@@ -73,7 +73,7 @@ def load(file: str | os.PathLike[str]) -> xr.Dataset:
 
     Raises:
         OSError: the file cannot be opened.
-        ValueError: no reader of netCDF-4 files is installed, or the file is not such a file.
+        ValueError: no netCDF-4 backend is installed, or the file is not a netCDF-4 file.
     """
     import xarray as xr
 

@@ -61,8 +61,8 @@ def events(ds: xr.Dataset) -> pd.DataFrame:
         count.sum() == ds.sizes["event"],
         "ds",
         f"{len(count)} paths",
-        f"they have {count.sum()} events, and the data set has {ds.sizes['event']}",
-        "make the frame of the whole data set, and select its rows",
+        f"they have {count.sum()} events, but the data set has {ds.sizes['event']}",
+        "pass the whole data set, and select rows of the frame",
     )
     columns: dict[str, Any] = {"path": np.repeat(ds["path"].to_numpy(), count)}
     for name in ("time", "displacement", "force", "sign"):
@@ -85,9 +85,9 @@ def summary(ds: xr.Dataset) -> pd.DataFrame:
         them in the index. The columns are `estimate`, `standard_error`, the 95 % confidence
         interval from `interval_low` to `interval_high`, `bias` with `bias_uncertainty`,
         `estimate_corrected` with its 95 % interval from `estimate_corrected_low` to
-        `estimate_corrected_high`, `unit` and `long_name`. A number that is unknown is NaN, and the
-        unit "1" is that of a number without one. The last rows are the statistics of your own, if
-        the run has some; their units are unknown to the program.
+        `estimate_corrected_high`, `unit` and `long_name`. Unknown
+        numbers are NaN, and dimensionless statistics have the unit "1". The last rows are
+        user-defined statistics, if the run has any; they have no unit.
 
     Raises:
         ArgumentError: the data set has no statistics.

@@ -1,4 +1,4 @@
-"""Statistics of the caller's own: functions from the events of paths to a number for each path."""
+"""User-defined statistics: functions from the events of paths to one number per path."""
 
 from __future__ import annotations
 
@@ -85,19 +85,20 @@ def _checked(name: str, statistic: Statistic) -> Callable[..., Any]:
             len(numbers) < 3 and all(part.shape == events.count.shape for part in numbers),
             "own",
             name,
-            f"it gives shapes {shapes} for {len(events.count)} paths",
-            "give one number for each path, or a pair of such arrays for a ratio",
+            f"it returned shapes {shapes} for {len(events.count)} paths",
+            "return one number per path, or a pair of such arrays for a ratio",
         )
-        problem = "it gives numbers that are not finite"
+        problem = "it returned numbers that are not finite"
         is_finite = all(np.isfinite(part).all() for part in numbers)
-        require(is_finite, "own", name, problem, "give a number for each path, 0 for nothing")
+        remedy = "return a finite number for each path, e.g. 0 for a path without events"
+        require(is_finite, "own", name, problem, remedy)
         return numbers[0], (numbers[1] if len(numbers) > 1 else None)
 
     return call
 
 
 def _real(argument: str, shown: str, values: Any) -> npt.NDArray[np.float64]:
-    """The values as real numbers. Those that would lose a part of what they say are refused."""
+    """The values as real numbers. Values that cannot be converted without loss are refused."""
     import numpy as np
 
     problem = None
@@ -109,5 +110,5 @@ def _real(argument: str, shown: str, values: Any) -> npt.NDArray[np.float64]:
         if problem is None:
             return np.asarray(values, dtype=np.float64)
     except (TypeError, ValueError) as error:
-        problem = f"it is no array of numbers ({error})"
-    raise wrong_argument(argument, shown, problem, "give real numbers, 0 for nothing")
+        problem = f"it is not an array of numbers ({error})"
+    raise wrong_argument(argument, shown, problem, "give real numbers")

@@ -51,10 +51,10 @@ class Picture:
         """Write the picture to a file, which is replaced if it exists.
 
         Args:
-            file: name of the file. Its ending, .svg, .png or .pdf, selects the format.
+            file: name of the file. Its extension, .svg, .png or .pdf, selects the format.
 
         Raises:
-            ArgumentError: the name has another ending.
+            ArgumentError: the file extension is unknown.
             OSError: the file cannot be written.
         """
         path = Path(file)
@@ -63,7 +63,7 @@ class Picture:
         )
         if made is None:
             raise wrong_argument(
-                "file", path, "the ending does not tell a format", "end it in .svg, .png or .pdf"
+                "file", path, "unknown file extension", "use .svg, .png or .pdf"
             )
         path.write_bytes(made())
 
@@ -96,8 +96,9 @@ def plot(
             several data sets of sweeps over the same key, as a dictionary by name.
         only: the name of one figure, or of one of its panels by its letter, e.g. "sticks.B". Of a
             scenario: "path". Of a run: "overview", "path", "fan", "sticks", "sub-phases" or
-            "drift". Of a trade: "trade". Of sweeps: "sweep", or "tornado" for elasticities. Of a
-            calibration: "calibration", "loops" or "residuals".
+            "drift", and "laws", "density" or "spectrum" if recorded. Of a trade: "trade". Of
+            sweeps: "sweep", "section" for deterministic scenarios, or "tornado" for elasticities.
+            Of a calibration: "calibration", "loops" or "residuals".
         path: number of the path that is drawn, from 0, of a scenario or a run.
         until: time at which the path of a scenario ends, in its unit of time. It has no effect on a
             data set.
@@ -105,7 +106,7 @@ def plot(
             the first that the trade has an answer for, or two statistics of a sweep.
         theme: "light" or "dark".
         width: width of one figure in millimetres, from 60 to 400; a page is two figures wide.
-        log: whether densities and shares have logarithmic vertical axes.
+        log: whether densities and fractions have logarithmic vertical axes.
         title: the heading of a page; by default that of the subject.
         labels: words for keys and statistics at the axes of sweeps, by name.
         set: further keys of a scenario with their values, as for `run`. It has no effect on a data
@@ -115,13 +116,13 @@ def plot(
         The picture.
 
     Raises:
-        ArgumentError: the subject has no such figure, or an argument is wrong.
-        ScenarioError: something in the scenario is wrong.
+        ArgumentError: the subject has no such figure, or an argument is invalid.
+        ScenarioError: the scenario is invalid.
         RunError: there is nothing to draw, because every path was lost.
     """
     checked(plot, locals())
     is_known = theme in ("light", "dark")
-    require(is_known, "theme", theme, "there is no such theme", "write light or dark")
+    require(is_known, "theme", theme, "unknown theme", "write light or dark")
     drawn = (only, theme == "dark", float(width), log, title, [*(labels or {}).items()])
     given: Any = subject
     data: Mapping[str, Any] = {"sweep": given}
@@ -132,7 +133,7 @@ def plot(
     elif _kind(given) not in STUDIES:
         scenario = of_run(given)
     is_sweep = scenario is None and {*map(_kind, data.values())} == {"stick-slip sweep"}
-    require(is_sweep or not labels, "labels", labels, "the subject is no sweep", "leave it out")
+    require(is_sweep or not labels, "labels", labels, "the subject is not a sweep", "remove it")
     handed = [(str(name), raw(one)) for name, one in data.items()]
     return Picture(_native.plot(scenario, handed, path, statistic, drawn))
 

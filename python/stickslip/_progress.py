@@ -1,4 +1,4 @@
-"""Show how far a run has come."""
+"""Show the progress of a run."""
 
 from __future__ import annotations
 

@@ -22,15 +22,15 @@ if TYPE_CHECKING:
 #: run.
 Until = Union[float, str, Sequence[str]]
 
-#: What is kept of single paths: the names "paths" and "events", or a dictionary, which may also
-#: have the key "trajectories".
+#: What is recorded: names such as "paths" and "events", or a dictionary, which may also have the
+#: key "trajectories".
 Record = Union[str, Sequence[str], Mapping[str, Any]]
 
 #: The formats of data sets that are not of a run.
 STUDIES = ("stick-slip trade", "stick-slip sweep", "stick-slip calibration")
 
 #: The attributes of the state of a part.
-_PART_STATE = {"long_name": "state of a part of a run, from which mc merge joins it to the others"}
+_PART_STATE = {"long_name": "state of a part of a run, used by mc merge"}
 
 
 def run(
@@ -62,8 +62,8 @@ def run(
     within 0.3 s. The paths that are done by then are returned, with a `StickSlipWarning` and with
     the attribute `status` equal to "interrupted".
 
-    In brackets below is the key of the scenario that an argument replaces. None leaves the value of
-    the scenario in force.
+    In brackets below is the key of the scenario that an argument replaces. None keeps the value of
+    the scenario.
 
     Args:
         scenario: the path of a TOML file, TOML text of several lines, the name of a shipped
@@ -77,20 +77,21 @@ def run(
             "quasi-static" [scheme.kind].
         step: time step of "discrete-vi" and "corrected-vi", in the unit of time of the scenario
             [time.step].
-        tolerance: relative error that the discretisation of "event-driven" and "quasi-static" may
-            leave [scheme.tolerance].
+        tolerance: permitted relative discretisation error of "event-driven" and "quasi-static"
+            [scheme.tolerance].
         until: the time at which each path ends, in the unit of time of the scenario [time.end]; or
-            a goal; or a list of goals with at most one end time. A goal is a text such as
+            a goal; or a list of goals with at most one end time. A goal is a string such as
             "stick_duration_mean < 0.5%", or "stick_duration_mean < 0.01" in the unit of the
             statistic. With goals, paths are added until the standard error of each named statistic
             is below its bound.
         set: further keys of the scenario with their values, e.g. `{"friction.static": 1.3}` or
             `{"friction": {"static": 1.3}}`. A dictionary as a value leaves the other keys of its
             table as they are.
-        record: what is kept of single paths: "paths" for a few numbers of each path, "events" for
-            every event of each path, a list of both, or a dictionary such as `{"events": True,
-            "trajectories": 3}`, in which `trajectories` is the number of paths whose trajectory is
-            kept.
+        record: what is recorded: "paths" for a few numbers of each path, "events" for every event
+            of each path, "laws" for distributions of slips, "density" for densities of x and x',
+            "energy" for the work of every force, "spectrum" for spectra; a list of these names; or
+            a dictionary such as `{"events": True, "trajectories": 3}`, in which `trajectories` is
+            the number of paths whose trajectory is recorded.
         temperature: a measured temperature, which replaces the table `[temperature.series]` of the
             scenario: a pandas Series with time as its index, a one-dimensional DataArray along
             time, or a pair (times, values) of one-dimensional arrays of equal length. Times and
@@ -99,19 +100,18 @@ def run(
         inputs: measured inputs by name, e.g. `{"ag": (times, accelerations)}`, in place of the
             tables `[input.NAME]`. The first time is 0, and nothing is repaired.
         accuracy: a relative error from 1e-6 to 0.5, e.g. 0.01. Scheme, step or tolerance, and
-            number of paths are then chosen for this error, after a pilot run of about 8 s. It
-            cannot be given together with `paths`, `scheme`, `step`, `tolerance` or a goal. The
-            attribute `accuracy` of the result holds what was chosen.
+            number of paths are chosen for this error, after a pilot run of about 8 s. It cannot be
+            combined with `paths`, `scheme`, `step`, `tolerance` or a goal. The attribute `accuracy`
+            of the result records the choice.
         statistic: the name or the names of the statistics that `accuracy` is for; all of
             `STATISTICS` if none is named.
-        max_time: a limit of the wall-clock time: seconds, a text such as "10m", "1.5h" or "1d 2h",
-            or a timedelta. The run ends in time for it, with the attribute `status` equal to
-            "ended".
+        max_time: limit of the wall-clock time: seconds, a string such as "10m", "1.5h" or "1d 2h",
+            or a timedelta. The run ends within it, with the attribute `status` equal to "ended".
         part: one part of the run, e.g. "3/16" for the third of 16. `merge` joins the parts. It
-            cannot be given together with a goal, `max_time`, `accuracy` or `own`.
-        bias: whether to estimate the bias of each statistic that comes from the time step. The
+            cannot be combined with a goal, `max_time`, `accuracy` or `own`.
+        bias: whether to estimate the bias of each statistic due to the time step. The
             estimate takes up to an eighth of the time.
-        own: statistics of your own, as functions by name. A function is called with the `Events` of
+        own: user-defined statistics, as functions by name. A function is called with the `Events` of
             a block of at most 256 paths and returns one finite number for each path: an array of
             shape `(len(events.count),)`, whose mean over all paths is estimated. A function may
             also return a pair of such arrays; the ratio of their means is then estimated.
@@ -124,26 +124,26 @@ def run(
         A data set with one value for each statistic along `statistic` (coordinate: the names in
         `STATISTICS`): `estimate`, `standard_error`, the 95 % confidence interval from
         `interval_low` to `interval_high`, and `bias` with `bias_uncertainty`. They are in the units
-        of `statistic_unit`, and NaN where the statistic does not exist. The interval holds the
-        error of a finite ensemble only; `estimate_corrected` and its interval allow for the bias as
-        well.
+        of `statistic_unit`, and NaN where the statistic does not exist. The interval covers
+        only the error of a finite ensemble; `estimate_corrected` and its interval also allow for
+        the bias.
 
         Curves of mean, standard deviation and quantiles are along `time`, the histogram and the
         survival curve of stick durations along `law` and `law_bin`, and the numbers of sub-phases
-        along `sub_phase`. The interval of such a variable has its name and `_interval`. What is recorded of single paths is along `path`, `event` and `trajectory`.
-        Statistics of your own are `own_estimate`, `own_standard_error`, `own_interval_low` and
-        `own_interval_high` along `own`; the path is the independent unit of their 95 % intervals,
-        as of all others.
+        along `sub_phase`. The interval of such a variable has its name and `_interval`. Per-path
+        records are along `path`, `event` and `trajectory`. User-defined statistics are
+        `own_estimate`, `own_standard_error`, `own_interval_low` and `own_interval_high` along
+        `own`. All intervals are 95 %, with paths as independent units.
 
-        The attributes hold what is needed to repeat the run, such as the resolved `scenario`,
+        The attributes contain everything needed to repeat the run, such as the resolved `scenario`,
         `seed` and `paths`, and how it ended (`status`, `completed_paths`). The page
         `docs/output-format.md` lists every variable and attribute.
 
     Raises:
-        ScenarioError: something in the scenario or in an argument that replaces a key of it is
-            wrong. The error says where, and what would be right.
-        ArgumentError: another argument is wrong, or two of them cannot be given together.
-        RunError: `max_time` was up before the first paths were done.
+        ScenarioError: the scenario, or an argument that replaces one of its keys, is
+            invalid. The error gives the location and a fix.
+        ArgumentError: another argument is invalid, or two of them cannot be combined.
+        RunError: `max_time` was reached before the first paths were done.
         KeyboardInterrupt: Ctrl-C came before the first paths were done.
         Exception: whatever a function in `own` or `progress` raises.
     """
@@ -157,8 +157,8 @@ def run(
         part is None or not own and accuracy is None,
         "part",
         part,
-        "a part has neither statistics of your own nor an accuracy",
-        "give them to a run in one piece",
+        "a part cannot have user-defined statistics or an accuracy",
+        "use them in a run that is not split",
     )
     if accuracy is not None:
         parsed, goal = _chosen(
@@ -205,7 +205,7 @@ def merge(
     Args:
         parts: the data sets of all parts of one run, in any order. They may come from several
             machines, and from files of `mc run --part`, but from one build of the program.
-        bias: whether to estimate the bias of each statistic that comes from the time step. Parts
+        bias: whether to estimate the bias of each statistic due to the time step. Parts
             have no such estimate, so it is made here.
         threads: number of threads for that estimate; one for each core if not given.
         progress: as for `run`.
@@ -224,11 +224,11 @@ def merge(
             hasattr(ds, "data_vars") and "part" in ds.attrs and "part_state" in ds,
             "parts",
             f"parts[{number}]",
-            "it is no part",
+            "it is not a part",
             'give what run(..., part="1/4") returned, or the file of mc run --part',
         )
         given.append((f"parts[{number}]", raw(ds), ds.part_state.to_numpy().tobytes()))
-    require(bool(given), "parts", "nothing", "there are no parts", "give all parts of a run")
+    require(bool(given), "parts", "nothing", "no parts given", "give all parts of a run")
     with shown(progress) as told:
         made, remarks = _native.merge(given, bias=bias, threads=threads, progress=told)
     warn(remarks)
@@ -244,10 +244,10 @@ def _chosen(
     decided: object,
 ) -> tuple[_native.Scenario, str]:
     """The scenario with the choice for an accuracy, and the text of the attribute `accuracy`."""
-    problem = "it chooses scheme, step or tolerance, and paths, and something else does so as well"
-    require(not decided, "accuracy", accuracy, problem, "leave out one of them")
-    problem = "it is no relative error that can be reached"
-    require(1e-6 <= accuracy <= 0.5, "accuracy", accuracy, problem, "give 1e-6 to 0.5")
+    problem = "it chooses scheme, step or tolerance, and paths, which another argument also sets"
+    require(not decided, "accuracy", accuracy, problem, "remove one of them")
+    problem = "it is not a relative error that can be reached"
+    require(1e-6 <= accuracy <= 0.5, "accuracy", accuracy, problem, "must be between 1e-6 and 0.5")
     named = [statistic] if isinstance(statistic, str) else list(statistic)
     return _native.choose(parsed, accuracy, named, seconds, threads)
 
@@ -261,7 +261,7 @@ def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Datas
     columns = np.array([numbers for _, *numbers in estimates])
     meanings = {
         "own_estimate": "estimate",
-        "own_standard_error": "standard error of the estimate, the path being the independent unit",
+        "own_standard_error": "standard error of the estimate, with paths as independent units",
         "own_interval_low": "lower end of the 95 % confidence interval",
         "own_interval_high": "upper end of the 95 % confidence interval",
     }
@@ -271,7 +271,7 @@ def _of_own(estimates: list[tuple[str, float, float, float, float]]) -> xr.Datas
     }
     return xr.Dataset(
         variables,
-        coords={"own": ("own", np.array(names), {"long_name": "statistic of the caller's own"})},
+        coords={"own": ("own", np.array(names), {"long_name": "user-defined statistic"})},
     )
 
 
@@ -285,7 +285,7 @@ def replay(run: xr.Dataset, path: int) -> xr.Dataset:
     Returns:
         A data set like that of `run` for this one path, which is the path of the ensemble bit for
         bit. Its events are along `event`. Its trajectory, with the dimensions `trajectory` (of size
-        1) and `time`, is as fine as its scheme knows it.
+        1) and `time`, is as fine as the scheme resolves it.
 
     Raises:
         ArgumentError: the ensemble has no such path, or the data set is not that of a run.
@@ -322,8 +322,8 @@ def _end_and_goals(until: Until | None) -> tuple[float | str | None, list[str]]:
         return until, []
     all_of_them: list[Any] = [until] if isinstance(until, str) else list(until)
     ends = [text for text in all_of_them if "<" not in text]
-    problem = "it has more than one end of the simulation"
-    require(len(ends) < 2, "until", until, problem, "give one time, and goals")
+    problem = "it has more than one end time"
+    require(len(ends) < 2, "until", until, problem, "give at most one time")
     try:
         float(*ends or "0")
     except ValueError:

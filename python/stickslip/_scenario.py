@@ -74,7 +74,7 @@ def parse(given: Mapping[str, Any], **replaced: object) -> _native.Scenario:
         dated is None or parsed.time_unit in _SECONDS,
         dated or "temperature",
         "a series with dates",
-        f'its times are in seconds, and `units.time` is "{parsed.time_unit}"',
+        f'its times are in seconds, but `units.time` is "{parsed.time_unit}"',
         'write the whole scenario in seconds, and `time = "s"` under [units]',
     )
     return parsed
@@ -112,8 +112,8 @@ def source(scenario: ScenarioLike) -> tuple[str, str | None]:
         isinstance(scenario, (str, os.PathLike)),
         "scenario",
         type(scenario).__name__,
-        "it is no scenario",
-        "give the path of a TOML file, TOML text, the name of a shipped one, or a dictionary",
+        "it is not a scenario",
+        "give the path of a TOML file, TOML text, the name of a shipped scenario, or a dictionary",
     )
     path = os.fspath(scenario)
     if "\n" in path:
@@ -154,14 +154,14 @@ def samples(
         not np.ma.is_masked(times),
         argument,
         "a masked time",
-        "a value without a time cannot be placed",
-        "leave out the samples without a time, e.g. x[~numpy.ma.getmaskarray(times)]",
+        "every value needs a time",
+        "remove the samples without a time, e.g. x[~numpy.ma.getmaskarray(times)]",
     )
     require(
         not (np.iscomplexobj(times) or np.iscomplexobj(values)),
         argument,
         "complex numbers",
-        "a measurement has no imaginary part",
+        "measurements must be real",
         "give the real part, e.g. x.real",
     )
     times = np.asarray(times)
@@ -178,7 +178,7 @@ def samples(
         times.ndim == 1 and times.shape == values.shape,
         argument,
         f"shapes {times.shape} and {values.shape}",
-        "times and values do not go together",
-        "give as many times as values, each in one dimension",
+        "times and values have different shapes",
+        "give one-dimensional times and values of equal length",
     )
     return times, np.ascontiguousarray(values), first

@@ -43,7 +43,7 @@ def sweep(
 ) -> xr.Dataset:
     """Compute statistics as functions of keys of the scenario, like `mc sweep`.
 
-    All points of the sweep see the same noise, unless `time.step` varies, so that differences
+    All points of the sweep share the same noise, unless `time.step` varies, so that differences
     between neighbouring points are much more precise than the estimates themselves. After Ctrl-C
     the points that are done are returned with a `StickSlipWarning`.
 
@@ -71,19 +71,19 @@ def sweep(
         `difference_error`, `difference_low` and `difference_high` from each point to the next, with
         the further dimension `along`. With `elasticity`: the same estimates along `point` and
         `statistic`, and `elasticity`, `elasticity_error`, `elasticity_low` and `elasticity_high`
-        along `key` and `statistic`. `point_status` says which points are done (1); the others are
+        along `key` and `statistic`. `point_status` is 1 for finished points; the others are
         NaN.
 
     Raises:
-        ScenarioError: something in the scenario, or at a point of the sweep, is wrong.
-        ArgumentError: another argument is wrong.
+        ScenarioError: the scenario, or a point of the sweep, is invalid.
+        ArgumentError: another argument is invalid.
         KeyboardInterrupt: Ctrl-C came before the first point was done.
     """
     given = locals()
     checked(sweep, given)
     ready()
     keys = [elasticity] if isinstance(elasticity, str) else list(elasticity)
-    problem = "either keys are varied, or elasticities are asked for"
+    problem = "give either `vary` or `elasticity`"
     require(bool(vary) != bool(keys), "vary", vary, problem, "give one of them")
     parsed = parse(given)
     with shown(progress) as told:
@@ -98,7 +98,7 @@ def sweep(
             workers=threads,
             progress=told,
         )
-    warn(["interrupted: the points that are missing are NaN"] if is_interrupted else [])
+    warn(["interrupted: missing points are NaN"] if is_interrupted else [])
     return dataset(made)
 
 
@@ -114,13 +114,13 @@ def trade(
 ) -> xr.Dataset:
     """Measure what accuracy costs on this machine, like `mc trade`.
 
-    Every scheme is run with several steps or tolerances. From these runs follow its bias, its
-    variance, and the cheapest run for a given accuracy. After Ctrl-C what was measured so far is
+    Every scheme is run with several steps or tolerances. The runs give its bias, its
+    variance, and the cheapest run for a given accuracy. After Ctrl-C the results so far are
     returned with a `StickSlipWarning`.
 
     Args:
         scenario, seed, set, temperature, inputs, threads: as for `run`.
-        budget: how long to measure, from 1 s to 7 d: seconds, a text such as "10m", or a timedelta.
+        budget: how long to measure, from 1 s to 7 d: seconds, a string such as "10m", or a timedelta.
 
     Returns:
         Along `rung`, one for each step or tolerance of each scheme: `rung_scheme`, `rung_step`,
@@ -133,8 +133,8 @@ def trade(
         scheme.
 
     Raises:
-        ScenarioError: something in the scenario is wrong.
-        ArgumentError: `budget` is not a time to measure for.
+        ScenarioError: the scenario is invalid.
+        ArgumentError: `budget` is out of range.
         RunError: the budget is too small, or there is nothing to compare.
     """
     given = locals()
@@ -142,7 +142,7 @@ def trade(
     ready()
     parsed = parse(given)
     made, is_interrupted = _native.trade(parsed, seconds("budget", budget), threads)
-    warn(["interrupted: what was measured until then is told"] if is_interrupted else [])
+    warn(["interrupted: the results are partial"] if is_interrupted else [])
     return dataset(made)
 
 

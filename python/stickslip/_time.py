@@ -1,4 +1,4 @@
-"""Lengths of time: numbers of seconds, texts such as "10m", and timedelta."""
+"""Durations: numbers of seconds, strings such as "10m", and timedelta."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ from typing import Union
 
 from .errors import wrong_argument
 
-#: A length of time: seconds, a text such as "10m", "1.5h" or "1d 2h", or a timedelta.
+#: A duration: seconds, a string such as "10m", "1.5h" or "1d 2h", or a timedelta.
 Time = Union[float, str, timedelta]
 
 _SECONDS = {"s": 1.0, "m": 60.0, "min": 60.0, "h": 3600.0, "d": 86_400.0}
@@ -16,10 +16,10 @@ _PIECE = re.compile(r"\s*(\d+\.?\d*|\.\d+)\s*(s|min|m|h|d)", re.ASCII)
 
 
 def seconds(argument: str, time: Time) -> float:
-    """A length of time in seconds.
+    """A duration in seconds.
 
     Raises:
-        ArgumentError: it is not above zero, too long, or no length of time. The error names
+        ArgumentError: it is not positive, too long, or not a duration. The error names
             `argument`.
     """
     length = _length(time)
@@ -27,14 +27,14 @@ def seconds(argument: str, time: Time) -> float:
         raise wrong_argument(
             argument,
             repr(time) if isinstance(time, str) else time,
-            "it is no time above zero",
-            'give a number of seconds, a text such as "10m", "1.5h" or "1d 2h", or a timedelta',
+            "it is not a positive duration",
+            'give seconds, a string such as "10m", "1.5h" or "1d 2h", or a timedelta',
         )
     return length
 
 
 def _length(time: Time) -> float:
-    """The length in seconds; NaN where a text is none."""
+    """The duration in seconds; NaN if a string is not one."""
     if isinstance(time, timedelta):
         return time.total_seconds()
     if not isinstance(time, str):

@@ -46,8 +46,8 @@ def value(key: str, given: object) -> str:
     raise wrong_argument(
         key,
         repr(given),
-        f"a scenario has no values of type {type(given).__name__}",
-        "give a number, a text, a truth value, a list or a dictionary",
+        f"a scenario cannot hold values of type {type(given).__name__}",
+        "give a number, a string, a bool, a list or a dictionary",
     )
 
 

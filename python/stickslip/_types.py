@@ -1,4 +1,4 @@
-"""Refuse arguments of a wrong type in the words of the package."""
+"""Check the types of arguments."""
 
 from __future__ import annotations
 
@@ -38,17 +38,17 @@ def _is_dataset(given: Any) -> bool:
     return hasattr(given, "data_vars") and hasattr(given, "attrs")
 
 
-#: What an annotation asks for: a test, and what to give instead.
+#: For each annotation, a test and the fix for a value that fails it.
 _ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
-    "str": (_is_text, "give a text"),
-    "Sequence[str]": (_are_texts, "give a list of texts"),
-    "str | Sequence[str]": (_are_texts, "give a text or a list of texts"),
+    "str": (_is_text, "give a string"),
+    "Sequence[str]": (_are_texts, "give a list of strings"),
+    "str | Sequence[str]": (_are_texts, "give a string or a list of strings"),
     "float": (_is_number, "give a number"),
-    "int": (_is_whole, "give a whole number, 0 or above"),
+    "int": (_is_whole, "give an integer, 0 or above"),
     "bool": (_is_truth, "give True or False"),
     "Time": (
         lambda given: _is_number(given) or isinstance(given, (str, timedelta)),
-        'give a number of seconds, a text such as "10m", or a timedelta',
+        'give seconds, a string such as "10m", or a timedelta',
     ),
     "Settings": (_is_table, 'give a dictionary, e.g. {"friction.static": 1.3}'),
     "Mapping[str, Statistic]": (_is_table, "give a dictionary of functions by name"),
@@ -61,7 +61,7 @@ _ASKED: dict[str, tuple[Callable[[Any], bool], str]] = {
     ),
     "Record": (
         lambda given: _is_table(given) or _are_texts(given),
-        'give "paths", "events", a list of both, or a dictionary',
+        'give a name such as "events", a list of names, or a dictionary',
     ),
     "Progress": (
         lambda given: given is None or isinstance(given, bool) or callable(given),
@@ -100,4 +100,4 @@ def checked(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
         if not (is_optional and value is None or is_such(value)):
             is_short = value is None or isinstance(value, (str, Real))
             shown = repr(value) if is_short else type(value).__name__
-            raise wrong_argument(name, shown, "it is of the wrong type or range", remedy)
+            raise wrong_argument(name, shown, "wrong type or out of range", remedy)

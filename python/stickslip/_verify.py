@@ -1,4 +1,4 @@
-"""Check that numbers are those that their scenario and their seed give."""
+"""Check that results are reproducible from their scenario and seed."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Verified:
-    """What was compared and found to be equal, bit for bit.
+    """What was compared and found identical, bit for bit.
 
     Attributes:
         blocks: number of blocks of 256 paths in the run; 0 for a trade, a sweep or a calibration.
@@ -26,8 +26,8 @@ class Verified:
         paths: number of paths in the run.
         paths_checked: number of paths that were simulated again.
         statistics_checked: whether all statistics were computed again and compared.
-        values_checked: how many numbers and texts were compared.
-        has_checksum: whether a file has a checksum, which then is right; None for a data set.
+        values_checked: number of numbers and strings compared.
+        has_checksum: whether a file has a checksum, which is then correct; None for a data set.
         same_program: whether this version of the program made the run.
     """
 
@@ -54,33 +54,33 @@ def verify(
         run: a data set that `run`, `merge` or `load` returned, or the path of the file of a run.
             The path may also be the file of a trade, a sweep or a calibration, of which only the
             checksum is compared; `mc verify` compares these as well.
-        blocks: how many blocks of 256 paths are simulated again; they are drawn at random in each
+        blocks: number of blocks of 256 paths to simulate again, drawn at random in each
             call. "all" simulates the whole run again and compares all statistics, which takes as
             long as the run.
         threads: number of threads; one for each core if not given.
 
     Returns:
-        What was compared. All of it is equal, bit for bit.
+        What was compared. All of it is identical, bit for bit.
 
     Raises:
-        VerificationError: a number differs from the one that the scenario gives. The error says
-            which.
+        VerificationError: a number differs from the one that the scenario gives. The error
+            names it.
         RunError: the file is damaged: its checksum is wrong.
-        ArgumentError: an argument is wrong, or is not a run.
+        ArgumentError: an argument is invalid, or is not a run.
         OSError: the file cannot be opened.
     """
     ready()
     is_number = blocks == "all" or not isinstance(blocks, str) and blocks >= 0
     remedy = 'give a number of blocks, or "all"'
-    require(is_number, "blocks", blocks, "it is no number of blocks", remedy)
+    require(is_number, "blocks", blocks, "it is not a number of blocks", remedy)
     if not isinstance(run, (str, os.PathLike)):
         return _verified(run, blocks, threads, None, "data set")
     path = Path(run)
     path.stat()
     is_right = _native.sealed(str(path), True)
     if is_right is False:
-        problem = f"{path} is damaged: its checksum is another one"
-        remedy = "take another copy of it, or run its scenario again"
+        problem = f"{path} is damaged: its checksum does not match"
+        remedy = "restore it from a copy, or run its scenario again"
         raise RunError(f"{problem}\n  fix: {remedy}", problem=problem, remedy=remedy)
     has_checksum = is_right is not None
     with load(path) as ds:
@@ -97,7 +97,7 @@ def _verified(
     where: str,
 ) -> Verified:
     is_same = _is_same_program(ds)
-    other = "it was made by another version of the program, which may compute other numbers"
+    other = "it was made by another version of the program, whose results may differ"
     warn([] if is_same else [other], level=4)
     of_run(ds)
     # Statistics of the caller's own cannot be computed again.
@@ -107,11 +107,11 @@ def _verified(
     if difference is not None:
         problem = (
             f"{difference.pop('place')} is {difference['stored']} in the {where}, "
-            f"and {difference['computed']} when it is computed again"
+            f"but {difference['computed']} when computed again"
         )
         remedy = (
-            f"take the {where} as it was made; "
-            "its scenario, its seed or its numbers were changed since"
+            f"use the unmodified {where};  "
+            "its scenario, seed or numbers were changed"
         )
         message = f"{problem}\n  fix: {remedy}"
         raise VerificationError(message, problem=problem, remedy=remedy, **difference)

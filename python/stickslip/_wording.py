@@ -1,4 +1,4 @@
-"""Messages of the engine, in words of Python.
+"""Messages of the engine, in terms of Python.
 
 The engine speaks to users of the command as well, so some of its advice names a flag or another
 command. Here it names the argument or the function instead.
@@ -24,8 +24,8 @@ _IN_PYTHON = [
         (r"`mc init` prints a scenario to start from", 'check("rho025").toml is one to start from'),
         (r"`mc check` prints every key of a scenario", "check(scenario).toml has every key"),
         (
-            r"`mc show (.+)` shows the results in it, and `mc show .+ --scenario` prints the "
-            r"scenario they are of",
+            r"`mc show (.+)` shows the results in it, and `mc show .+ --scenario` prints "
+            r"their scenario",
             r'load("\1") opens it, and its attribute `scenario` is the scenario of its results',
         ),
     )

@@ -1,4 +1,4 @@
-"""The exceptions of the package. Each says what to change."""
+"""The exceptions of the package. Each states the problem and a fix."""
 
 from __future__ import annotations
 
@@ -17,12 +17,12 @@ __all__ = [
 
 
 class StickSlipError(Exception):
-    """The base class of all errors of this package. The text is the message that the command
-    prints, with arguments in place of flags.
+    """The base class of all errors of this package. The message is that of the command,
+    with arguments in place of flags.
 
     Attributes:
         problem: what is wrong.
-        remedy: what to do about it.
+        remedy: how to fix it.
     """
 
     problem: str = ""
@@ -35,15 +35,15 @@ class StickSlipError(Exception):
 
 
 class ScenarioError(StickSlipError, ValueError):
-    """A scenario cannot be read, or a value in it or in an argument for it is wrong.
+    """A scenario cannot be read, or one of its values is invalid.
 
-    If several things are wrong, the text names all of them, and the attributes describe the first.
+    If there are several errors, the message lists them all; the attributes describe the first.
 
     Attributes:
         origin: the file, or the argument with its value.
         line: line in the text, from 1; None for an argument.
         column: column in the text, from 1; None for an argument.
-        key: the dotted key that is wrong, if there is one.
+        key: the dotted key of the invalid value, if there is one.
         value: the value as it was written, if there is one.
         excerpt: the line, with a caret under the place.
     """
@@ -57,7 +57,7 @@ class ScenarioError(StickSlipError, ValueError):
 
 
 class ArgumentError(StickSlipError, ValueError):
-    """An argument of a function is wrong.
+    """An argument of a function is invalid.
 
     Attributes:
         argument: the name of the argument.
@@ -77,7 +77,7 @@ class VerificationError(RunError):
 
     Attributes:
         variable: the name of the variable or attribute.
-        path: number of the path; None for a number that belongs to no single path.
+        path: number of the path; None if the number does not belong to a single path.
         index: index of the value, from 0: among the values of the path, or in the whole variable.
         stored: the value in the data set or file, as text.
         computed: the value that the second simulation gives, as text.
@@ -91,11 +91,11 @@ class VerificationError(RunError):
 
 
 class StickSlipWarning(UserWarning):
-    """A result should be used with care; the text says why."""
+    """A result should be used with care, for the stated reason."""
 
 
 def wrong_argument(argument: str, value: object, problem: str, remedy: str) -> ArgumentError:
-    """The exception for an argument that is wrong."""
+    """The exception for an invalid argument."""
     message = f"{argument} = {value}: {problem}\n  fix: {remedy}"
     return ArgumentError(
         message, argument=argument, value=str(value), problem=problem, remedy=remedy
@@ -103,6 +103,6 @@ def wrong_argument(argument: str, value: object, problem: str, remedy: str) -> A
 
 
 def require(is_right: bool, argument: str, value: object, problem: str, remedy: str) -> None:
-    """Raise the exception for an argument that is wrong, unless it is right."""
+    """Raise the exception for an invalid argument unless it is right."""
     if not is_right:
         raise wrong_argument(argument, value, problem, remedy)

@@ -50,7 +50,7 @@ def test_what_cannot_be_calibrated_is_refused_in_the_words_of_the_command(mc, tm
         ({"fit": ["friction.static"]}, "initial.displacement"),
         ({"method": "magic"}, "slips, err or both"),
         ({"interval": 2}, "0.5 to 0.999"),
-        ({"starts": 0}, "1 to 1000"),
+        ({"starts": 0}, "1 and 1000"),
         ({"lag": -1}, "above zero"),
     ]:
         with pytest.raises(ss.ArgumentError, match=word):
@@ -109,7 +109,7 @@ def test_a_data_frame_and_two_files_are_the_file(mc, tmp_path):
     by_series = ss.calibrate(BRIDGE, temperature, later, method="slips")
     np.testing.assert_allclose(by_series.estimate, two.estimate, rtol=1e-9)
     np.testing.assert_allclose(by_series.slip_time, two.slip_time)
-    with pytest.raises(ss.ArgumentError, match="dates do not go with numbers"):
+    with pytest.raises(ss.ArgumentError, match="dates cannot be combined with numbers"):
         ss.calibrate(BRIDGE, temperature, (np.arange(300.0), np.arange(300.0)))
 
 
@@ -193,7 +193,7 @@ def test_arrays_and_tables_have_the_same_repairs():
     assert weather == again and "left out 2 values" in of_weather
     # Nothing is left out that nobody asked for.
     _, of_record = said(lambda: ss.fit_temperature((time, temperatures), processes=1))
-    assert "9999.9 in line 1002, which stands out" in of_record
+    assert "9999.9 in line 1002" in of_record
     with pytest.raises(ss.ArgumentError, match="given for dates|plain number"):
         ss.calibrate(BRIDGE, frame, time="time_s", zone="UTC")
 

@@ -40,7 +40,7 @@ def test_a_data_set_without_events_or_with_some_of_its_paths_has_no_frame():
     ds = ss.run("rho025", paths=256, bias=False, record="events")
     with pytest.raises(ss.ArgumentError, match='record="events"'):
         ss.events(ds.drop_dims("event"))
-    with pytest.raises(ss.ArgumentError, match="select its rows"):
+    with pytest.raises(ss.ArgumentError, match="select rows of the frame"):
         ss.events(ds.sel(path=slice(0, 9)))
 
 

@@ -73,9 +73,9 @@ def test_the_bits_do_not_depend_on_threads_and_the_events_are_not_kept():
 
 def test_what_a_function_may_not_give_is_refused():
     for function, problem in [
-        (lambda events: events.time, "gives shapes"),
+        (lambda events: events.time, "returned shapes"),
         (lambda events: np.full(len(events.count), np.nan), "not finite"),
-        (lambda events: (events.count, events.count, events.count), "gives shapes"),
+        (lambda events: (events.count, events.count, events.count), "returned shapes"),
     ]:
         with pytest.raises(ss.ArgumentError, match=problem) as raised:
             ss.run("rho025", paths=300, own={"mine": function})
@@ -154,18 +154,18 @@ def test_parts_that_do_not_go_together_are_named():
         ([half[0], ss.run("rho025", **repeated, bias=False)], "others"),
         ([half[0], half[1].drop_vars("part_state")], "no part"),
         # All of them are of one build, which is not this one.
-        (other, "begun by mc"),
-        ([half[0], wrong_rows], r"parts\[1\]: its rows are not those"),
-        (swapped, "its rows are not those"),
+        (other, "started by mc"),
+        ([half[0], wrong_rows], r"parts\[1\]: its rows differ"),
+        (swapped, "its rows differ"),
         ([half[0], with_state(half[1], damaged)], "damaged"),
     ]:
         with pytest.raises(ss.ArgumentError, match=problem):
             ss.merge(parts)
     for part, arguments, problem in [
         ("2/9", {}, "the run has 3 blocks"),
-        ("0/2", {}, "it is no part"),
-        ("1/2", {"max_time": 1}, "does not go with"),
-        ("1/2", {"own": {"slips": slips}}, "neither statistics"),
+        ("0/2", {}, "it is not a part"),
+        ("1/2", {"max_time": 1}, "cannot be combined with"),
+        ("1/2", {"own": {"slips": slips}}, "cannot have user-defined statistics"),
     ]:
         with pytest.raises(ss.ArgumentError, match=problem):
             ss.run("rho025", paths=600, part=part, **arguments)

@@ -35,8 +35,8 @@ def test_statistics_of_ones_own_lose_nothing_unsaid():
         (lambda events: (events.count, masked(events)), "masked"),
         (of_count(np.array([1 + 2j])), "imaginary"),
         (of_count(np.array([1 + 0j])), "imaginary"),
-        (lambda events: ["a"] * len(events.count), "no array of numbers"),
-        (lambda events: None, "gives shapes"),
+        (lambda events: ["a"] * len(events.count), "not an array of numbers"),
+        (lambda events: None, "returned shapes"),
         (weighted, "masked"),
         (lambda events: events.per_path(events.time + 1j), "imaginary"),
     ]:

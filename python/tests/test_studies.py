@@ -134,5 +134,5 @@ def test_an_accuracy_chooses_how_to_run_a_scenario():
     # error of this run is 5 %. False-alarm rate: once in 16 000 runs, at 4 standard errors.
     assert abs(mean.estimate / 0.44321 - 1) < 0.2
     assert "stick_duration_mean" in ds.attrs["accuracy"]
-    with pytest.raises(ss.ArgumentError, match="leave out one of them"):
+    with pytest.raises(ss.ArgumentError, match="remove one of them"):
         ss.run("rho025", accuracy=0.05, paths=100)

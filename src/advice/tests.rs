@@ -167,10 +167,10 @@ fn a_force_that_the_step_cannot_follow_is_named_with_its_place() {
         assert!(is_said, "{kind} {step} {force}: {found:?}");
     };
     for kind in ["discrete-vi", "corrected-vi"] {
-        says(kind, "0.01", "-1e5*max(x-3,0)", "step-unstable", "as stiff as a spring of K = 100000 at x = 3.");
-        says(kind, "0.01", "-1e5*max(x-3,0)", "step-unstable", "beyond the stability limit 0.00632 there");
-        says(kind, "0.01", "-500*xdot", "step-unstable", "the step 0.01 is beyond the stability limit");
-        says(kind, "0.01", "-500*xdot - x^3", "step-unstable", "damps the body as alpha = 250 would at");
+        says(kind, "0.01", "-1e5*max(x-3,0)", "step-unstable", "has the stiffness K = 100000 at x = 3.");
+        says(kind, "0.01", "-1e5*max(x-3,0)", "step-unstable", "exceeds the stability limit 0.00632 there");
+        says(kind, "0.01", "-500*xdot", "step-unstable", "the step 0.01 exceeds the stability limit");
+        says(kind, "0.01", "-500*xdot - x^3", "step-unstable", "acts like damping alpha = 250 at");
     }
     let energy = "% to the body's energy in every half-cycle";
     says(
@@ -261,10 +261,10 @@ fn a_drift_takes_three_forcing_periods_beyond_the_first_and_the_burn_in() {
     assert_eq!(few(&["time.end=101"]), None);
     assert_eq!(few(&["time.end=126", "statistics.after=50"]), None);
     for (set, says) in [
-        (&["time.end=100"][..], "rest on 2 whole periods"),
-        (&[], "rest on 1 whole period, the first of the run left out"),
+        (&["time.end=100"][..], "are estimated from 2 whole periods"),
+        (&[], "are estimated from 1 whole period, without the first of the run"),
         (&["time.end=50"], "no whole period is counted"),
-        (&["time.end=125", "statistics.after=50"], "rest on 2 whole periods"),
+        (&["time.end=125", "statistics.after=50"], "are estimated from 2 whole periods"),
         (&["time.end=126", "statistics.after=51"], "`time.end` = 151 or more"),
         (&["time.end=126", "statistics.after=101"], "no whole period is counted"),
     ] {

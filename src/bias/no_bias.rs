@@ -9,20 +9,20 @@ pub(super) const MIN_STEPS: f64 = 16.0;
 pub enum NoBias {
     /// The event-driven scheme under noise: it has a tolerance instead of a step.
     #[error(
-        "this scheme has no step; its tolerance keeps the discretisation error of every statistic that has a limit \
-         below {0} of it"
+        "this scheme has no time step; its tolerance keeps the relative discretisation error of every \
+         statistic that has a limit below {0}"
     )]
     Tolerance(f64),
     /// The event-driven scheme where nothing is random.
     #[error("this scheme has no step, and without noise every event is exact to rounding")]
     Exact,
     /// The event-driven scheme under a force of the user's own, where nothing is random.
-    #[error("this scheme has no step, and without noise a force of your own is integrated to 1e-13 of a step")]
+    #[error("this scheme has no step, and without noise a user-defined force is integrated to 1e-13 per step")]
     Integrated,
     /// The event-driven scheme under noise and a force of the user's own.
     #[error(
-        "this scheme has no step, and follows a force of your own to its tolerance {0}; a run with a tenth of it shows \
-         what is left"
+        "this scheme has no step, and integrates a user-defined force to its tolerance {0}; compare with a \
+         run at a tenth of it"
     )]
     Followed(f64),
     /// The quasi-static scheme: its error is that of an approximation, which no step makes smaller.
@@ -32,8 +32,8 @@ pub enum NoBias {
     /// does not resolve all slips. The error of this scheme cannot be extrapolated, because it may
     /// be the same at the steps that would be compared.
     #[error(
-        "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and an event-driven reference run would \
-         take too long beside this run; `mc trade` measures it"
+        "the error of corrected-vi cannot be extrapolated from h, 2h and 4h, and an event-driven reference \
+         run would take too long compared with this run; `mc trade` measures it"
     )]
     Corrected,
     /// f_s = f_d under noise: statistics of sticks have no limit as h falls.
@@ -55,6 +55,6 @@ pub enum NoBias {
         paths: usize,
     },
     /// The simulation was stopped by the caller.
-    #[error("the run was stopped before")]
+    #[error("the run was stopped first")]
     Stopped,
 }

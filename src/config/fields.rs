@@ -43,7 +43,7 @@ impl ValueAt<'_> {
         let remedy = format!("give {allowed} ({symbol}{})", key.meaning);
         let known = named.as_ref().err().filter(|known| !known.is_empty());
         if let Some(known) = known {
-            let problem = format!("is no number, and no parameter; it must be {allowed}");
+            let problem = format!("is neither a number nor a parameter; it must be {allowed}");
             return Err(self.fault(problem, format!("{remedy}, or name a parameter: {}", known.join(", "))));
         }
         let value = self.node.number().or(named.ok().flatten());
@@ -53,7 +53,7 @@ impl ValueAt<'_> {
             x if x.is_infinite() => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
             x if x.abs() > LARGEST && key.range != Allowed::Threshold => {
-                let problem = format!("is above {LARGEST:e}, too large to compute with");
+                let problem = format!("must not exceed {LARGEST:e}");
                 return Err(self.fault(problem, format!("choose units in which it is closer to 1, or {remedy}")));
             }
             _ => return Ok(value),
@@ -93,7 +93,7 @@ impl ValueAt<'_> {
     fn text(&self, is_wrong: fn(char) -> bool) -> Result<String, Box<Fault>> {
         match &self.node.value {
             Value::Text(text) if text.chars().any(is_wrong) => {
-                Err(self.fault("holds a line break or another control character", "write it on one line"))
+                Err(self.fault("contains a line break or another control character", "write it on one line"))
             }
             Value::Text(text) => Ok(text.clone()),
             _ => Err(self.wrong_kind("a string", "put it in quotes")),
@@ -298,8 +298,8 @@ impl<'a> Fields<'a> {
                 Ok(items.iter().map(sound).collect())
             }
             Value::Array(items) => {
-                let problem = format!("holds {} numbers, more than {most}", items.len());
-                Err(at.fault(problem, format!("leave out all but {most} of them")))
+                let problem = format!("has {} numbers; at most {most} are allowed", items.len());
+                Err(at.fault(problem, format!("keep at most {most} of them")))
             }
             _ => Err(at.wrong_kind("a list of numbers", format!("write {} = [1.0, 2.0]", key.name))),
         };
@@ -310,8 +310,8 @@ impl<'a> Fields<'a> {
     pub fn span_if_present(&self, key: Key) -> Option<f64> {
         let read = |at: &ValueAt<'a>| match &at.node.value {
             Value::Text(text) => stickslip_data::seconds(text).ok_or_else(|| {
-                let remedy = "write a length of time above 0 such as \"6h\", \"90min\" or \"2d\", or a number";
-                at.fault("is no length of time", remedy)
+                let remedy = "write a positive duration such as \"6h\", \"90min\" or \"2d\", or a number";
+                at.fault("is not a duration", remedy)
             }),
             _ => at.number(key),
         };
@@ -380,7 +380,7 @@ impl<'a> Fields<'a> {
                 _ => item.number().map(|number| number.to_string()),
             };
             let texts: Option<Vec<String>> = items.iter().map(text).collect();
-            texts.ok_or_else(|| at.wrong_kind("numbers and texts", "write e.g. [-9999, \"no data\"]"))
+            texts.ok_or_else(|| at.wrong_kind("numbers and strings", "write e.g. [-9999, \"no data\"]"))
         };
         self.sound(key, read).unwrap_or_default()
     }

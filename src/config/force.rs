@@ -44,7 +44,7 @@ pub(super) fn force(
     let load = expression(sources, &dry, keys::LOAD, &all, &inputs);
     let own = table.as_ref().and_then(|table| {
         if table.place_of(keys::EXPRESSION.name).is_none() {
-            let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), which is added to b";
+            let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), added to b";
             sources.report(table.missing_text(keys::EXPRESSION, remedy));
         }
         expression(sources, table, keys::EXPRESSION, &of_force, &inputs)
@@ -62,8 +62,8 @@ pub(super) fn force(
     }
     if own.is_some() == table.is_some() && load.is_some() == has_load {
         for (NamedSeries { name, .. }, place) in inputs.iter().filter(|(input, _)| !is_used(&input.name)) {
-            let remedy = format!("write `{name}` in `force.expression` or `friction.load`, or remove it");
-            sources.report(sources.fault(*place, format!("`{INPUT}{name}` is in no expression"), remedy));
+            let remedy = format!("use `{name}` in `force.expression` or `friction.load`, or remove it");
+            sources.report(sources.fault(*place, format!("`{INPUT}{name}` is not used in any expression"), remedy));
         }
     }
     let absorbed = own.as_ref().and_then(Expression::linear).and_then(|linear| with(oscillator, linear));
@@ -132,8 +132,8 @@ fn unused_parameters<'a>(
     let is_override = sources.is_override(table.place_of(key.name));
     let all = if is_override { format!(", or all with `--set '{home}={{}}'`") } else { String::new() };
     parameters.iter().filter(move |(name, ..)| !is_used(name)).map(move |(name, ..)| {
-        let problem = format!("`{home}.{name}` is not in the expression");
-        let remedy = format!("write `{name}` in `{expression}`, or remove it{all}");
+        let problem = format!("`{home}.{name}` is not used in the expression");
+        let remedy = format!("use `{name}` in `{expression}`, or remove it{all}");
         (name.clone(), sources.fault(place_of(name, parameters), problem, remedy))
     })
 }

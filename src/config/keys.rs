@@ -47,7 +47,7 @@ impl Allowed {
             Any => "a finite number",
             Positive => "a finite number above 0",
             NonNegative | Threshold => "a finite number, 0 or above",
-            Phase => "a phase from -1e13 to 1e13, beyond which it has lost its digits",
+            Phase => "a phase from -1e13 to 1e13, the limit of double precision",
             Tolerance => "a number from 1e-9 to 0.1",
         }
     }
@@ -90,7 +90,7 @@ macro_rules! keys {
 
 keys! {
     "" {
-        TITLE = other("title", "what the scenario asks, in one line");
+        TITLE = other("title", "title of the scenario, in one line");
         OSCILLATOR = table("oscillator");
         FRICTION = table("friction");
         TEMPERATURE = table("temperature");
@@ -109,20 +109,20 @@ keys! {
     "oscillator" {
         MASS = number("mass", "m", "mass", Positive);
         STIFFNESS = number("stiffness", "K", "stiffness of the spring; 0 for none", NonNegative);
-        DAMPING = number("damping", "alpha", "the damping force is 2 alpha x'; below 0 it drives the body", Any);
-        DILATATION = number("dilatation", "beta", "the rest position is beta T", Any);
+        DAMPING = number("damping", "alpha", "damping force 2 alpha x'; a negative alpha drives the body", Any);
+        DILATATION = number("dilatation", "beta", "rest position beta T", Any);
         FORCE_PER_TEMPERATURE = number(
-            "force_per_temperature", "c", "the force c T acts on the body, in place of a dilatation", Any);
+            "force_per_temperature", "c", "force c T on the body, instead of a dilatation", Any);
     }
     "friction" {
-        STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Threshold);
+        STATIC = number("static", "f_s", "the body sticks while |b| <= f_s", Threshold);
         DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
-        LOAD = other("load", "multiplies f_s and f_d: an expression like that of a force, at least 0");
+        LOAD = other("load", "expression that multiplies f_s and f_d, at least 0");
         LOAD_PARAMETERS = table("parameters");
     }
     "temperature" {
         TEMPERATURE_OFFSET = number("offset", "", "a constant", Any);
-        TREND = number("trend", "", "slope of a straight line: a belt, a pulled spring", Any);
+        TREND = number("trend", "", "slope of a linear trend (belt, pulled spring)", Any);
         HARMONICS = table("harmonics");
         SERIES = table("series");
         NOISE = table("noise");
@@ -131,22 +131,22 @@ keys! {
         AMPLITUDE = number("amplitude", "a", "amplitude of the harmonic", Any);
         ANGULAR_FREQUENCY = number(
             "angular_frequency", "w", "angular frequency of the forcing, not of the oscillator", NonNegative);
-        PHASE = number("phase", "phi", "phase at t = 0, in radians; whole turns may be left out", Phase);
+        PHASE = number("phase", "phi", "phase at t = 0, in radians", Phase);
     }
     "temperature.series" {
-        FILE = other("file", "relative to the folder of the scenario");
-        SERIES_TIME = other("time", "its column of times");
-        VALUE = other("value", "its column of temperatures");
+        FILE = other("file", "path of the data file, relative to the scenario");
+        SERIES_TIME = other("time", "time column");
+        VALUE = other("value", "temperature column");
         UNIT = other("unit", "of the values");
-        ZONE = other("zone", "of stamps that name none");
-        DATES = other("dates", "the order of year, month and day");
-        SKIP = other("skip", "lines before the names of the columns");
-        MISSING = other("missing", "marks of missing values");
-        DECIMAL = other("decimal", "the decimal mark");
-        AVERAGED = number("averaged", "", "time before its stamp over which a value is a mean", Allowed::NonNegative);
-        OUTLIERS = other("outliers", "standard deviations beyond which a value is left out");
-        MAX_GAP = number("max_gap", "", "longest time between two samples", Positive);
-        START = other("start", "stamp of t = 0, as the samples say");
+        ZONE = other("zone", "time zone of stamps without one");
+        DATES = other("dates", "order of year, month and day");
+        SKIP = other("skip", "lines before the header");
+        MISSING = other("missing", "markers of missing values");
+        DECIMAL = other("decimal", "decimal separator");
+        AVERAGED = number("averaged", "", "averaging time of each value, ending at its stamp", Allowed::NonNegative);
+        OUTLIERS = other("outliers", "leave out values beyond this many standard deviations");
+        MAX_GAP = number("max_gap", "", "longest gap between two samples", Positive);
+        START = other("start", "date of t = 0, from the samples");
         HASH = other("hash", "of the samples");
     }
     "displacement" {
@@ -170,13 +170,13 @@ keys! {
         INTENSITY = number("intensity", "rho", "weight of v in T", NonNegative);
         RELAXATION_RATE = number("relaxation_rate", "theta", "dv = -theta v dt + sigma dW", Positive);
         DIFFUSION = number("diffusion", "sigma", "dv = -theta v dt + sigma dW", NonNegative);
-        INITIAL_NOISE = number("initial", "v(0)", "start of the noise", Any);
+        INITIAL_NOISE = number("initial", "v(0)", "initial value of the noise", Any);
         PINNED = other("pinned", "v is zero at every sample of the series");
     }
     "input" {
         FILE;
         SERIES_TIME;
-        COLUMN = other("column", "its column of values");
+        COLUMN = other("column", "value column");
         UNIT;
         ZONE;
         DATES;
@@ -186,7 +186,7 @@ keys! {
         HASH;
     }
     "force" {
-        EXPRESSION = other("expression", "g(x, xdot, t), which is added to b");
+        EXPRESSION = other("expression", "g(x, xdot, t), added to b");
         PARAMETERS = table("parameters");
     }
     "initial" {
@@ -194,8 +194,8 @@ keys! {
         VELOCITY = number("velocity", "x'(0)", "velocity at t = 0", Any);
     }
     "bearing" {
-        BEARING_STIFFNESS = number("stiffness", "K_B", "shear of the bearing under F", Positive);
-        OFFSET = number("offset", "z0", "what the sensor shows at x = 0", Any);
+        BEARING_STIFFNESS = number("stiffness", "K_B", "shear stiffness of the bearing", Positive);
+        OFFSET = number("offset", "z0", "sensor reading at x = 0", Any);
     }
     "time" {
         END = number("end", "t_end", "duration", NonNegative);
@@ -204,22 +204,22 @@ keys! {
     }
     "scheme" {
         KIND = other("kind", "the scheme");
-        TOLERANCE = number("tolerance", "", "relative error that discretisation may leave", Tolerance);
+        TOLERANCE = number("tolerance", "", "permitted relative discretisation error", Tolerance);
     }
     "statistics" {
-        AFTER = number("after", "", "statistics count from this time on", NonNegative);
-        LEVELS = number("levels", "", "distances from the start whose first passages are reported", Positive);
-        COMPARED = number("period", "P", "x is compared at the times n P", Positive);
+        AFTER = number("after", "", "start of the counted time", NonNegative);
+        LEVELS = number("levels", "", "distances from the start for first-passage times", Positive);
+        COMPARED = number("period", "P", "period at which displacements are compared", Positive);
     }
     "ensemble" {
         PATHS = other("paths", "number of paths");
-        SEED = other("seed", "with the number of a path, determines its noise");
-        ANTITHETIC = other("antithetic", "paths 2k and 2k + 1 see the same noise and its mirror image");
+        SEED = other("seed", "seed of the random numbers");
+        ANTITHETIC = other("antithetic", "paths 2k and 2k + 1 use mirrored noise");
     }
     "record" {
-        RECORD_PATHS = other("paths", "scalars of every path");
-        EVENTS = other("events", "the event table of every path");
-        TRAJECTORIES = other("trajectories", "so many paths, the first, on the output grid");
+        RECORD_PATHS = other("paths", "scalar results of every path");
+        EVENTS = other("events", "events of every path");
+        TRAJECTORIES = other("trajectories", "number of leading paths to record on the output grid");
         LAWS = other("laws", "distributions of slips, jumps and times from slip to slip");
         DENSITY = other("density", "densities of x and x' over time");
         ENERGY = other("energy", "work of every force");

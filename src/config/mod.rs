@@ -130,9 +130,8 @@ pub fn text_of(path: &Path) -> Result<(String, String), ScenarioError> {
         unreadable(e.to_string(), remedy)
     })?;
     if bytes.starts_with(HDF5_SIGNATURE) {
-        let remedy = format!(
-            "`mc show {name}` shows the results in it, and `mc show {name} --scenario` prints the scenario they are of"
-        );
+        let remedy =
+            format!("`mc show {name}` shows the results in it, and `mc show {name} --scenario` prints their scenario");
         return Err(unreadable("it is an HDF5 file".into(), remedy));
     }
     if bytes.len() as u64 > MAX_FILE {

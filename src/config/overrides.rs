@@ -3,6 +3,12 @@
 use super::error::{Fault, ScenarioError};
 use std::fmt;
 
+/// The tables that describe the body and what acts on it.
+const PHYSICS: [&str; 6] = ["oscillator", "friction", "temperature", "input", "force", "initial"];
+
+/// The longest value that a title shows, in bytes.
+const LONGEST_SHOWN: usize = 40;
+
 /// A key of a scenario, the value to set, and how the user wrote both.
 ///
 /// ```
@@ -61,6 +67,17 @@ impl Override {
     pub fn text(flag: &str, key: &str, value: &str) -> Self {
         let quoted = toml::Value::from(value).to_string();
         Override { shown: format!("{flag} {quoted}"), key: key.to_string(), value: quoted }
+    }
+
+    /// `key = value` if the key belongs to the body or to what acts on it; only the key if the value
+    /// is long.
+    pub(super) fn change_of_physics(&self) -> Option<String> {
+        let table = self.key.split('.').next().unwrap_or_default();
+        let is_physics = PHYSICS.contains(&table);
+        is_physics.then(|| match self.value.len() <= LONGEST_SHOWN {
+            true => format!("{} = {}", self.key, self.value),
+            false => self.key.clone(),
+        })
     }
 
     /// Whether it sets this key, alone or together with the whole table that holds it.

@@ -4,6 +4,7 @@ use super::blame::report_misfit;
 use super::error::ScenarioError;
 use super::fields::Fields;
 use super::keys;
+use super::overrides::Override;
 use super::physics::{Physics, bearing, physics};
 use super::source::Sources;
 use super::time::scheme_and_time;
@@ -17,6 +18,23 @@ const DEFAULT_PATHS: u64 = 10_000;
 
 /// The default seed is fixed, so that a scenario without a seed is still reproducible.
 const DEFAULT_SEED: u64 = 1;
+
+/// The beginning of the list of changes in a title.
+const CHANGED: &str = " (changed: ";
+
+/// The title with the changes that the overrides make to the physics, so that tables, pictures and
+/// citations are headed by what was simulated. A title among the overrides is kept as it is.
+fn titled(title: String, overrides: &[Override]) -> String {
+    let changes: Vec<String> = overrides.iter().filter_map(Override::change_of_physics).collect();
+    if changes.is_empty() || overrides.iter().any(|change| change.sets("title")) {
+        return title;
+    }
+    let changes = changes.join(", ");
+    match title.strip_suffix(')').filter(|title| title.contains(CHANGED)) {
+        Some(earlier) => format!("{earlier}, {changes})"),
+        None => format!("{title}{CHANGED}{changes})"),
+    }
+}
 
 /// Read the whole tree, key by key; the stem of the source's name is the default title.
 pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError> {
@@ -49,7 +67,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     let record = root.table("record");
     let units = root.table("units");
     let mut scenario = Scenario {
-        title: root.line_or(keys::TITLE, &default_title),
+        title: titled(root.line_or(keys::TITLE, &default_title), sources.overrides),
         model,
         measured,
         named: Vec::new(),

@@ -81,7 +81,7 @@ fn balanced(sources: &Sources<'_>, table: &Fields<'_>, oscillator: &Oscillator, 
     if oscillator.stiffness > 0.0 {
         return oscillator.rest_position(temperature);
     }
-    let problem = "`initial.displacement` = \"balanced\" is where no spring force acts, and there is no spring";
+    let problem = "`initial.displacement` = \"balanced\" needs a spring, and `oscillator.stiffness` is 0";
     let place = table.place_of(keys::DISPLACEMENT.name);
     sources.report(sources.fault(place, problem, "write a number, e.g. `displacement = 0`"));
     0.0
@@ -94,7 +94,8 @@ fn drive(sources: &Sources<'_>, table: &Fields<'_>) -> Drive {
     };
     if table.number_if_present(keys::DILATATION).is_some() {
         let problem = "`oscillator.dilatation` and `oscillator.force_per_temperature` are both given";
-        let remedy = "keep one: the rest position of the spring is beta T, or the force c T acts on the body";
+        let remedy = "keep one: `dilatation` moves the rest position by beta T, `force_per_temperature` adds \
+            the force c T";
         sources.report(sources.fault(table.place_of(keys::FORCE_PER_TEMPERATURE.name), problem, remedy));
     }
     Drive::Force(force)
@@ -124,14 +125,14 @@ fn noise(table: &Fields<'_>) -> Noise {
 fn white_noise(sources: &Sources<'_>, noises: &[Fields<'_>]) -> Option<WhiteNoise> {
     let table = noises.iter().find(|of| of.word(keys::NOISE_KIND, &["ornstein-uhlenbeck", WHITE]) == Some(WHITE))?;
     if noises.len() > 1 {
-        let remedy = "keep it alone, or write it as a noise with `relaxation_rate` = `diffusion` = theta, a fast one, \
-                      and `intensity` = sqrt(2 D)";
-        sources.report(table.fault_of_table("is white, and there is another noise", remedy));
+        let remedy = "remove the other noise, or approximate white noise by `relaxation_rate` = `diffusion` = \
+                      theta (large) and `intensity` = sqrt(2 D)";
+        sources.report(table.fault_of_table("is white noise, which cannot be combined with another noise", remedy));
     }
     for key in [keys::INTENSITY, keys::DIFFUSION, keys::INITIAL_NOISE, keys::PINNED] {
         if let Some(place) = table.place_of(key.name) {
             let problem = format!("`temperature.noise.{}` has no meaning for white noise", key.name);
-            sources.report(sources.fault(Some(place), problem, "leave it out: `strength` is D of sqrt(2 D) xi(t)"));
+            sources.report(sources.fault(Some(place), problem, "remove it; `strength` is D in sqrt(2 D) xi(t)"));
         }
     }
     let relaxation_rate = table.number_if_present(keys::RELAXATION_RATE);

@@ -40,10 +40,8 @@ pub(super) fn inputs(sources: &Sources<'_>, root: &Fields<'_>, others: &[Measure
         let start_of = |of: &Measured| of.start.clone().filter(|_| of.start != measured.start);
         let other = starts.filter(|_| measured.start.is_some()).find_map(|of| Some((start_of(of)?, &of.table)));
         if let (Some((other, table_of)), Some(start)) = (other, &measured.start) {
-            let problem = format!("begins at {start}, and `{table_of}` at {other}: t = 0 would be two instants");
-            sources.report(
-                sources.fault(table.place, problem, "cut the files so that they begin together").of(&reader.name),
-            );
+            let problem = format!("begins at {start}, but `{table_of}` begins at {other}; both must begin at t = 0");
+            sources.report(sources.fault(table.place, problem, "cut the files to a common start").of(&reader.name));
         }
         found.push((measured, table.place));
     }
@@ -156,8 +154,8 @@ impl Reader<'_> {
         let found = format!("{:016x}", measured.series.fingerprint());
         if !hash.is_empty() && !is_override && hash != found {
             let problem =
-                format!("the samples are others than those of `{}.hash` = \"{hash}\" (now {found})", self.name);
-            let remedy = "give the file as it was, or remove the line `hash` to take it as it is";
+                format!("the samples differ from those of `{}.hash` = \"{hash}\" (hash now {found})", self.name);
+            let remedy = "restore the file, or remove `hash` to accept the new samples";
             return Err(sources.fault(table.place_of("hash"), problem, remedy));
         }
         Ok(measured)
@@ -195,25 +193,25 @@ impl Reader<'_> {
         let label = |key: Key| root.table("units").line_or(key, "");
         let unit = label(keys::TIME_LABEL);
         if found.in_seconds && !SECONDS.contains(&unit.as_str()) {
-            let problem = format!("has times in seconds, and `units.time` is \"{unit}\"");
+            let problem = format!("has times in seconds, but `units.time` is \"{unit}\"");
             return Err(fault(problem, "write the whole scenario in seconds, and `time = \"s\"` under [units]".into()));
         }
         let Table { start, begin, time, columns, repairs, .. } = found;
         let Some(column) = columns.into_iter().next() else {
-            return Err(fault(format!("has no column of {}s", self.quantity.word()), "name one".into()));
+            return Err(fault(format!("has no {} column", self.quantity.word()), "name one".into()));
         };
         if let Some((si, _)) = input_unit(column.unit) {
             let (key, base) = if si == "N" { (keys::FORCE_LABEL, "N") } else { (keys::LENGTH_LABEL, "m") };
             let unit = label(key);
             if !["", base].contains(&unit.as_str()) {
-                let problem = format!("is converted to {si}, and `units.{}` is \"{unit}\"", key.name);
+                let problem = format!("is converted to {si}, but `units.{}` is \"{unit}\"", key.name);
                 let remedy =
                     format!("write the whole scenario in SI units, and `{} = \"{base}\"` under [units]", key.name);
                 return Err(fault(problem, remedy));
             }
         }
         let series =
-            Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "mend the file".into()))?;
+            Series::new(column.times, column.values).map_err(|e| fault(e.to_string(), "fix the file".into()))?;
         *measured = Measured {
             series: Arc::new(series),
             value: column.name,

@@ -117,6 +117,22 @@ fn an_override_reaches_every_kind_of_key() {
 }
 
 #[test]
+fn the_title_lists_what_overrides_change() {
+    let title = |text: &str, set: &[&str]| {
+        let set: Vec<Override> = set.iter().map(|text| Override::set(text).unwrap()).collect();
+        Scenario::parse("rho025", text, &set).unwrap()
+    };
+    let text = shipped("rho025").unwrap().text;
+    let first = title(text, &["friction.static=1.3", "ensemble.paths=10", "record.events=true"]);
+    assert_eq!(first.title, format!("{} (changed: friction.static = 1.3)", title(text, &[]).title));
+    let read_again = first.to_toml();
+    assert_eq!(title(&read_again, &[]), first);
+    let second = title(&read_again, &["temperature.harmonics.0.amplitude=2"]).title;
+    assert!(second.ends_with(" (changed: friction.static = 1.3, temperature.harmonics.0.amplitude = 2)"), "{second}");
+    assert_eq!(title(text, &["friction.static=1.3", "title=mine"]).title, "mine");
+}
+
+#[test]
 fn the_last_override_wins() {
     assert_eq!(base(&["time.end=30", "time.end=40"]).unwrap().time.end, 40.0);
 }
@@ -325,10 +341,16 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
         (&["oscillator.mass=1e-10", "oscillator.damping=1e95"], "alpha/m"),
         (&["temperature.noise.relaxation_rate=1e-320", "temperature.noise.diffusion=1e90"], "sigma / sqrt(2 theta)"),
         (&["friction.static=1e-310", "friction.dynamic=0"], "threshold"),
-        (&["temperature.noise.diffusion=1e-300", "temperature.noise.initial=1"], "counted in units"),
-        (&["temperature.noise.diffusion=1e-307"], "counted in units"),
-        (&["scheme.kind=event-driven", "friction.static=1e-150", "friction.dynamic=0"], "is lost beside the noise"),
-        (&["scheme.kind=quasi-static", "friction.static=1e-300", "friction.dynamic=0"], "is lost beside the noise"),
+        (&["temperature.noise.diffusion=1e-300", "temperature.noise.initial=1"], "too little to resolve"),
+        (&["temperature.noise.diffusion=1e-307"], "too little to resolve"),
+        (
+            &["scheme.kind=event-driven", "friction.static=1e-150", "friction.dynamic=0"],
+            "is negligible compared with the noise",
+        ),
+        (
+            &["scheme.kind=quasi-static", "friction.static=1e-300", "friction.dynamic=0"],
+            "is negligible compared with the noise",
+        ),
         (&["time.end=1e18"], "2^53"),
         (&["time.step=1e-320"], "2^53"),
         (&["time.output_step=0.01", "time.end=1000"], "100001 rows"),
@@ -395,7 +417,7 @@ fn data_are_refused_for_the_same_reasons_as_a_file() {
         s.time.end = 1e101;
     }
     let changes: [(Change, &str, &str); 8] = [
-        (|s| s.model.friction.dynamic_force = 2.0, "friction.dynamic", "is above `friction.static`"),
+        (|s| s.model.friction.dynamic_force = 2.0, "friction.dynamic", "must not exceed `friction.static`"),
         (|s| s.model.oscillator.mass = 1e-310, "oscillator.stiffness", "K/m = inf"),
         (|s| s.model.oscillator.damping = 1e101, "oscillator.damping", "alpha/m"),
         (|s| s.model.oscillator.drive = Drive::Dilatation(5e99), "oscillator.dilatation", "reach 4"),
@@ -740,7 +762,7 @@ fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked()
         assert_eq!(Scenario::parse("white", &scenario.to_toml(), &[]).unwrap(), scenario);
     }
     for (noise, set, says) in [
-        ("strength = 1", "friction.static=1.1", "would act at no time"),
+        ("strength = 1", "friction.static=1.1", "would never act"),
         ("strength = 1", "scheme.kind=corrected-vi", "has no tolerance"),
         ("strength = 1, intensity = 1", "time.end=9", "has no meaning for white noise"),
         ("relaxation_rate = 1", "time.end=9", "missing key `temperature.noise.strength`"),

@@ -97,14 +97,17 @@ impl Scenario {
             // What a scheme without a step ignores is kept, so that the parameter stays in use.
             None => match text.name_at("time.step").map(string) {
                 Some(name) => text.other(keys::STEP, name),
-                None => text.plain(format!("# no step: the {} scheme has none", scheme.name())),
+                None => text.plain(format!("# no step: the {} scheme does not use one", scheme.name())),
             },
         }
         text.number(keys::OUTPUT_STEP, output_step);
         text.table("scheme");
         let is_followed = self.model.force.is_some() && !scheme.kind().has_step();
-        let meaning =
-            if is_followed { "from event to event, your force to the tolerance" } else { scheme.kind().meaning() };
+        let meaning = if is_followed {
+            "from event to event, user-defined force to the tolerance"
+        } else {
+            scheme.kind().meaning()
+        };
         text.line(keys::KIND.name, string(scheme.name()), meaning);
         if let Some(tolerance) = scheme.tolerance() {
             text.number(keys::TOLERANCE, tolerance);
@@ -164,7 +167,7 @@ impl Scenario {
         ];
         let unused: Vec<&str> = unused.iter().filter(|(is_unused, _)| *is_unused).map(|(_, part)| *part).collect();
         if !unused.is_empty() {
-            text.push_str("\n# What this scenario does not use. Remove the `#` in front of a part to use it.\n");
+            text.push_str("\n# Optional tables that this scenario does not use. Remove the `#` to use one.\n");
         }
         for part in unused {
             text.push('\n');
@@ -196,11 +199,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     text.table("initial");
     if *is_balanced {
         let x0 = model.initial_displacement;
-        text.line(
-            keys::DISPLACEMENT.name,
-            "\"balanced\"",
-            &format!("x0: beta T(0) = {x0:?}, where no spring force acts"),
-        );
+        text.line(keys::DISPLACEMENT.name, "\"balanced\"", &format!("x0: beta T(0) = {x0:?}, zero spring force"));
     } else {
         text.number(keys::DISPLACEMENT, model.initial_displacement);
     }

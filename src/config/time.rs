@@ -56,7 +56,7 @@ fn kind(sources: &Sources<'_>, root: &Fields<'_>) -> (Kind, Option<f64>) {
     if !kind.has_step() || is_left_behind {
         return (kind, Some(tolerance));
     }
-    let problem = format!("is given, but the accuracy of the {} scheme is set by `time.step` alone", kind.name());
+    let problem = format!("is not used by the {} scheme, whose accuracy is set by `time.step`", kind.name());
     let others = names_of(false);
     let remedy = format!(
         "remove it, or choose the scheme {} (`--scheme {}`)",
@@ -74,9 +74,9 @@ fn refuse_step(sources: &Sources<'_>, root: &Fields<'_>, kind: Kind) {
     let table = root.table("time");
     let step = table.number_if_present(keys::STEP);
     let Some(step) = step.filter(|_| sources.is_override(table.place_of(keys::STEP.name))) else { return };
-    let problem = format!("is given, but the {} scheme has no time step", kind.name());
+    let problem = format!("is not used by the {} scheme, which has no time step", kind.name());
     let remedy = format!(
-        "leave it out (`scheme.tolerance` sets the accuracy), or choose a scheme that has one: {}",
+        "remove it (`scheme.tolerance` sets the accuracy), or choose a scheme with a time step: {}",
         listed(&names_of(true), |name| format!("`--scheme {name}`"))
     );
     report_misfit(sources, root, Misfit::new(&[("time.step", step)], problem, remedy));

@@ -74,7 +74,7 @@ pub struct Part {
 
 /// The error for a text that does not name a part.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("not a part such as 3/16, from 1/N to N/N")]
+#[error("must be a part from 1/N to N/N, such as 3/16")]
 pub struct NoPart;
 
 impl Part {

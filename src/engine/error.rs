@@ -28,6 +28,6 @@ pub enum RunError {
         outcome: Box<Outcome>,
     },
     /// A block was delivered twice, which is a flaw in this program.
-    #[error("a flaw in the program: {0}")]
+    #[error("internal error: {0}")]
     Overlap(#[from] Overlap),
 }

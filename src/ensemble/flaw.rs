@@ -20,14 +20,14 @@ pub struct Flaw {
 
 impl Flaw {
     /// What the user can do about it.
-    pub const REMEDY: &'static str = "report it, with the scenario and the command";
+    pub const REMEDY: &'static str = "report this error with the scenario and the command";
 }
 
 impl fmt::Display for Flaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Flaw { doing, message, place } = self;
         let doing = if doing.is_empty() { String::new() } else { format!(" {doing}") };
-        write!(f, "a flaw in the program{doing}: {message}, at {place}")
+        write!(f, "internal error{doing}: {message}, at {place}")
     }
 }
 
@@ -100,7 +100,7 @@ mod tests {
             std::thread::scope(|scope| scope.spawn(work).join().unwrap_or_else(|e| panic::resume_unwind(e)))
         });
         let said = flaw.expect_err("it panics").to_string();
-        assert!(said.starts_with("a flaw in the program in paths 0 to 255: index out of bounds"), "{said}");
+        assert!(said.starts_with("internal error in paths 0 to 255: index out of bounds"), "{said}");
         assert!(said.contains("at src/ensemble/flaw.rs:"), "{said}");
         assert_eq!(guarded(|| 3), Ok(3));
     }

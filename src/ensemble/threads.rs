@@ -11,10 +11,10 @@ pub const MOST_THREADS: usize = 1024;
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum ThreadsError {
     /// There are none, or more than [`MOST_THREADS`].
-    #[error("{0} threads cannot share the work: there are 1 to {MOST_THREADS}")]
+    #[error("threads = {0} must be between 1 and {MOST_THREADS}")]
     OutOfRange(usize),
     /// The system does not start so many.
-    #[error("the system starts {started} of {asked} threads: {cause}")]
+    #[error("the system started only {started} of {asked} threads: {cause}")]
     NotStarted {
         /// How many were asked for.
         asked: usize,
@@ -27,7 +27,7 @@ pub enum ThreadsError {
 
 impl ThreadsError {
     /// What the user can do about it.
-    pub const REMEDY: &'static str = "give fewer threads; the results do not depend on their number";
+    pub const REMEDY: &'static str = "use fewer threads; the results do not depend on their number";
 }
 
 /// Check that so many threads can share the work. The system is asked by starting them, because

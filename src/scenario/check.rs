@@ -101,7 +101,10 @@ impl Ensemble {
         if !self.antithetic || paths.is_multiple_of(2) {
             return None;
         }
-        let problem = format!("`ensemble.antithetic` makes pairs of paths, and `ensemble.paths` = {paths} is odd");
+        let problem = format!(
+            "`ensemble.antithetic` needs an even number of paths, and `ensemble.paths` = \
+            {paths} is odd"
+        );
         let remedy = format!("write `paths = {}`", paths + 1);
         Some(Misfit::new(&[("ensemble.paths", paths as f64)], problem, remedy))
     }
@@ -115,7 +118,7 @@ impl Statistics {
             return None;
         }
         let problem = format!("`statistics.after` = {after:?} leaves nothing to count before `time.end` = {end:?}");
-        let remedy = "lower `statistics.after`, or raise `time.end` to some periods beyond it";
+        let remedy = "lower `statistics.after`, or raise `time.end` to several periods beyond it";
         Some(Misfit::new(&[("statistics.after", after), ("time.end", end)], problem, remedy))
     }
 }
@@ -128,8 +131,8 @@ fn friction(model: &Model) -> Option<Misfit> {
     if f_d <= f_s {
         return None;
     }
-    let problem = format!("`friction.dynamic` = {f_d:?} is above `friction.static` = {f_s:?}");
-    let remedy = "0 <= f_d <= f_s must hold: lower `friction.dynamic` or raise `friction.static`";
+    let problem = format!("`friction.dynamic` = {f_d:?} must not exceed `friction.static` = {f_s:?}");
+    let remedy = "lower `friction.dynamic` or raise `friction.static`";
     Some(Misfit::new(&[("friction.dynamic", f_d), ("friction.static", f_s)], problem, remedy))
 }
 
@@ -143,15 +146,16 @@ fn noise(noise: &Noise) -> Option<Misfit> {
         ("temperature.noise.diffusion", noise.diffusion),
         ("temperature.noise.relaxation_rate", noise.relaxation_rate),
     ];
-    let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, that cannot be computed with";
+    let problem = "gives a stationary sd of v, sigma / sqrt(2 theta), or of rho v, outside the range of \
+        double precision";
     Some(Misfit::new(&about, problem, "choose units in which relaxation rate and diffusion are closer to 1"))
 }
 
 /// There are two noises at most.
 fn third_noise(temperature: &Temperature) -> Option<Misfit> {
     let third = temperature.noises.get(2)?;
-    let remedy = "keep two of them, or add up those whose relaxation rates are alike: their variances add";
-    let problem = "is one noise too many; two are simulated at most";
+    let remedy = "keep two of them, or merge those with similar relaxation rates (their variances add)";
+    let problem = "is one noise too many; at most two are supported";
     Some(Misfit::new(&[("temperature.noise.2.intensity", third.intensity)], problem, remedy))
 }
 
@@ -161,13 +165,14 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
     let mass = ("oscillator.mass", oscillator.mass);
     let stiffness = ("oscillator.stiffness", oscillator.stiffness);
     if oscillator.stiffness > 0.0 && !oscillator.natural_frequency().powi(2).is_normal() {
-        let problem = format!("gives K/m = {:e}, which a double cannot hold", oscillator.stiffness / oscillator.mass);
+        let problem =
+            format!("gives K/m = {:e}, outside the range of double precision", oscillator.stiffness / oscillator.mass);
         let remedy = "choose units in which mass and stiffness are closer to 1";
         return Some(Misfit::new(&[stiffness, mass], problem, remedy));
     }
     let rate = oscillator.damping_rate();
     if rate.abs() > LARGEST {
-        let problem = format!("gives alpha/m = {rate:e}, too large to compute with");
+        let problem = format!("gives alpha/m = {rate:e}, which must not exceed 1e100");
         let remedy = "choose units in which mass and damping are closer to 1";
         return Some(Misfit::new(&[("oscillator.damping", oscillator.damping), mass], problem, remedy));
     }
@@ -180,8 +185,8 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
     if own > 0.5 * largest || !own.is_finite() {
         let text = model.force.as_ref().map_or(String::new(), |force| force.shown());
         let problem = format!(
-            "`force.expression` = \"{}\" {} at x = {initial_displacement:?} (x0), xdot = 0, t = {time:?}, \
-             and b/m reaches {}; above {LARGEST:e} is too large to compute with",
+            "`force.expression` = \"{}\" {} at x = {initial_displacement:?} (x0), xdot = 0, t = {time:?}, and \
+             b/m reaches {}, which must not exceed {LARGEST:e}",
             text,
             if own.is_finite() { format!("has the size {}", short(own)) } else { "is infinite".to_string() },
             short(acceleration)
@@ -190,8 +195,8 @@ fn forces(model: &Model, end: f64) -> Option<Misfit> {
         return Some(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
     }
     let problem = format!(
-        "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}; above {LARGEST:e} is too large to \
-         compute with"
+        "lets the force b = K (beta T - x) reach {largest:e} and b/m {acceleration:e}, which must not exceed \
+         {LARGEST:e}"
     );
     let remedy = "lower the stiffness, dilatation, temperature or displacement, or change units";
     // The largest factor is named first, because it is the one that is most probably wrong.
@@ -211,14 +216,14 @@ fn phases(model: &Model, end: f64) -> Option<Misfit> {
         let key = format!("temperature.harmonics.{i}");
         if phase.abs() > MAX_PHASE {
             let problem =
-                format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase has lost its digits");
-            return Some(Misfit::new(&[], problem, format!("write `phase = {:?}`, which is the same", reduced(phase))));
+                format!("`{key}.phase` = {phase:?} is above {MAX_PHASE:e}, where a phase loses its precision");
+            return Some(Misfit::new(&[], problem, format!("write the equivalent `phase = {:?}`", reduced(phase))));
         }
         let turned = w * end;
         if turned > MAX_PHASE {
             let problem = format!(
-                "`time.end` = {end:?} lets w t reach {turned:e}, with `{key}.angular_frequency` = {w:?}; above \
-                 {MAX_PHASE:e} the phase of the forcing has lost its digits"
+                "`time.end` = {end:?} lets w t reach {turned:e}, with `{key}.angular_frequency` = {w:?}; \
+                 above {MAX_PHASE:e} the phase of the forcing loses its precision"
             );
             let remedy = "lower `time.end` or the frequency, or write `amplitude = 0`";
             return Some(Misfit::new(&[("time.end", end)], problem, remedy));
@@ -238,12 +243,12 @@ pub(crate) fn reduced(phase: f64) -> f64 {
 fn pinned(temperature: &Temperature) -> Option<Misfit> {
     let noise = temperature.noises.first().filter(|_| temperature.is_pinned)?;
     let (problem, remedy) = if temperature.series.is_none() {
-        ("and there is no [temperature.series] to pin the noise to", "remove it, or give a series")
+        ("but there is no [temperature.series] to pin the noise to", "remove it, or add [temperature.series]")
     } else if temperature.noises.len() > 1 {
-        ("and there are two noises", "keep the faster one: between samples the other hardly moves")
+        ("but there are two noises", "keep the faster one; the other hardly moves between samples")
     } else if !matches!(noise.initial, InitialNoise::At(0.0)) {
-        let problem = "so v is zero at the first sample, and `temperature.noise.initial` is not";
-        (problem, "leave out `temperature.noise.initial`, or write 0")
+        let problem = "so v is zero at the first sample, but `temperature.noise.initial` is not";
+        (problem, "remove `temperature.noise.initial`, or set it to 0")
     } else {
         return None;
     };
@@ -265,9 +270,8 @@ fn check_extent(model: &Model, end: f64) -> Option<Misfit> {
     if can_be_computed_with(&[extent, speed]) {
         return None;
     }
-    let problem = format!(
-        "lets |x| grow towards {extent:e} and |x'| towards {speed:e}; above {LARGEST:e} is too large to compute with"
-    );
+    let problem =
+        format!("lets |x| grow towards {extent:e} and |x'| towards {speed:e}, which must not exceed {LARGEST:e}");
     let remedy = "choose units in which displacements, times and forces are closer to 1, or lower `time.end`";
     Some(Misfit::new(&[("time.end", end)], problem, remedy))
 }

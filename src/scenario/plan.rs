@@ -34,9 +34,9 @@ impl PeriodSource {
     /// Where P comes from, in words.
     pub fn words(self) -> &'static str {
         match self {
-            PeriodSource::Given => "as statistics.period says",
+            PeriodSource::Given => "from statistics.period",
             PeriodSource::Forcing => "the period of the forcing",
-            PeriodSource::Share => "a tenth of the time that is counted",
+            PeriodSource::Share => "a tenth of the counted time",
         }
     }
 }

@@ -20,7 +20,7 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
     if ratio > MAX_STEPS {
-        let problem = format!("makes t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
+        let problem = format!("gives t_end / h = {ratio:.3e} steps; at most 2^53 = 9.0e15 are supported");
         let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", tidy(end / MAX_STEPS * 1.001));
         return Some(Misfit::new(&about, problem, remedy));
     }
@@ -68,7 +68,7 @@ impl Time {
         }
         let most = (MAX_ROWS - 1) as f64;
         let least = scheme.step().map_or(end / most, |h| (end / h / most).ceil() * h);
-        let problem = format!("makes an output grid of {rows} rows, and at most {MAX_ROWS} are kept");
+        let problem = format!("gives an output grid of {rows} rows; at most {MAX_ROWS} are supported");
         let remedy = format!("write `time.output_step` = {:?} or more, or lower `time.end`", tidy(least));
         Some(Misfit::new(&[("time.output_step", output_step), ("time.end", end)], problem, remedy))
     }

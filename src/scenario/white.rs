@@ -26,8 +26,11 @@ impl WhiteNoise {
     pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, Misfit> {
         let chosen = || scheme.tolerance().map(|tolerance| 1.0 / (tolerance * self.memory_of_body(model).min(end)));
         let Some(relaxation_rate) = self.relaxation_rate.or_else(chosen) else {
-            let problem = format!("is white noise, and the {} scheme has no tolerance to resolve it by", scheme.name());
-            let remedy = "choose `scheme.kind = \"event-driven\"`, or write how fast it forgets, e.g. \
+            let problem = format!(
+                "is white noise, which the {} scheme cannot resolve because it has no tolerance",
+                scheme.name()
+            );
+            let remedy = "choose `scheme.kind = \"event-driven\"`, or give the noise a correlation time, e.g. \
                           `relaxation_rate = 100`";
             return Err(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy));
         };
@@ -44,12 +47,12 @@ impl WhiteNoise {
         let rubs = |friction: &Friction| friction.static_force > friction.dynamic_force;
         let of = model.friction_by_direction().into_iter().find(rubs)?;
         let problem = format!(
-            "is white noise, which passes every static friction at once, so `friction.static` = {:?} above \
-             `friction.dynamic` = {:?} would act at no time",
+            "is white noise, which overcomes any static friction at once, so `friction.static` = {:?} above \
+             `friction.dynamic` = {:?} would never act",
             of.static_force, of.dynamic_force
         );
-        let remedy = "write `static` equal to `dynamic`, or a noise with a memory (`intensity`, `relaxation_rate`, \
-                      `diffusion`)";
+        let remedy = "set `static` equal to `dynamic`, or use noise with a correlation time (`intensity`, \
+                      `relaxation_rate`, `diffusion`)";
         Some(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy))
     }
 

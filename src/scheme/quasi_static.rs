@@ -90,28 +90,29 @@ impl Method for QuasiStatic {
         let Oscillator { stiffness, damping, .. } = model.oscillator;
         let remedy = "choose `--scheme event-driven`, which follows every slip";
         if model.has_load() {
-            let problem = "friction has a load, or a direction, and in the quasi-static recursion it is constant";
+            let problem = "friction depends on a load or a direction, but the quasi-static recursion needs \
+                constant friction";
             return Err(Misfit::new(&[], problem, remedy));
         }
         if let Some(force) = &model.force {
             let problem = format!(
-                "`force.expression` = \"{}\" is a force that the quasi-static recursion does not know: there a slip is a \
-                 swing of the spring alone",
+                "`force.expression` = \"{}\" is not supported by the quasi-static recursion, in which the \
+                 spring alone drives a slip",
                 force.shown()
             );
             return Err(Misfit::new(&[("force.expression", f64::NAN)], problem, remedy));
         }
         if stiffness == 0.0 {
-            let problem =
-                "leaves no spring to swing, and in the quasi-static recursion a slip is a swing of the spring";
+            let problem = "leaves no spring, but the quasi-static recursion needs one to drive slips";
             return Err(Misfit::new(&[("oscillator.stiffness", stiffness)], problem, remedy));
         }
         if model.initial_velocity != 0.0 {
-            let problem = "throws the body, and in the quasi-static recursion every slip starts from rest";
+            let problem = "gives an initial velocity, but in the quasi-static recursion every slip starts from rest";
             return Err(Misfit::new(&[("initial.velocity", model.initial_velocity)], problem, remedy));
         }
         if damping < 0.0 {
-            let problem = "lets a swing grow, and in the quasi-static recursion every slip ends with its first swing";
+            let problem = "makes oscillations grow, but in the quasi-static recursion every slip ends with \
+                its first half-oscillation";
             return Err(Misfit::new(&[("oscillator.damping", damping)], problem, remedy));
         }
         check_friction(model, end)

@@ -47,7 +47,7 @@ impl Summary {
                     Some("an interval needs three paths")
                 }
                 (false, _) if e.standard_error == 0.0 => Some("all paths agree"),
-                (false, _) => Some("too little to form an interval"),
+                (false, _) => Some("too few data for an interval"),
             };
         }
         if self.completed_paths == 0 {

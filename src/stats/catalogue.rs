@@ -179,7 +179,7 @@ catalogue! {
     },
     /// Number of completed sticks, j >= 1, per path.
     SticksPerPath: COUNTED.called(
-        "sticks_per_path", "sticks per path", "completed sticks per path, the first left out"),
+        "sticks_per_path", "sticks per path", "completed sticks per path, without the first"),
     /// Number of completed dynamic phases per path.
     SlipsPerPath: COUNTED.called(
         "slips_per_path", "slips per path", "completed dynamic phases per path"),
@@ -378,25 +378,25 @@ catalogue! {
         "temperature_work_mean", "mean work of the temperature", "mean work of the temperature on the body"),
     /// Mean over paths of the work of a force of the user's own, the integral of g x' dt.
     OwnForceWorkMean: OF_ENERGY.called(
-        "own_force_work_mean", "mean work of the own force", "mean work of the force of your own on the body"),
+        "own_force_work_mean", "mean work of the user-defined force", "mean work of the user-defined force on the body"),
     /// Mean over paths of the energy that damping takes, the integral of 2 alpha x'^2 dt.
     DampingWorkMean: OF_ENERGY.called(
         "damping_work_mean", "mean work of damping", "mean work done against damping"),
     /// Mean over paths of the change of m x'^2/2 + K x^2/2.
     StoredEnergyMean: OF_ENERGY.called(
         "stored_energy_change_mean", "mean change of stored energy",
-        "mean change of kinetic energy and of that of the spring"),
+        "mean change of kinetic and spring energy"),
     /// Mean over paths of what is left of the energy balance.
     EnergyResidualMean: OF_ENERGY.called(
-        "energy_residual_mean", "mean residual of the energy",
-        "mean of what is left of the energy balance, an error of its integrals"),
+        "energy_residual_mean", "mean residual of the energy balance",
+        "mean residual of the energy balance, a numerical error"),
     /// Standard deviation over paths of what is left of the energy balance.
     EnergyResidualSd: CatalogueRow {
         range: Range::NOT_NEGATIVE,
         needs: &[Need::TwoPaths],
         ..OF_ENERGY.called(
-            "energy_residual_sd", "sd of the residual of the energy",
-            "standard deviation of what is left of the energy balance")
+            "energy_residual_sd", "sd of the residual of the energy balance",
+            "standard deviation of the residual of the energy balance")
     },
     /// Mean over paths of the largest |x - x0| over [0, t_end].
     LargestDisplacementMean: OF_EXTREMES.called(

@@ -82,10 +82,10 @@ impl Goal {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum GoalError {
     /// The text has no `<`.
-    #[error("it has no '<'")]
+    #[error("missing '<'")]
     NoComparison,
     /// The word before the `<` names no statistic.
-    #[error("there is no statistic \"{0}\"")]
+    #[error("unknown statistic \"{0}\"")]
     UnknownStatistic(String),
     /// What follows the `<` is not a number above zero.
     #[error("\"{0}\" is not a number above zero, such as 0.5% or 0.01")]

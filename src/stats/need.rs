@@ -27,12 +27,12 @@ impl Need {
     /// What to say where the need is not met.
     pub fn words(self) -> &'static str {
         match self {
-            Need::Stick => "no stick ended, the first one apart",
-            Need::TwoSticks => "needs two sticks that ended",
+            Need::Stick => "no stick after the first ended",
+            Need::TwoSticks => "needs two completed sticks",
             Need::FirstStick => "no first stick ended",
             Need::Slip => "no slip was completed",
-            Need::TwoSlips => "needs two slips that ended",
-            Need::Recurrence => "no path slipped twice",
+            Need::TwoSlips => "needs two completed slips",
+            Need::Recurrence => "no path has two slips",
             Need::TwoRecurrences => "needs two times from slip to slip",
             Need::Period => "needs the ends of two periods",
             Need::TwoPeriods => "needs the ends of three periods",

@@ -18,14 +18,14 @@ columns! {
             variable("path_max_displacement", &["path"], Unit::LENGTH, "largest absolute displacement");
         /// D_0; NaN if the first stick still runs at t_end.
         first_stick_duration: f64 = variable("path_first_stick_duration", &["path"], Unit::TIME,
-            "duration of the first stick, missing while it runs at the end");
+            "duration of the first stick, missing if it is still running at the end");
         /// Static time within [after, t_end], the first and the last stick included.
         stick_time: f64 = variable("path_stick_time", &["path"], Unit::TIME, "total time in static phases");
         /// Integral of f_d |x'| dt over [after, t_end].
         friction_work: f64 =
             variable("path_friction_work", &["path"], Unit::WORK, "work done against dynamic friction");
         /// Completed sticks, j >= 1, that began at `after` or later.
-        sticks: u32 = variable("path_sticks", &["path"], Unit::ONE, "completed sticks, the first left out");
+        sticks: u32 = variable("path_sticks", &["path"], Unit::ONE, "completed sticks, without the first");
         /// Completed dynamic phases that began at `after` or later.
         slips: u32 = variable("path_slips", &["path"], Unit::ONE, "completed dynamic phases");
         /// Sum of k(j) over these dynamic phases.
@@ -55,7 +55,7 @@ columns! {
         displacement: f64 = variable("event_displacement", &["event"], Unit::LENGTH, "displacement at the event");
         /// Force b at each event, the total of all forces except friction.
         force: f64 =
-            variable("event_force", &["event"], Unit::FORCE, "total force besides friction (b) at the event");
+            variable("event_force", &["event"], Unit::FORCE, "total force without friction (b) at the event");
         /// Direction of the sub-phase that starts, -1 or 1; 0 where a stick starts.
         sign: i8 = variable("event_sign", &["event"], Unit::None, "direction of the sub-phase that starts")
             .flags(&[-1, 0, 1], &[("flag_meanings", "negative none positive")]);
@@ -106,7 +106,7 @@ columns! {
         /// Temperature T(t).
         temperature: f64 = variable("trajectory_temperature", ON_THE_GRID, Unit::TEMPERATURE, "temperature");
         /// b(t), the total of all forces except friction.
-        force: f64 = variable("trajectory_force", ON_THE_GRID, Unit::FORCE, "total force besides friction (b)");
+        force: f64 = variable("trajectory_force", ON_THE_GRID, Unit::FORCE, "total force without friction (b)");
         /// Friction force F(t): b in a static phase, f_d in the direction of motion otherwise.
         friction: f64 = variable("trajectory_friction", ON_THE_GRID, Unit::FORCE, "friction force (F)");
         /// 1 in a static phase, 0 otherwise.

@@ -99,13 +99,13 @@ pub enum AccuracyError {
         standing: Standing,
     },
     /// A statistic that was named is of levels, and the scenario has none.
-    #[error("{}: it is measured where the scenario has `statistics.levels`", statistic.name())]
+    #[error("{}: it needs `statistics.levels` in the scenario", statistic.name())]
     Unasked {
         /// The statistic.
         statistic: Statistic,
     },
     /// No statistic of this scenario has a relative error.
-    #[error("no statistic of this scene has an error to choose for: each is zero, absent or without a limit")]
+    #[error("no statistic of this scenario has an error to choose a run by: each is zero, absent or without a limit")]
     NothingToChoose,
     /// No setting has a bias that is small enough.
     #[error("it cannot be guaranteed: {refusal}")]
@@ -117,7 +117,7 @@ pub enum AccuracyError {
     },
     /// The cheapest run takes longer than allowed.
     #[error(
-        "it takes about {seconds:.0} s, for {} --paths {}: more than the time limit, or 30 days without one, allows",
+        "it takes about {seconds:.0} s, for {} --paths {}, longer than the time limit (30 days by default)",
         choice.scheme, choice.paths
     )]
     TooLong {

@@ -8,7 +8,7 @@
 
 /// The bytes do not hold what they should.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-#[error("the bytes end early, or are not the sums of this scenario")]
+#[error("the data are truncated, or are not the sums of this scenario")]
 pub struct Damaged;
 
 /// Bytes that are read from the front.

@@ -110,8 +110,8 @@ fn the_warning_says_which_statistics_have_a_limit() {
         let scenario = scenario(&[("scheme.kind", scheme.into())]);
         let texts: Vec<String> = scenario.warnings().iter().map(ToString::to_string).collect();
         let says = |text: &&String| {
-            text.contains("Stick counts and durations here are properties of")
-                && text.contains("sticking fraction and positions do have limits")
+            text.contains("Stick counts and durations depend on")
+                && text.contains("sticking fraction and positions have limits")
         };
         assert_eq!(texts.iter().filter(says).count(), 1, "{scheme}: {texts:?}");
     }

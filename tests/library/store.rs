@@ -261,7 +261,7 @@ fn foreign_files_are_refused_by_name() {
     };
     assert!(message("text.h5").contains("not an HDF5 file"));
     assert!(message("empty.h5").contains("not an HDF5 file"));
-    assert!(message("foreign.h5").contains("not one of this program"));
+    assert!(message("foreign.h5").contains("not written by this program"));
     assert!(message("newer.h5").contains("format 9.3"));
     assert!(message("missing.h5").contains("No such file"));
     assert!(read(folder.path()).unwrap_err().to_string().contains("directory"));
@@ -279,7 +279,7 @@ fn a_truncated_file_is_an_error_at_every_length() {
         fs::write(&path, &whole[..length]).unwrap();
         let message = read(&path).unwrap_err().to_string();
         assert!(message.contains(&format!("cut{length}.h5")), "{message}");
-        assert!(length < 8 || message.contains("damaged or cut short"), "{message}");
+        assert!(length < 8 || message.contains("damaged or truncated"), "{message}");
     }
 }
 

@@ -58,7 +58,7 @@ fn on_a_belt_every_slip_jump_and_recurrence_is_the_same() {
     }
     let backward = summary.law(PhaseLaw::JumpBackward).expect("asked for");
     assert_eq!((backward.completed, summary.law(PhaseLaw::Jump).expect("asked for").completed), (0, 2 * 43));
-    let cycle = LimitCycle::of(&belt).expect("nothing is random");
+    let cycle = LimitCycle::of(&belt).expect("the scenario is deterministic");
     let repeats = cycle.repeats.expect("a belt repeats itself");
     assert!((repeats.period - 4.0 - slip).abs() < 1e-9 && (repeats.advance - 0.1 * repeats.period).abs() < 1e-9);
     assert_eq!((repeats.slips, repeats.sticks, repeats.forcing_periods), (1, 1, None));

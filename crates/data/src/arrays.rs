@@ -37,16 +37,13 @@ pub fn arrays(arrays: &[Array<'_>], layout: &Layout) -> Result<(Vec<DataColumn>,
                 continue;
             }
             if time.is_nan() || time.abs() > LARGEST_MEASURED {
-                return Err(wrong(
-                    "has a time that is missing or too large",
-                    "give the sample its time, or leave it out",
-                ));
+                return Err(wrong("has a time that is missing or too large", "give the sample a time, or remove it"));
             }
             column
                 .take(*time, *value, place as u32, &marks)
-                .map_err(|(problem, _)| wrong(problem, "mend the value; NaN marks a missing one"))?;
+                .map_err(|(problem, _)| wrong(problem, "fix the value; use NaN for a missing one"))?;
         }
-        let twice = "see which of the two is right";
+        let twice = "keep the right one of the two";
         sorted(&mut column, &mut repairs, name, layout, twice, &|place| u64::from(place) + 1, true)?;
         columns.push(column.finished(0.0));
     }

@@ -24,22 +24,22 @@ pub(super) fn record(file: &str, text: &[u8], wanted: &[Wanted<'_>]) -> Option<R
         let count: Option<usize> = count.parse().ok().filter(|count| *count >= 2);
         let step: Option<f64> = step.parse().ok().filter(|step: &f64| *step > 0.0 && step.is_finite());
         let (Some(count), Some(step)) = (count, step) else {
-            let problem = format!("is no header of a record: `{}`", fourth.trim());
+            let problem = format!("is not the header of a record: `{}`", fourth.trim());
             return Err(wrong(HEADER, problem, "write e.g. `NPTS=  4000, DT=   .0050 SEC,`"));
         };
         let said = third.split_once("UNITS OF ").map_or("G", |(_, said)| said.split_whitespace().next().unwrap_or("G"));
         let name = unit.unwrap_or(said);
         let Some(unit) = quantity.unit(name) else {
             let remedy = format!("give the unit of the values as `unit`: {}", quantity.units());
-            return Err(wrong(HEADER - 1, format!("has a unit that is not known, `{name}`"), &remedy));
+            return Err(wrong(HEADER - 1, format!("has the unknown unit `{name}`"), &remedy));
         };
         let values = values(text, start, &unit).map_err(|(line, value)| {
-            let remedy = "mend the value: nothing of an input is mended or left out";
-            wrong(line, format!("`{value}` is no number"), remedy)
+            let remedy = "fix the value; values of an input are not repaired or left out";
+            wrong(line, format!("`{value}` is not a number"), remedy)
         })?;
         if values.len() != count {
-            let problem = format!("has {} values, and its header says NPTS = {count}", values.len());
-            let remedy = "take the whole file: nothing of an input is mended or left out";
+            let problem = format!("has {} values, but its header says NPTS = {count}", values.len());
+            let remedy = "use the complete file";
             return Err(wrong(HEADER, problem, remedy));
         }
         let times = (0..count).map(|i| i as f64 * step).collect();

@@ -128,7 +128,7 @@ impl Clock {
                 Ok(zone) => Some(zone),
                 Err(_) => {
                     let remedy = "give an IANA name such as \"Europe/Paris\", \"UTC\", or an offset such as \"+01:00\"";
-                    return wrong(format!("cannot be read, because no time zone is called \"{name}\""), remedy);
+                    return wrong(format!("cannot be read: unknown time zone \"{name}\""), remedy);
                 }
             },
             None => None,
@@ -180,18 +180,18 @@ impl Clock {
     pub fn read(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
         let when = self.time(cell)?;
         if when.abs() > LARGEST_MEASURED {
-            return wrong("is too large for a time", "mend the cell, or give another column of times");
+            return wrong("is too large for a time", "fix the cell, or choose another time column");
         }
         Ok(when)
     }
 
     fn time(&mut self, cell: &str) -> Result<f64, ProblemAndRemedy> {
-        let as_before = |what: &str| (format!("is not {what}, as the times before it are"), "mend the row".to_string());
+        let as_before = |what: &str| (format!("is not {what} like the times before it"), "fix the row".to_string());
         let number = || number(cell).filter(|time| time.is_finite());
         if self.kind == Kind::Stamps && !self.is_in_form(cell) {
             return wrong(
-                "is a date in another form than those above it",
-                "write all dates of the column in one form: two forms may have two orders of day and month",
+                "has a different date format from the dates above it",
+                "write all dates of the column in one format",
             );
         }
         let stamp = match self.kind {
@@ -244,9 +244,9 @@ impl Clock {
                 format!("name the columns of both, e.g. {}", self.wording.option("time", "Date,Time")),
             ),
             None if stamp::needs_order(cell) => wrong(
-                "is a date whose day and month may be exchanged, and so are all others",
+                "is ambiguous: day and month may be exchanged, in this date and all others",
                 format!(
-                    "say the order, {} or {}{}{}",
+                    "give the order, {} or {}{}{}",
                     self.wording.option("dates", "dmy"),
                     self.wording.option("dates", "mdy"),
                     if stamp::stamp(cell, Some(DateOrder::YearMonthDay)).is_some() {
@@ -262,7 +262,7 @@ impl Clock {
                 ),
             ),
             _ => wrong(
-                "is no time that can be read",
+                "is not a known time format",
                 "write stamps as 2015-08-13T00:10:00Z or 2015-08-13 00:10, or numbers in a column such as `time_s`",
             ),
         }
@@ -290,7 +290,7 @@ impl Clock {
                 let [utc, paris] = ["UTC", "Europe/Paris"].map(|zone| self.wording.option("zone", zone));
                 return wrong(
                     what,
-                    format!("say in which zone the clock ran: {utc}, {paris} or an offset such as +01:00"),
+                    format!("give the time zone of the clock: {utc}, {paris} or an offset such as +01:00"),
                 );
             }
         };
@@ -310,11 +310,11 @@ fn kind(column: &str, unit: Option<InputUnit>, layout: &Layout, first: &str) -> 
     if let Some(unit) = unit {
         if let Some(stamp) = compact.filter(|_| first.len() > 8 && unit.of(1.0) >= 1.0) {
             let problem =
-                format!("looks like the date {}, and the name of its column says a unit of time", stamp.local);
+                format!("looks like the date {}, but the name of its column gives a unit of time", stamp.local);
             return wrong(problem, format!("take the unit out of the name, e.g. `{}`", without_unit(column)));
         }
         if layout.zone.is_some() {
-            return wrong("is a plain number, and a zone was given, which is for dates", "leave out the zone");
+            return wrong("is a plain number, but a time zone applies only to dates", "remove the zone");
         }
         return Ok(Kind::Numbers { unit: Some(unit) });
     }
@@ -327,13 +327,14 @@ fn kind(column: &str, unit: Option<InputUnit>, layout: &Layout, first: &str) -> 
     match (layout.zone.is_some(), stamp::serial(number)) {
         (true, Some(_)) if SERIAL_DAYS.contains(&number) => Ok(Kind::Serial),
         (true, _) => wrong(
-            "is a plain number, and a zone was given, which is for dates",
-            format!("leave out the zone, or name the column of dates, e.g. {}", layout.wording.option("time", "Date")),
+            "is a plain number, but a time zone applies only to dates",
+            format!("remove the zone, or choose a column of dates, e.g. {}", layout.wording.option("time", "Date")),
         ),
         (false, Some(stamp)) if LIKELY_SERIAL_DAYS.contains(&number) => wrong(
-            format!("may be a day of a spreadsheet, {}, or a plain number", stamp.local),
+            format!("may be a spreadsheet date, {}, or a plain number", stamp.local),
             format!(
-                "for a day, say in which zone the clock ran: {}; for a number, put its unit into the name of the column, e.g. `{column}_s`",
+                "for a date, give its time zone: {}; for a number, add the unit to the name of the column, \
+                    e.g. `{column}_s`",
                 layout.wording.option("zone", "UTC")
             ),
         ),
@@ -362,7 +363,7 @@ fn number(cell: &str) -> Option<f64> {
 }
 
 fn beyond(_: jiff::Error) -> ProblemAndRemedy {
-    ("is beyond the calendar".into(), "mend the row".into())
+    ("is outside the calendar".into(), "fix the row".into())
 }
 
 /// The instant of a local time. A time that the clocks skipped is an error. A time that occurred
@@ -378,17 +379,19 @@ fn in_zone(
     match found.offset() {
         AmbiguousOffset::Unambiguous { .. } => found.unambiguous().map(|stamp| (stamp, false)).map_err(beyond),
         AmbiguousOffset::Gap { .. } => wrong(
-            "never was in this zone, whose clocks skipped that hour",
-            format!("if the logger keeps one time the whole year, say which, e.g. {}", fixed()),
+            "does not exist in this zone: the clocks skipped that hour",
+            format!("if the logger keeps one time all year, give its zone, e.g. {}", fixed()),
         ),
         AmbiguousOffset::Fold { .. } => {
             let both = [found.earlier().map_err(beyond)?, found.later().map_err(beyond)?];
             match both.into_iter().find(|stamp| previous.is_none_or(|previous| *stamp > previous)) {
                 Some(stamp) => Ok((stamp, true)),
                 None => wrong(
-                    "was twice in this zone, whose clocks were put back, and both times lie before the row above",
+                    "occurred twice in this zone when the clocks were set back, and both times are before the \
+                        row above",
                     format!(
-                        "sort the rows, write stamps with their offset, or say the zone that the logger keeps the whole year, e.g. {}",
+                        "sort the rows, write stamps with their offset, or give the zone that the logger \
+                            keeps all year, e.g. {}",
                         fixed()
                     ),
                 ),

@@ -60,9 +60,12 @@ impl<'a> Column<'a> {
     /// A column with the unit that is given, or that its name says.
     pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
         let unit = match wanted.unit {
-            Some(given) => Some(wanted.quantity.unit(given).ok_or_else(|| {
-                (format!("no unit is called `{given}`"), format!("give {}", wanted.quantity.units()))
-            })?),
+            Some(given) => Some(
+                wanted
+                    .quantity
+                    .unit(given)
+                    .ok_or_else(|| (format!("unknown unit `{given}`"), format!("give {}", wanted.quantity.units())))?,
+            ),
             None => unit::of_name(wanted.quantity, name)?,
         };
         let said = ColumnRepairs { name: name.to_string(), ..ColumnRepairs::default() };
@@ -74,10 +77,7 @@ impl<'a> Column<'a> {
         let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let Some(unit) = self.wanted.quantity.unit(inside) else { return Ok(()) };
         if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
-            return Err((
-                "is another unit than the name of the column says".into(),
-                "say in both the unit that the column has".into(),
-            ));
+            return Err(("contradicts the unit in the name of the column".into(), "give the same unit in both".into()));
         }
         self.unit = self.unit.or(Some(unit));
         Ok(())
@@ -93,7 +93,7 @@ impl<'a> Column<'a> {
                 Ok(())
             }
             ColumnQuantity::Displacement => Err((
-                format!("the name of column `{}` says no unit", self.name),
+                format!("the name of column `{}` gives no unit", self.name),
                 format!(
                     "give the unit, {}, e.g. {}, or rename the column, e.g. to `{}_mm`",
                     self.wanted.quantity.units(),
@@ -112,7 +112,7 @@ impl<'a> Column<'a> {
     /// Count a cell without a value.
     pub fn miss(&mut self) -> Result<(), (&'static str, &'static str)> {
         if self.is_strict() {
-            return Err(("is no number", "give the cell its value: nothing of an input is mended or left out"));
+            return Err(("is not a number", "fix the cell; values of an input are not repaired or left out"));
         }
         self.said.missing += 1;
         Ok(())
@@ -130,13 +130,13 @@ impl<'a> Column<'a> {
             return self.miss();
         }
         if !value.is_finite() {
-            return Err(("is not finite", "mend the cell; if it marks a missing value, give MARK"));
+            return Err(("is not finite", "fix the cell; if it marks a missing value, give MARK"));
         }
         if value.abs() > LARGEST_MEASURED {
-            return Err(("is too large for a measurement", "mend the cell; if it marks a missing value, give MARK"));
+            return Err(("is too large for a measurement", "fix the cell; if it marks a missing value, give MARK"));
         }
         if self.unit.is_some_and(|unit| value < unit.least) {
-            return Err(("is below absolute zero", "mend the unit; if it marks a missing value, give MARK"));
+            return Err(("is below absolute zero", "fix the unit; if it marks a missing value, give MARK"));
         }
         self.samples.push((when, value, place));
         Ok(())
@@ -164,10 +164,10 @@ impl<'a> Column<'a> {
         } else if let Some((value, count)) = odd(&values) {
             let first = self.samples.iter().find(|sample| sample.1 == value).map_or(0, |sample| line(sample.2));
             let name = &self.name;
-            let more = if count > 1 { format!(", as do {} others", count - 1) } else { String::new() };
+            let more = if count > 1 { format!(" and {} others", count - 1) } else { String::new() };
             self.said.odd = Some(format!(
-                "kept `{name}` = {value} in line {first}, which stands out from the other values{more}: `outliers` and \
-                 `missing` leave out what is no measurement"
+                "kept the outlier `{name}` = {value} in line {first}{more}; use `outliers` or `missing` to \
+                 leave out invalid values"
             ));
         }
     }
@@ -203,7 +203,7 @@ pub(super) fn sorted(
     {
         let [before, here] = [pair[0], pair[1]];
         let problem = format!("`{name}` = {} is not later than {} in line {}", here.1, before.1, line(before.2));
-        let remedy = "put the rows in order, one for each time: nothing of an input is sorted or left out";
+        let remedy = "sort the rows, one for each time; rows of an input are not sorted or left out";
         return Err(error(problem, remedy).line(line(here.2)));
     }
     let samples = &mut column.samples;
@@ -242,12 +242,12 @@ pub(super) fn sorted(
     if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
         let gap = pair[1].0 - pair[0].0;
         let problem = format!(
-            "no value of `{name}` for {}, since line {}, where at most {} are allowed",
+            "no value of `{name}` for {}, since line {}, longer than the permitted {}",
             lasting(gap, in_seconds),
             line(pair[0].2),
             lasting(longest, in_seconds)
         );
-        let remedy = "fill the gap, cut the file there, or raise `max_gap` if a straight line across it will do";
+        let remedy = "fill the gap, cut the file there, or raise `max_gap` to interpolate across it";
         return Err(error(problem, remedy).line(line(pair[1].2)));
     }
     repairs.columns.push(std::mem::take(&mut column.said));

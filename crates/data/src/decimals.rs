@@ -19,25 +19,25 @@ pub(super) struct Decimals {
 /// What is wrong with a cell, and the remedy.
 type Wrong = (&'static str, &'static str);
 
-const NO_NUMBER: Wrong = ("is not a number", "mend the cell; if it marks a missing value, give MARK");
+const NO_NUMBER: Wrong = ("is not a number", "fix the cell; if it marks a missing value, give MARK");
 
 /// Several numbers in one cell, as in the files of NOAA.
 const FIELDS: Wrong = (
-    "has a zero before the digits in front of its comma, which numbers have not: it may be a value and its quality",
-    "split the column at the comma, and say the unit of the first part; +0120,1 of NOAA is 12.0 degC, in `0.1degC`, and +9999 is \
-     a mark",
+    "has a leading zero before its comma: it may be a value and a quality code",
+    "split the column at the comma, and give the unit of the first part; NOAA's +0120,1 is 12.0 degC in \
+     `0.1degC`, and +9999 marks a missing value",
 );
 
 /// What is wrong where one number has a decimal comma and another a point.
 const MIXED: Wrong = (
-    "mixes decimal commas with decimal points, and its comma may mean thousands",
-    "write all numbers with decimal points, or say which mark is the decimal one, e.g. DECIMAL",
+    "mixes decimal commas and points, and its comma may separate thousands",
+    "write all numbers with decimal points, or give the decimal separator, e.g. DECIMAL",
 );
 
 /// What is wrong if all numbers with a comma have three digits behind it.
 pub(super) const THOUSANDS: Wrong = (
-    "has a comma before three digits, which may mean decimals or thousands, and so have all others",
-    "write the numbers of the file with decimal points, or say which mark is the decimal one, e.g. DECIMAL",
+    "is ambiguous: the comma before three digits may separate decimals or thousands, here and in all other values",
+    "write the numbers of the file with decimal points, or give the decimal separator, e.g. DECIMAL",
 );
 
 impl Decimals {
@@ -83,7 +83,7 @@ impl Decimals {
         if decimals.contains([',', '.']) || whole.contains('.') {
             return Err((
                 "has a comma or a point between thousands",
-                "write the numbers of the file without them, or say which mark is the decimal one, e.g. DECIMAL",
+                "write the numbers of the file without them, or give the decimal separator, e.g. DECIMAL",
             ));
         }
         let value = format!("{whole}.{decimals}").parse().map_err(|_| NO_NUMBER)?;

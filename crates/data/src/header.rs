@@ -44,8 +44,7 @@ pub(super) fn open<'a>(
 ) -> Result<(CsvRows<'a>, Header), DataError> {
     let lines = lines(file, bytes, layout.skip);
     let Some(first) = lines.iter().find(|line| !line.is_comment).or(lines.first()) else {
-        let problem =
-            if layout.skip.is_some() && !bytes.is_empty() { "it has no line of names" } else { "it is empty" };
+        let problem = if layout.skip.is_some() && !bytes.is_empty() { "it has no header" } else { "it is empty" };
         let remedy = "give a CSV file whose first line names its columns";
         return Err(DataError::file(file, problem, remedy));
     };
@@ -77,18 +76,19 @@ pub(super) fn open<'a>(
     let best =
         likeliest(file, &lines, layout, wanted).filter(|best| best.number == first.number || !is_data(&first.names));
     let Some(best) = best else {
-        let problem = "its first line holds numbers or dates, and no line names the columns";
+        let problem = "its first line contains numbers or dates, not the names of the columns";
         let [time, value] = [
             layout.wording.option("time", "1"),
             layout.wording.column(wanted.first().map_or(ColumnQuantity::Temperature, |one| one.quantity), "2"),
         ];
         let remedy = format!(
-            "put a line such as `time_s,temperature_degC` before it, or give the numbers of the columns, e.g. {time} and {value}"
+            "put a line such as `time_s,temperature_degC` before it, or select the columns by number, e.g. \
+                {time} and {value}"
         );
         return Err(DataError::file(file, problem, remedy).line(first.number));
     };
     let error = in_names(&best.names).err();
-    let error = error.unwrap_or_else(|| DataError::file(file, "it has no line of names", "add one"));
+    let error = error.unwrap_or_else(|| DataError::file(file, "it has no header", "add one"));
     Err(if best.number == first.number { error } else { error.line(best.number) })
 }
 
@@ -240,13 +240,13 @@ impl Sought<'_> {
             ([], [field], ..) | ([], [], _, [field]) | ([], [], [field], []) => Ok(vec![*field]),
             ([], [], [], []) => {
                 let example = names.iter().find(|name| !name.is_empty()).map_or("NAME", String::as_str);
-                let say = format!("say which it is, e.g. {}", wording.option("time", example));
+                let say = format!("name the right one, e.g. {}", wording.option("time", example));
                 Err(self.none(Name::Exactly("time"), &say))
             }
             _ => {
                 let first = both.iter().chain(&time).chain(&beginning).chain(&date).next().copied().unwrap_or(0);
                 let example = wording.option("time", &names[first]);
-                let remedy = format!("say which, e.g. {example}; they are {}", listed(names));
+                let remedy = format!("name one, e.g. {example}; the columns are {}", listed(names));
                 let count = both.len() + time.len().max(beginning.len()).max(date.len());
                 Err(self.several(Name::Beginning("time"), count, remedy))
             }
@@ -270,15 +270,15 @@ impl Sought<'_> {
             ([], Name::Exactly(_)) => Err(self.none(name, "name one of its columns")),
             ([], Name::Beginning(_)) => {
                 let example = example(proposal(names, wanted.quantity));
-                Err(self.none(name, &format!("say which it is, e.g. {example}")))
+                Err(self.none(name, &format!("name the right one, e.g. {example}")))
             }
             (all, _) => {
                 let has_own_name = |field: &usize| names.iter().filter(|name| **name == names[*field]).count() == 1;
                 let remedy = if all.iter().all(has_own_name) {
                     let which: Vec<String> = all.iter().map(|field| names[*field].clone()).collect();
-                    format!("say which, e.g. {}; they are {}", example(&which[0]), listed(&which))
+                    format!("name one, e.g. {}; the columns are {}", example(&which[0]), listed(&which))
                 } else {
-                    format!("give each column of the file a name of its own: {}", listed(names))
+                    format!("give the columns of the file different names: {}", listed(names))
                 };
                 Err(self.several(name, all.len(), remedy))
             }
@@ -299,7 +299,7 @@ impl Sought<'_> {
     }
 
     fn several(&self, name: Name<'_>, count: usize, remedy: impl Into<String>) -> DataError {
-        DataError::file(self.file, format!("{count} columns are meant, because each {}", name.description()), remedy)
+        DataError::file(self.file, format!("{count} columns match: each {}", name.description()), remedy)
     }
 }
 

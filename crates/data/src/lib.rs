@@ -93,7 +93,7 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
     let fits =
         fits().map_err(|error| unreadable(&format!("cannot be read: {error}"), "give the path of a CSV file"))?;
     if !fits {
-        return Err(unreadable("it is larger than 1 GiB", "cut it, or keep only the columns that are needed"));
+        return Err(unreadable("it is larger than 1 GiB", "split it, or keep only the columns that are needed"));
     }
     parse(&name, &bytes, layout, wanted)
 }

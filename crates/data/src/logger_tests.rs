@@ -89,7 +89,7 @@ fn the_order_of_dates_is_the_one_in_which_rows_are_in_order() {
     let spring = ["23/04/15 12:00", "23/04/15 12:10", "23/04/15 12:20", "23/05/02 12:20"];
     let (start, since) = read(&spring).unwrap();
     assert_eq!((start.as_deref(), since[3]), (Some("2023-04-15T12:00:00Z"), 17.0 * 24.0 * HOUR + 1200.0));
-    assert_eq!(said(&spring), ["took dates as ymd, the order in which the rows are in order of time"]);
+    assert_eq!(said(&spring), ["took dates as ymd, the order in which the rows are sorted by time"]);
     let days: Vec<String> = (0..143).map(|i| format!("19-{:02}-{:02}", 3 + i / 28, 1 + i % 28)).collect();
     let days: Vec<&str> = days.iter().map(String::as_str).collect();
     let (start, since) = read(&days).unwrap();
@@ -103,12 +103,12 @@ fn the_order_of_dates_is_the_one_in_which_rows_are_in_order() {
     assert!(error.problem.contains("may be exchanged") && error.remedy.contains("--dates ymd"), "{error}");
     for other in ["14/01/2025", "2025/01/14", "14.1.2025", "20250114", "14-01-25"] {
         let error = read(&["2025-01-13", other]).unwrap_err();
-        assert!(error.problem.contains("another form") && error.line == Some(3), "{error}");
+        assert!(error.problem.contains("different date format") && error.line == Some(3), "{error}");
     }
     let shuffled: Vec<String> = (0..28).map(|i| format!("2025-01-{:02}", 1 + i * 13 % 28)).collect();
     let shuffled: Vec<&str> = shuffled.iter().map(String::as_str).collect();
     let error = read(&shuffled).unwrap_err();
-    assert!(error.problem.contains("two rows of five") && error.remedy.contains("--dates"), "{error}");
+    assert!(error.problem.contains("two of five rows") && error.remedy.contains("--dates"), "{error}");
     let backwards: Vec<&str> = days.iter().rev().copied().collect();
     assert_eq!(read(&backwards).unwrap().0.as_deref(), Some("2019-03-01T00:00:00Z"));
 }
@@ -123,7 +123,7 @@ fn a_zone_in_a_name_prevails() {
         assert_eq!(table.repairs.sentences().len(), said, "{:?}", table.repairs);
     }
     let said = read_as(&layout("UTC"), text.as_bytes()).unwrap().repairs.sentences();
-    assert_eq!(said, ["took times in -07, as the name of their column says"]);
+    assert_eq!(said, ["took times in -07, from the name of their column"]);
 }
 
 /// A file without a line of names has columns that are called by their numbers.
@@ -136,9 +136,9 @@ fn columns_without_names_have_numbers() {
     assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, HOUR][..], &[1.5e-3, -2e-3][..]));
     assert_eq!((table.rows, table.repairs.skipped), (2, 1));
     let error = parse("t.csv", text.as_bytes(), &of("1"), &wanted(None)).unwrap_err();
-    assert!(error.problem.contains("says no unit"), "{error}");
+    assert!(error.problem.contains("gives no unit"), "{error}");
     let error = parse("t.csv", text.as_bytes(), &of("4"), &wanted(None)).unwrap_err();
-    assert!(error.problem.contains("no line names the columns"), "{error}");
+    assert!(error.problem.contains("not the names of the columns"), "{error}");
 }
 
 /// Years, days of the year and times of day in columns of their own, two hours apart.
@@ -169,15 +169,15 @@ fn a_number_or_a_date_that_may_be_another_is_refused() {
         ("time", "2025010123", &none, "is the date 2025-01-01T23:00:00 without a zone", "--zone UTC"),
         ("time_h", "2025010123", &none, "looks like the date 2025-01-01T23:00:00", "`time`"),
         ("time_s", "20250101230000", &none, "looks like the date", "`time`"),
-        ("time", "45658.5", &none, "may be a day of a spreadsheet, 2025-01-01T12:00:00", "--zone UTC"),
-        ("time", "17", &utc, "is a plain number, and a zone was given", "leave out the zone"),
-        ("time_h", "17", &utc, "is a plain number, and a zone was given", "leave out the zone"),
+        ("time", "45658.5", &none, "may be a spreadsheet date, 2025-01-01T12:00:00", "--zone UTC"),
+        ("time", "17", &utc, "is a plain number, but a time zone", "remove the zone"),
+        ("time_h", "17", &utc, "is a plain number, but a time zone", "remove the zone"),
         ("time", "05/06/2025 12:00", &utc, "day and month may be exchanged", "--dates dmy"),
         ("time", "12:10", &utc, "is a time of day without a date", "--time Date,Time"),
         ("time", "2025-01-19 12:00", &none, "without a zone", "--zone UTC"),
-        ("time", "2025-01-32 12:00", &utc, "no time that can be read", "2015-08-13 00:10"),
-        ("time", "2025-01-19 25:00", &utc, "no time that can be read", "2015-08-13 00:10"),
-        ("time", "2025-01-19 12:00 CET", &utc, "no time that can be read", "2015-08-13 00:10"),
+        ("time", "2025-01-32 12:00", &utc, "not a known time format", "2015-08-13 00:10"),
+        ("time", "2025-01-19 25:00", &utc, "not a known time format", "2015-08-13 00:10"),
+        ("time", "2025-01-19 12:00 CET", &utc, "not a known time format", "2015-08-13 00:10"),
     ] {
         let error = times(column, &[cell, cell], layout).expect_err(cell);
         assert!(error.problem.contains(says) && error.remedy.contains(remedy), "{cell}: {error}");
@@ -264,7 +264,7 @@ fn a_unit_is_found_wherever_it_stands_in_a_name() {
     assert!(rise("temperature (mV)", None, ["50", "59"]).unwrap_err().problem.contains("not known, `mV`"));
     let said =
         |name: &str| read_as(&layout(""), format!("time_s,{name}\n0,1\n1,2\n").as_bytes()).unwrap().repairs.sentences();
-    assert_eq!(said("temperature"), ["took `temperature` as degrees Celsius or kelvin, because nothing says its unit"]);
+    assert_eq!(said("temperature"), ["unit of `temperature` not given; assuming degrees Celsius or kelvin"]);
     assert!(said("temperature_K").is_empty());
 }
 
@@ -304,9 +304,7 @@ fn what_stands_out_is_said_and_kept() {
         let text = record_with(&[(50, mark), (51, mark), (120, mark)]);
         let table = read_as(&layout(""), text.as_bytes()).unwrap();
         assert_eq!(table.columns[0].values.len(), 200, "{mark}");
-        let says = format!(
-            "kept `temperature_degC` = {mark} in line 52, which stands out from the other values, as do 2 others"
-        );
+        let says = format!("kept `temperature_degC` = {mark} in line 52 and 2 others");
         assert!(table.repairs.sentences()[0].starts_with(&says), "{:?}", table.repairs);
     }
     for mark in ["-9999", "-999.0", "-32768"] {
@@ -317,11 +315,11 @@ fn what_stands_out_is_said_and_kept() {
     // A run of marks stands out as one does; without a unit there is no absolute zero.
     let many: Vec<(usize, &str)> = (20..180).map(|i| (i, "-9999")).collect();
     let table = read_as(&layout(""), record_with(&many).replace("degC", "north").as_bytes()).unwrap();
-    assert!(table.repairs.sentences()[0].contains("-9999 in line 22, which stands out"), "{:?}", table.repairs);
+    assert!(table.repairs.sentences()[0].contains("-9999 in line 22"), "{:?}", table.repairs);
     // A few in a row that differ from all around them are left out if that is asked for.
     let text = record_with(&[(50, "71.3"), (51, "72")]);
     let table = read_as(&layout(""), text.as_bytes()).unwrap();
-    assert!(table.repairs.sentences()[0].contains("72 in line 53, which stands out"), "{:?}", table.repairs);
+    assert!(table.repairs.sentences()[0].contains("72 in line 53"), "{:?}", table.repairs);
     let table = read_as(&Layout { outliers: Some(8), ..layout("") }, text.as_bytes()).unwrap();
     assert_eq!((table.columns[0].values.len(), table.repairs.columns[0].outliers), (198, 2));
     assert_eq!(
@@ -390,7 +388,7 @@ fn the_names_of_the_columns_are_found_in_what_loggers_write() {
     let start = read_as(&layout(""), hobo.as_bytes()).unwrap().start.map(|start| start.to_string());
     assert_eq!(start.as_deref(), Some("2025-01-13T05:00:00Z"));
     let said = read_as(&layout("UTC"), canada.as_bytes()).unwrap().repairs.sentences();
-    assert_eq!(said[0], "left out 23 lines before the names of the columns");
+    assert_eq!(said[0], "skipped 23 lines before the header");
 }
 
 #[test]
@@ -403,7 +401,7 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
             "time_s,temperature_a,temperature_b\n0,1,2\n",
             layout(""),
             None,
-            "2 columns are meant",
+            "2 columns match",
             "`--temperature temperature_a`",
         ),
         (
@@ -422,9 +420,15 @@ fn what_is_not_found_is_asked_for_by_its_flag() {
             "--temperature 'Air Temperature (C)'`",
         ),
         ("Time (-),AirTC_Avg,Batt\n0,1,2\n", layout(""), None, "no column", "--temperature AirTC_Avg`"),
-        ("Logger: TL-20\n2025-01-01 00:00;1.5\n", layout("UTC"), Some(1), "no line names the columns", "--time 1"),
+        ("Logger: TL-20\n2025-01-01 00:00;1.5\n", layout("UTC"), Some(1), "not the names of the columns", "--time 1"),
         ("Logger: TL-20\nWann;Luft\n2025-01-01;1.5\n", layout("UTC"), Some(2), "no column", "`Wann`, `Luft`"),
-        ("2025-01-01 00:00,1.5\n", layout("UTC"), Some(1), "holds numbers or dates", "--time 1` and `--temperature 2"),
+        (
+            "2025-01-01 00:00,1.5\n",
+            layout("UTC"),
+            Some(1),
+            "contains numbers or dates",
+            "--time 1` and `--temperature 2",
+        ),
         (
             "Datum,Tid,temperature_C\n2025-01-01,00:00,1\n2025-01-01,01:00,2\n",
             Layout { time: Some("Datum".into()), ..layout("UTC") },
@@ -502,7 +506,7 @@ fn two_files_have_layouts_of_their_own() {
     };
     let error = both(&named(&temperature), &named(&displacement)).unwrap_err().to_string();
     assert_eq!(error.matches("without a zone").count(), 2, "{error}");
-    assert!(error.contains("says no unit"), "{error}");
+    assert!(error.contains("gives no unit"), "{error}");
 }
 
 /// Arrays have the checks and repairs of files.
@@ -515,7 +519,7 @@ fn arrays_are_repaired_as_files_are() {
     let (columns, repairs) = air(&Layout::default());
     assert_eq!((columns[0].values.len(), columns[0].times[3]), (199, 4.0));
     let said = repairs.sentences().join("; ");
-    assert!(said.contains("1 cell without a value") && said.contains("9999.9 in line 51, which stands out"), "{said}");
+    assert!(said.contains("1 cell without a value") && said.contains("9999.9 in line 51"), "{said}");
     assert_eq!(air(&Layout { outliers: Some(8), ..Layout::default() }).0[0].values.len(), 197);
     let backwards: Vec<f64> = times.iter().rev().copied().collect();
     assert_eq!(

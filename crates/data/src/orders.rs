@@ -62,7 +62,7 @@ impl Orders {
     pub fn told(&self) -> Option<(DateOrder, &'static str)> {
         let possible: Vec<&OrderFit> = self.readings.iter().filter(|reading| reading.is_possible).collect();
         if let [only] = possible[..] {
-            return Some((only.order, "the only order in which all of them are dates"));
+            return Some((only.order, "the only order in which all are valid dates"));
         }
         let disorder = |reading: &OrderFit| reading.up.min(reading.down);
         let least = possible.iter().map(|reading| disorder(reading)).min()?;
@@ -72,8 +72,8 @@ impl Orders {
             likely.retain(|reading| reading.path < DETOUR * shortest || reading.path == shortest);
         }
         match likely[..] {
-            [one] => Some((one.order, "the order in which the rows are in order of time")),
-            [one, ..] if !self.differ => Some((one.order, "which makes no difference")),
+            [one] => Some((one.order, "the order in which the rows are sorted by time")),
+            [one, ..] if !self.differ => Some((one.order, "where the order does not matter")),
             _ => None,
         }
     }

@@ -41,11 +41,10 @@ impl Origin<'_> {
         if table.in_seconds {
             return Ok(table);
         }
-        let problem = format!("the name of column `{}` says no unit of time", table.time);
+        let problem = format!("the name of column `{}` gives no unit of time", table.time);
         let renamed = layout.wording.option("time", "time_h");
-        let remedy = format!(
-            "rename it in the file, e.g. to `time_s` or `time_h`, and name the column as it is then, e.g. {renamed}"
-        );
+        let remedy =
+            format!("rename it in the file, e.g. to `time_s` or `time_h`, and use the new name, e.g. {renamed}");
         Err(DataError::file(&self.name(), problem, &remedy))
     }
 }
@@ -125,7 +124,7 @@ impl BearingData {
         };
         let (Some(first), Some(later)) = (&start, &later) else {
             let numbered = if later.is_none() { &data } else { &other };
-            let problem = "its times are numbers, which cannot be placed beside those of a second file".to_string();
+            let problem = "its times are numbers, which cannot be aligned with those of a second file".to_string();
             let remedy = "give dates as times in both files, such as 2015-08-13T00:10:00Z, or both columns in one file";
             return Err(DataError::file(&numbered.name(), problem, remedy));
         };

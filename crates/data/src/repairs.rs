@@ -63,29 +63,21 @@ impl Repairs {
     /// The repairs as sentences; none if nothing was repaired.
     pub fn sentences(&self) -> Vec<String> {
         let at_first = [
-            many(
-                self.skipped,
-                "left out # line before the names of the columns",
-                "left out # lines before the names of the columns",
-            ),
+            many(self.skipped, "skipped # line before the header", "skipped # lines before the header"),
             many(
                 self.unit_rows,
-                "took # line below the names of the columns as units",
-                "took # lines below the names of the columns as units and notes",
+                "took # line below the header as units",
+                "took # lines below the header as units and notes",
             ),
             self.encoding.map(|name| format!("read the text as {name}")),
             self.order.as_ref().map(|order| format!("took dates as {order}")),
-            self.zone.as_ref().map(|zone| format!("took times in {zone}, as the name of their column says")),
-            many(
-                self.unsorted,
-                "sorted # row that stood behind a later one",
-                "sorted # rows that stood behind a later one",
-            ),
-            many(self.repeated, "left out # row that is there twice", "left out # rows that are there more than once"),
+            self.zone.as_ref().map(|zone| format!("took times in {zone}, from the name of their column")),
+            many(self.unsorted, "sorted # row that was out of order", "sorted # rows that were out of order"),
+            many(self.repeated, "left out # duplicate row", "left out # duplicate rows"),
             many(
                 self.folds,
-                "took # stamp of an hour that was twice in the order of its row",
-                "took # stamps of hours that were twice in the order of their rows",
+                "resolved # ambiguous stamp (clocks set back) by the order of rows",
+                "resolved # ambiguous stamps (clocks set back) by the order of rows",
             ),
         ];
         let columns = self.columns.iter().flat_map(ColumnRepairs::sentences);
@@ -104,10 +96,11 @@ impl ColumnRepairs {
             "left out # values that differ strongly from those around them",
         );
         let counted = [missing, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
-        let unit = self.assumed_unit.map(|unit| format!("took `{name}` as {unit}, because nothing says its unit"));
+        let unit = self.assumed_unit.map(|unit| format!("unit of `{name}` not given; assuming {unit}"));
         let means = self.averaged.as_ref().map(|time| {
             format!(
-                "took `{name}` as means over {time} before each time, as its name says; `averaged = 0` if they are not"
+                "took `{name}` as means over the {time} before each stamp, from its name; set `averaged = 0` \
+                    if they are instantaneous"
             )
         });
         counted.chain(self.odd.clone()).chain(unit).chain(means).collect()

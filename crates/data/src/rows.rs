@@ -67,15 +67,15 @@ impl<'a> CsvRows<'a> {
     fn uneven(&self) -> DataError {
         let (found, named) = (self.fields, self.named);
         let problem = format!(
-            "{found} cell{} where the header names {named} column{}, separated by {}",
+            "{found} cell{}, but the header names {named} column{}, separated by {}",
             if found == 1 { "" } else { "s" },
             if named == 1 { "" } else { "s" },
             name_of(self.separator)
         );
         let remedy = if found > named && self.separator == b',' {
-            "mend the row; if its decimals have commas, separate the columns by semicolons, in the header as well"
+            "fix the row; if its decimals have commas, separate all columns by semicolons"
         } else {
-            "mend the row, and see that every line is separated as the header is; a quotation mark may be left open"
+            "fix the row; use the separator of the header, and check for an unclosed quotation mark"
         };
         DataError::file(self.file, problem, remedy).line(self.line(self.place()))
     }

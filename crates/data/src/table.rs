@@ -82,12 +82,12 @@ pub(super) fn table(
             if (0..names.len()).all(|field| rows.cell(field).is_empty()) {
                 continue;
             }
-            return Err(at(header.times[0], ("has no time".into(), "give the row its time, or remove it".into())));
+            return Err(at(header.times[0], ("has no time".into(), "give the row a time, or remove it".into())));
         }
         count += 1;
         if count > MAX_ROWS {
             let problem = format!("it has more than {MAX_ROWS} rows");
-            return Err(DataError::file(file, problem, "cut it, or thin its rows out"));
+            return Err(DataError::file(file, problem, "split it, or keep fewer rows"));
         }
         let mut errors = Vec::new();
         if clock.is_none() {
@@ -126,15 +126,15 @@ pub(super) fn table(
         }
     }
     let Some(clock) = clock else {
-        return Err(DataError::file(file, "it has a header and no rows", "give a file with measurements"));
+        return Err(DataError::file(file, "it has a header but no rows", "give a file with measurements"));
     };
     if let Some(error) = undecided.filter(|_| !decimals.are_known()) {
         return Err(error);
     }
     if clock.is_disordered() {
-        let problem = "two rows of five are earlier than the row before, or later in a file that runs backwards";
+        let problem = "two of five rows are out of order";
         let remedy = format!(
-            "see whether its dates are in the order of {}, and sort its rows",
+            "check whether its dates are {}, and sort its rows",
             layout.wording.option("dates", "ymd, dmy or mdy")
         );
         return Err(DataError::file(file, problem, remedy));
@@ -151,12 +151,13 @@ pub(super) fn table(
     let twice = match time_elsewhere {
         Some(field) => {
             let both = layout.wording.option("time", &format!("{time_name},{}", names[field]));
-            format!("if the time of day stands in `{}`, name both columns: {both}", names[field])
+            format!("if the time of day is in `{}`, name both columns: {both}", names[field])
         }
         None => {
             let zone = layout.wording.option("zone", "Europe/Paris");
             format!(
-                "see which of the two is right; if the clock was put back, say its zone, e.g. {zone}, or write stamps with offsets"
+                "keep the right one of the two; if the clock was set back, give its zone, e.g. {zone}, or \
+                    write stamps with offsets"
             )
         }
     };

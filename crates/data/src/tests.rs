@@ -75,10 +75,10 @@ fn units_stand_in_the_names_of_columns() {
     let given = Wanted { unit: Some("cm"), ..displacement("north") };
     assert_eq!(parse("t.csv", text, &time(), &[given]).unwrap().columns[0].values, [0.07, 0.08]);
     let says = |wanted: Wanted<'_>| parse("t.csv", text, &time(), &[wanted]).unwrap_err().to_string();
-    assert!(says(displacement("north")).contains("says no unit") && says(displacement("north")).contains("north_mm"));
-    assert!(says(displacement("b_K")).contains("says no unit"));
-    assert!(says(displacement("c [degF]")).contains("a unit that is not known, `degF`"));
-    assert!(says(Wanted { unit: Some("inch"), ..given }).contains("no unit is called `inch`"));
+    assert!(says(displacement("north")).contains("gives no unit") && says(displacement("north")).contains("north_mm"));
+    assert!(says(displacement("b_K")).contains("gives no unit"));
+    assert!(says(displacement("c [degF]")).contains("the unknown unit `degF`"));
+    assert!(says(Wanted { unit: Some("inch"), ..given }).contains("unknown unit `inch`"));
 }
 
 /// A cell without a displacement leaves out only the displacement of its row, not the temperature,
@@ -106,7 +106,7 @@ fn columns_of_one_pass_share_their_time_and_nothing_else() {
 fn rows_are_sorted_and_taken_once_and_that_is_counted() {
     let table = read_t("time,T\n5,1\n3,2\n9,3\n3,2\n4,\n9,3\n7,NA\n").unwrap();
     assert_eq!(samples(&table), [(0.0, 2.0), (2.0, 1.0), (6.0, 3.0)]);
-    let said = ["sorted 2 rows that stood behind a later one", "left out 2 rows that are there more than once"];
+    let said = ["sorted 2 rows that were out of order", "left out 2 duplicate rows"];
     assert_eq!(table.repairs.sentences()[..2], said);
     assert_eq!(table.repairs.columns[0].missing, 2);
     let text = "time,T\n5,1\n3,2\n5,1.5\n";
@@ -153,9 +153,9 @@ fn an_hour_that_was_twice_is_told_by_the_order_of_the_rows() {
     assert!(in_zone("UTC", night).unwrap_err().problem.contains("another value of `T`"));
     let backwards = "time,T\n2015-10-25 03:00,1\n2015-10-25 02:30,2\n";
     let error = in_zone("Europe/Paris", backwards).unwrap_err();
-    assert!(error.problem.contains("was twice") && error.line == Some(3), "{error}");
+    assert!(error.problem.contains("occurred twice") && error.line == Some(3), "{error}");
     let error = in_zone("Europe/Paris", "time,T\n2015-03-29 01:30,1\n2015-03-29 02:30,2\n").unwrap_err();
-    assert!(error.problem.contains("never was") && error.remedy.contains("+01:00"), "{error}");
+    assert!(error.problem.contains("does not exist") && error.remedy.contains("+01:00"), "{error}");
     assert_eq!(error.cell.as_deref(), Some("`time` = \"2015-03-29 02:30\""));
     let spring = in_zone("Europe/Paris", "time,T\n2015-03-29 01:30,1\n2015-03-29 03:30,2\n").unwrap();
     assert_eq!(spring.columns[0].times, [0.0, 3600.0]);
@@ -169,7 +169,7 @@ fn a_gap_is_allowed_up_to_the_longest_one() {
     assert!(with(None).is_ok() && with(Some(6.5 * 3600.0)).is_ok());
     let error = with(Some(6.0 * 3600.0)).unwrap_err();
     assert_eq!(error.line, Some(5));
-    assert!(error.problem.contains("for 6.5 h, since line 3, where at most 6 h"), "{error}");
+    assert!(error.problem.contains("for 6.5 h, since line 3, longer than the permitted 6 h"), "{error}");
 }
 
 /// Each mistake in a file is reported with its line, its value and its remedy.
@@ -178,16 +178,16 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
     for (text, line, says, remedy) in [
         ("", None, "it is empty", "first line names"),
         ("time,T\n", None, "no rows", "measurements"),
-        ("0,1\n1,2\n", Some(1), "holds numbers", "time_s,temperature_degC"),
+        ("0,1\n1,2\n", Some(1), "contains numbers", "time_s,temperature_degC"),
         ("time,t1,t2\n0,1,2\n", None, "no column is called `T`", "`time`, `t1`, `t2`"),
         ("time,Temp\n0,1\n", None, "no column is called `T`", "`time`, `Temp`"),
         ("tiem,T\n0,1\n", None, "did you mean `tiem`?", "`tiem`, `T`"),
-        ("time,T,T\n0,1,2\n", None, "2 columns are meant", "a name of its own"),
+        ("time,T,T\n0,1,2\n", None, "2 columns match", "different names"),
         ("time|T\n0|1\n", None, "no column is called `time`", "commas, semicolons or tabs"),
-        ("time,T\n0,15,5\n1,14,5\n", Some(2), "3 cells where the header names 2 columns", "semicolons"),
-        ("time,T,\n0,1,5,2\n", Some(2), "4 cells where the header names 2 columns", "semicolons"),
-        ("time,T\n0,\"+0120,1\"\n1,\"+0137,1\"\n", Some(2), "a zero before the digits", "split the column"),
-        ("time,T\n0,1\n1\n", Some(3), "1 cell where", "mend the row"),
+        ("time,T\n0,15,5\n1,14,5\n", Some(2), "3 cells, but the header names 2 columns", "semicolons"),
+        ("time,T,\n0,1,5,2\n", Some(2), "4 cells, but the header names 2 columns", "semicolons"),
+        ("time,T\n0,\"+0120,1\"\n1,\"+0137,1\"\n", Some(2), "a leading zero", "split the column"),
+        ("time,T\n0,1\n1\n", Some(3), "1 cell, but", "fix the row"),
         ("time;T\n0;1.5\n1;1,500\n", Some(3), "mixes decimal commas", "decimal points"),
         ("time;T\n0;1.234,5\n", Some(2), "between thousands", "without them"),
         ("time,T\n0,1\n1,\"1,234\"\n", Some(3), "decimals or thousands", "decimal points"),
@@ -195,12 +195,12 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
         ("time,T\n0,1\n1,warm\n", Some(3), "`T` = \"warm\" is not a number", "missing = "),
         ("time,T\n0,1\n1,inf\n", Some(3), "is not finite", "missing = "),
         ("time,T\n0,1\n,2\n", Some(3), "has no time", "remove it"),
-        ("time,T\n0,1\n2015-01-01,2\n", Some(3), "is not a number, as the times before it", "mend"),
-        ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "mend"),
+        ("time,T\n0,1\n2015-01-01,2\n", Some(3), "is not a number like the times before it", "fix"),
+        ("time,T\n0,1\ninf,2\n", Some(3), "is not a number", "fix"),
         ("time,T\n2015-01-01 00:00,1\n", Some(2), "without a zone", "zone = \"UTC\""),
         ("time,T\n13/08/2015 00:10,1\n", Some(2), "without a zone", "zone = \"UTC\""),
         ("time,T\n05/06/2015 00:10,1\n", Some(2), "may be exchanged", "dates = \"dmy\""),
-        ("time,T\n2015-02-30T00:00:00Z,1\n", Some(2), "no time that can be read", "2015-08-13 00:10"),
+        ("time,T\n2015-02-30T00:00:00Z,1\n", Some(2), "not a known time format", "2015-08-13 00:10"),
         ("time,T\n0,1\n", None, "column `T` has 1 value", "two values"),
         ("time,T\n0,\n1,\n", None, "column `T` has 0 values", "two values"),
     ] {
@@ -215,7 +215,7 @@ fn what_could_be_meant_in_two_ways_is_an_error() {
     let cold = parse("t.csv", b"time,T_degC\n0,1\n1,-300\n", &time(), &[temperature("T_degC")]).unwrap_err();
     assert!(cold.problem.contains("absolute zero") && cold.line == Some(3), "{cold}");
     let zone = in_zone("Europe/Pariss", "time,T\n2015-01-01 00:00,1\n").unwrap_err();
-    assert!(zone.problem.contains("no time zone is called \"Europe/Pariss\""), "{zone}");
+    assert!(zone.problem.contains("unknown time zone \"Europe/Pariss\""), "{zone}");
     for (bytes, says) in [
         (&b"t\0i\0m\0"[..], "UTF-16"),
         (b"PK\x03\x04x", "zip archive"),

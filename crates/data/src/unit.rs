@@ -233,8 +233,8 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<I
     }
     if let Some(unit) = unknown {
         return Err((
-            format!("column `{column}` has a unit that is not known, `{unit}`"),
-            format!("convert it to one of {}, and say so in the name", quantity.units()),
+            format!("column `{column}` has the unknown unit `{unit}`"),
+            format!("convert it to one of {}, and change the name", quantity.units()),
         ));
     }
     let named = words(quantity, column);
@@ -242,10 +242,7 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<I
 }
 
 fn two(column: &str) -> ProblemAndRemedy {
-    (
-        format!("the name of column `{column}` says two units"),
-        "say in the name only the unit that the column has".into(),
-    )
+    (format!("the name of column `{column}` gives two units"), "keep only the right unit in the name".into())
 }
 
 /// The conversion to seconds for a column of numeric times; `None` if the name of the column gives

@@ -30,7 +30,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let legend = [
         LegendEntry::line(Stroke::solid(palette.first, 1.0), "measured"),
         LegendEntry::line(Stroke::solid(palette.second, 1.0), "model"),
-        LegendEntry::mark(Mark::Triangle, palette.third, "slip that was seen"),
+        LegendEntry::mark(Mark::Triangle, palette.third, "detected slip"),
     ];
     Ok(sheet(&format!("Calibration: {title}"), legend, panels))
 }

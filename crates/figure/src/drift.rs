@@ -12,7 +12,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let (scenario, summary) = subject.run()?;
     let periods = &summary.periods;
     if periods.time.is_empty() || periods.mean.iter().all(|mean| mean.is_nan()) {
-        return Err(Absent::Nothing("no whole period fits into the time simulated, or more than x is compared at"));
+        return Err(Absent::Nothing("the simulated time has no whole period, or too many periods to compare x at"));
     }
     let palette = style.palette();
     let unit = |dimension: Dimension| dimension.label(&scenario.units);
@@ -72,16 +72,16 @@ fn reported(summary: &Summary) -> Vec<Label> {
     let number = |statistic: Statistic, name: &str| {
         let e = summary.estimate(statistic);
         let is_known = e.low.is_finite() && e.high.is_finite();
-        let range = || if is_known { between([e.low, e.high]) } else { "of unknown interval".into() };
+        let range = || if is_known { between([e.low, e.high]) } else { "without interval".into() };
         e.estimate.is_finite().then(|| Label::from(name).and(range()))
     };
     if summary.counted_periods() < 3 {
-        return vec!["too few periods to tell a drift".into()];
+        return vec!["too few periods to detect a drift".into()];
     }
     // Without a spring nothing settles, and the numbers speak for themselves.
     let verdict = summary.unsettled().map(|off| match off.is_empty() {
-        true => "settled: no slope beyond chance",
-        false => "not settled: a slope beyond chance",
+        true => "settled: no significant slope",
+        false => "not settled: significant slope",
     });
     let numbers = [number(Statistic::DriftVelocity, "drift "), number(Statistic::DiffusionCoefficient, "diffusion ")];
     numbers.into_iter().flatten().chain(verdict.map(Label::from)).collect()

@@ -11,7 +11,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let bands = &summary.bands;
     let (time, x) = (&bands.time, &bands.displacement);
     if time.len() < 2 || x.mean.iter().all(|mean| mean.is_nan()) {
-        return Err(Absent::Nothing("the output grid has less than two rows, or every path was lost"));
+        return Err(Absent::Nothing("the output grid has fewer than two rows, or every path was lost"));
     }
     let palette = style.palette();
     let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
@@ -37,7 +37,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         LegendEntry::area(palette.wide, "5–95 % of the paths"),
     ];
     let share = share.keyed([
-        LegendEntry::line(solid(palette.first), "share of paths in a stick"),
+        LegendEntry::line(solid(palette.first), "fraction of paths sticking"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ]);
     let panels = [fan.above_another().keyed(legend), share];

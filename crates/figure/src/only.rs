@@ -32,12 +32,12 @@ impl Only {
         let Some(figure) = FIGURES.iter().find(|figure| figure.name == name) else {
             return Err(match CALLED.iter().find(|(word, _)| *word == name) {
                 Some((_, panel)) => format!("that is {panel}"),
-                None => format!("there is no such figure; write one of {}", Only::names()),
+                None => format!("unknown figure; use one of {}", Only::names()),
             });
         };
         let letter = |panel: &str| panel.parse().ok().filter(char::is_ascii_uppercase);
         match panel.map(letter) {
-            Some(None) => Err(format!("a panel has a capital letter; write e.g. {name}.A")),
+            Some(None) => Err(format!("panels are named by capital letters, e.g. {name}.A")),
             panel => Ok(Only { figure, panel: panel.flatten() }),
         }
     }

@@ -12,7 +12,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let path = PathTrace::of(&drawn)?;
     let curve = path.curve();
     let range = sticks::range(&summary.stick_durations)
-        .ok_or(Absent::Nothing("no stick, the first of each path left out, has ended"))?;
+        .ok_or(Absent::Nothing("no stick after the first of a path has ended"))?;
     let palette = style.palette();
     let [time_unit, length_unit] = [Dimension::TIME, Dimension::LENGTH].map(|d| d.label(&scenario.units));
     let time_axis = || Axis::linear([0.0, scenario.time.end], "time *t*", &time_unit);
@@ -34,7 +34,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     fan::quantiles(&summary.bands, palette, &mut all);
 
     let durations = Axis::log(range, "stick duration *D*", &time_unit);
-    let mut outlasting = Panel::new(durations, Axis::from_zero(1.0, "share longer than *D*", ""), 84.0);
+    let mut outlasting = Panel::new(durations, Axis::from_zero(1.0, "fraction longer than *D*", ""), 84.0);
     sticks::survival(&summary.stick_durations).draw(palette, &mut outlasting);
 
     let curve = |words: &str| LegendEntry::line(solid(palette.first), words);

@@ -101,7 +101,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         legend.push(LegendEntry::words(words));
     }
     let plane = match in_full(&trace).len() < trace.pieces.len() {
-        true => plane.keyed([LegendEntry::words("the longest slip in full, the others thin")]),
+        true => plane.keyed([LegendEntry::words("longest slip bold, others thin")]),
         false => plane,
     };
     let displacement = if is_crowded { displacement } else { displacement.above_another() };

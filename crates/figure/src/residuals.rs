@@ -39,12 +39,12 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let chosen = calibration.estimate(Quantity::StaticWay);
         let ends = [1e3 * chosen.low, 1e3 * chosen.high];
         let x = Axis::around(ways.iter().copied().chain(ends), "*f*_{s}/*K*", "mm");
-        let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), "err above best", "%");
+        let y = Axis::around(above.iter().copied().chain([0.0, 0.2]), "err above the best", "%");
         let mut starts = Panel::new(x, y, 74.0);
         ways.iter().zip(&above).for_each(|(way, above)| starts.mark([*way, *above], Mark::Circle, palette.second));
         starts.interval_across(0.1, ends, palette.first);
         panels.push(starts);
-        legend.push(LegendEntry::mark(Mark::Circle, palette.second, "a start of the least squares"));
+        legend.push(LegendEntry::mark(Mark::Circle, palette.second, "least-squares start"));
         legend.push(LegendEntry::line(Stroke::solid(palette.first, 1.0), "interval of the estimate"));
     }
     Ok(sheet(&format!("Residuals: {title}"), legend, panels))

@@ -17,7 +17,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let cycles: Vec<(f64, &LimitCycle)> =
         points.filter_map(|(at, point)| Some((*at, point.as_ref()?.cycle.as_ref()?))).collect();
     if cycles.is_empty() {
-        return Err(Absent::Nothing("something is random at every point, or the paths are lost"));
+        return Err(Absent::Nothing("every point is random, or its paths were lost"));
     }
     let palette = style.palette();
     let unit = Dimension::LENGTH.label(&sweep.question.scenario.units);
@@ -33,7 +33,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         amplitude.mark(*point, Mark::Disc, palette.second);
     }
     amplitude.line(curve, solid(palette.second));
-    let legend = [LegendEntry::words("the last periods of one path at each point")];
+    let legend = [LegendEntry::words("last periods of one path at each point")];
     let title = format!("Section: {}", sweep.question.scenario.title);
     Ok(sheet(&title, legend, [section.above_another(), amplitude]))
 }

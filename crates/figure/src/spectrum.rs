@@ -14,7 +14,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let [least, most] = range_of(of.spectrum[1..].iter().copied().filter(|power| *power > 0.0));
     if !(least > 0.0 && least < most) {
         return Err(Absent::Nothing(
-            "x' is the same in all paths at every row of the output grid, or a single path was run",
+            "x' is identical in all paths at every row of the output grid, or there is only one path",
         ));
     }
     let palette = style.palette();
@@ -39,7 +39,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     covariance.band(band(lags, &of.autocovariance_ends, 0), palette.narrow);
     covariance.line(lags.iter().zip(&of.autocovariance).map(|(l, c)| [*l, *c]).collect(), solid(palette.first));
     let legend = [
-        LegendEntry::line(solid(palette.first), "of deviations from the mean of the paths"),
+        LegendEntry::line(solid(palette.first), "deviations from the mean over paths"),
         LegendEntry::area(palette.narrow, "95 % interval"),
     ];
     Ok(sheet(&format!("Spectrum: {}", scenario.title), legend, [power, covariance]))

@@ -26,7 +26,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let all = bins(sticks);
     let (bins, shorter) = drawn(&all);
     let (Some(first), Some(last)) = (bins.first(), bins.last()) else {
-        return Err(Absent::Nothing("no stick, the first of each path left out, has ended"));
+        return Err(Absent::Nothing("no stick after the first of a path has ended"));
     };
     let palette = style.palette();
     let unit = Dimension::TIME.label(&scenario.units);
@@ -39,7 +39,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
 
     let mut curve = survival(sticks);
     let shares = curve.shares.iter().map(|point| point[1]);
-    let (axis, floor) = Axis::of_shares(shares, "share longer than *D*", "", style.log);
+    let (axis, floor) = Axis::of_shares(shares, "fraction longer than *D*", "", style.log);
     let mut outlasting = Panel::new(durations(), axis, 84.0);
     if style.log {
         curve.ends.iter_mut().for_each(|[_, low, _]| *low = low.max(floor));

@@ -73,7 +73,7 @@ impl<'a> Subject<'a> {
             Subject::Run { scenario, summary, path } => {
                 let paths = counted(summary.completed_paths);
                 let number = path.number;
-                (scenario.title.clone(), format!("{}, {paths}, of which path {number} is drawn", origin(scenario)))
+                (scenario.title.clone(), format!("{}, {paths}; path {number} is drawn", origin(scenario)))
             }
             Subject::Trade(prices) => {
                 let origin = format!("biases against {}, seed {}", prices.reference.replace("--", ""), prices.seed);
@@ -87,7 +87,7 @@ impl<'a> Subject<'a> {
                 let keys: Vec<String> =
                     first.question.design.axes().iter().map(|axis| of_axis(axis, style).words()).collect();
                 let over = if keys.is_empty() { "every key".to_string() } else { keys.join(" and ") };
-                let line = format!("{}; else as in \"{}\"", origin_of_sweeps(&all), first.question.scenario.title);
+                let line = format!("{}; otherwise as in \"{}\"", origin_of_sweeps(&all), first.question.scenario.title);
                 (format!("Sweep over {over}: {}", drawn.join(", ")), line)
             }
             Subject::Calibration { title, .. } => (title.to_string(), String::new()),
@@ -159,13 +159,13 @@ fn origin_of_sweeps(all: &[&Scenario]) -> String {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Absent {
     /// The figure shows another kind of subject, which is named.
-    #[error("it is drawn from {0}")]
+    #[error("it needs {0}")]
     Elsewhere(&'static str),
     /// The subject lacks what the figure shows; the reason is given.
     #[error("{0}")]
     Nothing(&'static str),
     /// The figure has no panel with this letter, but those that are named.
-    #[error("it has no panel {0}, but {1}")]
+    #[error("it has no panel {0}; panels are {1}")]
     Panel(char, String),
     /// The path with this number was lost.
     #[error("path {0} was lost: it diverged or was given up")]

@@ -56,7 +56,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
     let has_same_axis =
         |(_, other): &(String, Sweep)| other.question.design.axes().first().is_some_and(|other| other.key == axis.key);
     if !sweeps.iter().all(has_same_axis) {
-        return Err(Absent::Nothing("the sweeps do not vary the same key first"));
+        return Err(Absent::Nothing("the sweeps must vary the same key first"));
     }
     let palette = style.palette();
     let curves = curves(sweeps, palette);
@@ -67,7 +67,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         let numbers = || all().flat_map(|e| [e.estimate, e.low, e.high]).chain(all().filter_map(without_step));
         let [least, most] = range_of(numbers());
         if !least.is_finite() {
-            return Err(Absent::Nothing("the statistic exists at no point"));
+            return Err(Absent::Nothing("the statistic does not exist at any point"));
         }
         let unit = statistic.dimension().label(&first.question.scenario.units);
         let title = of_statistic(statistic, style);
@@ -101,9 +101,9 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         })
         .collect();
     if has_corrected {
-        legend.push(LegendEntry::mark(Mark::Circle, palette.ink, "less the bias of the step"));
+        legend.push(LegendEntry::mark(Mark::Circle, palette.ink, "corrected for the bias of the step"));
     } else if sweeps.iter().any(|(_, sweep)| sweep.question.scenario.scheme.step().is_some()) {
-        legend.push(LegendEntry::words("where there is a step, with its bias"));
+        legend.push(LegendEntry::words("with the bias of the step, where there is one"));
     }
     Ok(sheet(&format!("Sweep: {}", first.question.scenario.title), legend, panels))
 }

@@ -17,7 +17,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         prices.curves.iter().map(|curve| (curve, curve.costs.iter().filter(is_drawn).copied().collect())).collect();
     let points = || curves.iter().flat_map(|(_, points)| points);
     if points().next().is_none() {
-        return Err(Absent::Nothing("no scheme was found to reach any target for this statistic"));
+        return Err(Absent::Nothing("no scheme reaches any target for this statistic"));
     }
     let palette = style.palette();
     let seconds = Axis::log_around(range_of(points().map(|point| point[0])), "CPU time on one thread", "s");
@@ -38,7 +38,7 @@ pub fn draw(subject: &Subject, style: &Style) -> Result<Sheet, Absent> {
         }
     }
     let panels = std::iter::once(panel).chain(biases(prices, style));
-    Ok(sheet(&format!("What accuracy costs: {}", prices.title), legend, panels.collect::<Vec<_>>()))
+    Ok(sheet(&format!("Cost of accuracy: {}", prices.title), legend, panels.collect::<Vec<_>>()))
 }
 
 /// The bias of each scheme against its step, with the order that was seen. None if no scheme has a

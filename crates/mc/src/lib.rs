@@ -26,8 +26,7 @@ fn version() -> String {
     format!("{PROGRAM_VERSION} ({})", commit())
 }
 
-/// Monte Carlo of an oscillator with dry friction: when it sticks, when it slips, and how sure that
-/// is.
+/// Monte Carlo simulation of a body with dry friction, driven by deterministic and random forces.
 #[derive(Debug, clap::Parser)]
 #[command(name = "mc", version = version(), after_help = include_str!("commands/help/mc.txt"), arg_required_else_help = true)]
 struct Arguments {
@@ -56,31 +55,32 @@ macro_rules! verbs {
 verbs! {
     /// Simulate an ensemble of paths and write its statistics
     Run(run),
-    /// Continue a run or a sweep that was interrupted or killed
+    /// Continue an interrupted run or sweep
     Resume(resume),
     /// Join the parts of a run
     Merge(merge),
-    /// Validate a scenario; print it in full, what follows from it, and warnings
+    /// Validate a scenario; print it in full, with derived quantities and warnings
     Check(check),
-    /// Print the results in a file again
+    /// Print the results in a file
     Show(show),
-    /// Draw a run, a path or a trade as SVG, PNG or PDF
+    /// Draw results as SVG, PNG or PDF
     Plot(plot),
-    /// Write a file as one page for a browser: table, warnings and pictures
+    /// Write an HTML report: table, warnings and pictures
     Report(report),
-    /// Simulate one path of a stored ensemble again, keeping its events and its trajectory
+    /// Simulate one path of a stored ensemble again, with its events and trajectory
     Replay(replay),
-    /// Check a file against its checksum, and some of its paths against a second simulation
+    /// Check that a file is intact and reproducible from its scenario and seed
     Verify(verify),
-    /// Measure what accuracy costs: every scheme at several settings, and the cheapest for a target
+    /// Measure the cost of accuracy: every scheme at several settings, and the cheapest for a
+    /// target
     Trade(trade),
-    /// Compute statistics as functions of keys of the scenario, with precise differences; or the
-    /// effect of each key on them
+    /// Compute statistics as functions of keys of the scenario, with precise differences, or
+    /// elasticities
     Sweep(sweep),
     /// Estimate friction, stiffness and dilatation of a bearing from measured temperatures and
     /// displacements
     Calibrate(calibrate),
-    /// Make synthetic measurements of a bearing with known parameters, to try a calibration on
+    /// Make a synthetic record of a bearing with known parameters, to test calibration
     Twin(twin),
     /// Fit harmonics and noise of a scenario to a measured temperature
     FitTemperature(fit_temperature),

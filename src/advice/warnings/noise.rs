@@ -10,8 +10,8 @@ pub(super) fn against_corridor(case: &Case) -> Option<String> {
     let step = case.checked.as_ref()?;
     step.crosses_corridor().then(|| {
         format!(
-            "the step {} is large against the time {} that the noise takes to cross the corridor of a stick, \
-             (f_s/(K beta rho sigma))^2: stick counts and durations will be far off",
+            "the step {} is long compared with {}, the time in which the noise crosses the stick band, \
+             (f_s/(K beta rho sigma))^2: stick counts and durations will be inaccurate",
             short(step.h),
             short(step.crossing_time)
         )
@@ -28,9 +28,8 @@ pub(super) fn large_shift(case: &Case) -> Option<String> {
     let (shift, static_force) = (step.shift, step.friction.static_force);
     (shift > LARGE_SHIFT * static_force).then(|| {
         format!(
-            "the corrected stick exit lowers f_s = {} by {}: the correction is good while that is small, and here \
-             stick durations may be off by several percent. It falls like sqrt(h); `--scheme event-driven` needs \
-             none",
+            "the corrected stick exit lowers f_s = {} by {}, which is not small: stick durations may be off \
+             by several percent. The shift falls like sqrt(h); `--scheme event-driven` needs no correction",
             short(static_force),
             short(shift)
         )
@@ -47,9 +46,8 @@ pub(super) fn incomplete_correction(case: &Case) -> Option<String> {
             "No step is short enough; `--scheme event-driven` needs no correction".to_string()
         };
         format!(
-            "the corrected stick exit would lower f_s by {}, but no further than to f_d, and f_s - f_d is \
-             only {}: a body released below f_d would be pushed back. The rest is not corrected, so sticks \
-             come out too long. {remedy}",
+            "the corrected stick exit would lower f_s by {}, but not below f_d, and f_s - f_d is only {}: the \
+             correction is incomplete, and sticks come out too long. {remedy}",
             short(step.shift),
             short(step.gap())
         )
@@ -58,9 +56,9 @@ pub(super) fn incomplete_correction(case: &Case) -> Option<String> {
 
 pub(super) fn equal_friction(case: &Case) -> Option<String> {
     case.noisy_step().is_some_and(NoisyStep::has_equal_friction).then(|| {
-        "f_s = f_d under noise: there are slips of all sizes down to zero, so the number of sticks grows \
-         without bound as the step falls. Stick counts and durations here are properties of the step, \
-         whatever their error bars; sticking fraction and positions do have limits"
+        "f_s = f_d under noise: slips have all sizes down to zero, so the number of sticks grows without \
+         bound as the step decreases. Stick counts and durations depend on the step, whatever their error \
+         bars; sticking fraction and positions have limits"
             .to_string()
     })
 }
@@ -85,10 +83,10 @@ pub(super) fn stick_exit_bias(case: &Case) -> Option<String> {
     let relative = STICK_BIAS * (step.h / step.crossing_time).sqrt();
     (means_something && relative > SMALL_BIAS).then(|| {
         format!(
-            "the scheme checks only once a step whether a stick has ended, so sticks come out too long: \
-             roughly {} % in the \
-             mean, as a guide. The error falls like sqrt(h), and no confidence interval shows it. \
-             `--scheme corrected-vi` has a smaller one, of order h, and `--scheme event-driven` has none",
+            "the scheme checks only once per step whether a stick has ended, so sticks are too long, by \
+             roughly {} % on average. The error falls like sqrt(h) and is not part of the confidence \
+             intervals. `--scheme corrected-vi` has a smaller error, of order h, and `--scheme event-driven` \
+             has none",
             percent(relative)
         )
     })
@@ -109,8 +107,8 @@ pub(super) fn corrected_bias(case: &Case) -> Option<String> {
     let relative = CORRECTED_BIAS * (step.h / step.return_time).min(CORRECTED_BIAS_GROWS_TO);
     (is_corrected && relative > SMALL_BIAS).then(|| {
         format!(
-            "the corrected step leaves sticks too short: roughly {} % in the mean, as a guide. The error falls like h, \
-             and no confidence interval shows it. `--scheme event-driven` has none",
+            "the corrected scheme makes sticks too short, by roughly {} % on average. The error falls like h \
+             and is not part of the confidence intervals. `--scheme event-driven` has none",
             percent(relative)
         )
     })
@@ -122,8 +120,8 @@ pub(super) fn micro_slips(case: &Case) -> Option<String> {
     let step = case.noisy_step()?;
     (!step.has_equal_friction() && step.h > step.return_time).then(|| {
         format!(
-            "slips shorter than the step are missed: under this noise one can turn back within \
-             ((f_s - f_d)/(K beta rho sigma))^2 = {}, and the step is {}",
+            "slips shorter than the step are missed: under this noise a slip can reverse within ((f_s - \
+             f_d)/(K beta rho sigma))^2 = {}, and the step is {}",
             short(step.return_time),
             short(step.h)
         )
@@ -137,10 +135,10 @@ pub(super) fn unresolved(case: &Case) -> Option<String> {
     let Resolution { static_force, shortest_slip } = case.derived.resolution?;
     is_exact.then(|| {
         format!(
-            "f_s and f_d meet, or nearly, under noise: there are slips of all sizes down to zero. Slips shorter \
-             than about {} are not resolved; what is simulated is f_s = {static_force:?}. Stick counts and durations \
-             here are properties of that resolution, which follows scheme.tolerance, whatever their error bars; \
-             sticking fraction and positions do have limits",
+            "f_s and f_d are equal, or nearly so, under noise: slips have all sizes down to zero. Slips \
+             shorter than about {} are not resolved, and f_s = {static_force:?} is simulated. Stick counts \
+             and durations depend on that resolution, which is set by scheme.tolerance, whatever their error \
+             bars; sticking fraction and positions have limits",
             short(shortest_slip)
         )
     })
@@ -151,10 +149,10 @@ pub(super) fn white(case: &Case) -> Option<String> {
     let share = case.scenario.white_noise?.share(&case.scenario.model)?;
     let theta = case.scenario.model.temperature.noises.first()?.relaxation_rate;
     Some(format!(
-        "white noise is simulated as one that forgets within 1/theta = {}, {} of the shortest time in which the body \
-         forgets its velocity: statistics differ from those of white noise by a share of this order. A body on \
-         which white noise acts never sticks, so sticks and slips here are those of this theta. \
-         `temperature.noise.relaxation_rate` is theta; two runs at theta and 4 theta tell the limit",
+        "white noise is approximated by noise with correlation time 1/theta = {}, {} of the shortest velocity \
+         relaxation time: statistics have a relative error of this order. Under true white noise the body \
+         never sticks, so sticks and slips depend on theta (`temperature.noise.relaxation_rate`); compare \
+         runs at theta and 4 theta to estimate the limit",
         short(1.0 / theta),
         short(share)
     ))

@@ -7,7 +7,7 @@ use stickslip_data::numbers::short;
 pub(super) fn never_moves(case: &Case) -> Option<String> {
     case.slip.as_ref().is_some_and(|slip| !slip.moves).then(|| {
         "f_s = f_d: in the quasi-static recursion a slip moves the body by 2 (f_s - f_d)/K = 0, so x stays at \
-         x0 and only the times of the slips mean something"
+         x0 and only the times of slips are meaningful"
             .to_string()
     })
 }
@@ -24,9 +24,9 @@ pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
     let &Slip { duration, change, released, .. } = slip;
     (change > SLOW_FORCING * released).then(|| {
         format!(
-            "the forcing is not slow: during a slip, which lasts {}, it changes the force by about {}, \
-             while the slip releases {}. The quasi-static recursion takes the forcing as constant, so its \
-             displacements will be off by about {} %; `--scheme event-driven` follows it",
+            "the forcing is not slow: a slip lasts {}, in which the forcing changes the force by about {}, \
+             while the slip releases {}. The quasi-static recursion keeps the forcing constant during a \
+             slip, so its displacements will be off by about {} %; `--scheme event-driven` does not",
             short(duration),
             short(change),
             short(released),
@@ -40,9 +40,9 @@ pub(super) fn forcing_during_slip(case: &Case) -> Option<String> {
 pub(super) fn creep(case: &Case) -> Option<String> {
     let slip = case.slip.as_ref().filter(|slip| slip.creeps())?;
     Some(format!(
-        "the damped body does not swing back fast enough to end a slip: the harmonics change the force by up to {} \
-         per unit of time, and above {} the body creeps behind the temperature until that turns. The quasi-static \
-         recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
+        "the damped body returns too slowly to end a slip: the harmonics change the force by up to {} per \
+         unit of time, and above {} the body creeps behind the temperature until the temperature turns. The \
+         quasi-static recursion shows sticks and slips instead; `--scheme event-driven` follows the creep",
         short(slip.rate),
         short(slip.limit)
     ))

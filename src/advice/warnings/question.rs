@@ -15,7 +15,7 @@ pub(super) fn never_slips(case: &Case) -> Option<String> {
     let is_known = !model.has_load() && !model.force.as_ref().is_some_and(|force| force.depends_on_time());
     (is_known && largest <= model.friction.static_force && model.initial_velocity == 0.0).then(|| {
         format!(
-            "nothing will slip: |b| does not exceed {}, and f_s is no less. Every stick is censored",
+            "nothing will slip: |b| is at most {}, which does not exceed f_s. Every stick is censored",
             short(largest)
         )
     })
@@ -23,8 +23,12 @@ pub(super) fn never_slips(case: &Case) -> Option<String> {
 
 pub(super) fn identical_paths(case: &Case) -> Option<String> {
     let paths = case.scenario.ensemble.paths;
-    (!case.scenario.model.temperature.is_random() && paths > 1)
-        .then(|| format!("nothing is random here: all {paths} paths are the same, and ensemble.paths = 1 is enough"))
+    (!case.scenario.model.temperature.is_random() && paths > 1).then(|| {
+        format!(
+            "the scenario is deterministic: all {paths} paths are identical, and ensemble.paths \
+            = 1 is enough"
+        )
+    })
 }
 
 pub(super) fn no_dilatation(case: &Case) -> Option<String> {
@@ -34,8 +38,8 @@ pub(super) fn no_dilatation(case: &Case) -> Option<String> {
     let oscillator = &case.scenario.model.oscillator;
     (oscillator.force_per_temperature() == 0.0 && has_temperature).then(|| match oscillator.drive {
         Drive::Dilatation(beta) if beta != 0.0 => {
-            "K beta = 0 without a spring: the temperature has no effect on the motion. Write \
-             `oscillator.force_per_temperature` in place of `oscillator.dilatation`"
+            "K beta = 0 without a spring: the temperature has no effect on the motion. Use \
+             `oscillator.force_per_temperature` instead of `oscillator.dilatation`"
                 .to_string()
         }
         Drive::Dilatation(_) => "dilatation = 0: the temperature has no effect on the motion".to_string(),
@@ -50,12 +54,13 @@ pub(super) fn few_periods(case: &Case) -> Option<String> {
     let period = timeline.period.filter(|_| timeline.end > 0.0)?;
     (counted < fewest).then(|| {
         let what = match counted {
-            0 => "no whole period is counted, and drift_velocity, diffusion_coefficient and the \
-                  statistics from period to period will be absent"
+            0 => "no whole period is counted, so drift_velocity, diffusion_coefficient and the statistics \
+                  from period to period will be absent"
                 .to_string(),
             n => format!(
-                "drift_velocity and diffusion_coefficient rest on {n} whole period{}, the first of the run \
-                 left out, and with fewer than {fewest} a drift cannot be told from a transient",
+                "drift_velocity and diffusion_coefficient are estimated from {n} whole period{}, without the \
+                 first of the run; with fewer than {fewest}, a drift cannot be distinguished from a \
+                 transient",
                 if n == 1 { "" } else { "s" },
             ),
         };
@@ -69,8 +74,8 @@ pub(super) fn many_periods(case: &Case) -> Option<String> {
     let (derived, end) = (&case.derived, case.scenario.time.end);
     derived.period.is_some_and(|period| end / period.length > MAX_PERIODS as f64).then(|| {
         format!(
-            "the run holds {:e} periods, and x is kept at no more than {MAX_PERIODS}: drift_velocity and \
-             diffusion_coefficient will be absent. Choose `statistics.period` = {} or more",
+            "the run has {:e} periods, and x is recorded at the ends of at most {MAX_PERIODS}: drift_velocity \
+             and diffusion_coefficient will be absent. Choose `statistics.period` = {} or more",
             derived.whole_periods,
             short(end / MAX_PERIODS as f64)
         )
@@ -83,9 +88,9 @@ pub(super) fn no_common_period(case: &Case) -> Option<String> {
     let is_moving = temperature.harmonics.iter().any(|h| h.angular_frequency > 0.0 && h.amplitude != 0.0);
     let is_share = case.derived.period.is_some_and(|period| period.source == PeriodSource::Share);
     (temperature.series.is_none() && is_moving && is_share).then(|| {
-        "the harmonics share no period, so x is compared at different phases of them, which drift_velocity, \
-         diffusion_coefficient and the statistics from period to period then contain. Choose `statistics.period` \
-         close to whole cycles of the strongest harmonics"
+        "the harmonics have no common period, so x is compared at different phases, which affects \
+         drift_velocity, diffusion_coefficient and the period-to-period statistics. Choose \
+         `statistics.period` close to whole cycles of the strongest harmonics"
             .to_string()
     })
 }

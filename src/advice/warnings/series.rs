@@ -12,9 +12,9 @@ pub(super) fn repaired_series(case: &Case) -> Vec<String> {
 pub(super) fn noise_over_series(case: &Case) -> Option<String> {
     let temperature = &case.scenario.model.temperature;
     (temperature.series.is_some() && temperature.is_random() && !temperature.is_pinned).then(|| {
-        "the weather is counted twice: the measured temperature contains it, and the noise adds as much \
-         again at every sample. Write `temperature.noise.pinned = true` to let the noise act between \
-         samples only, leave out [temperature.noise], or take harmonics in place of [temperature.series]"
+        "the weather is counted twice: the measured temperature contains it, and the noise adds it again at \
+         every sample. Set `temperature.noise.pinned = true` to let the noise act between samples only, \
+         remove [temperature.noise], or use harmonics instead of [temperature.series]"
             .to_string()
     })
 }

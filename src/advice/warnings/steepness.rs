@@ -51,7 +51,7 @@ impl Stiffened {
     pub fn reason(&self) -> String {
         let Steepest { damping, most_damped, .. } = &self.found;
         if self.body.damping_rate() > self.body.natural_frequency() && *damping > 0.0 {
-            format!("[force] damps the body as alpha = {} would at {most_damped}", short(*damping))
+            format!("[force] acts like damping alpha = {} at {most_damped}", short(*damping))
         } else {
             self.stiffest_place()
         }
@@ -59,6 +59,6 @@ impl Stiffened {
 
     /// How stiff the force is at most, and where.
     pub fn stiffest_place(&self) -> String {
-        format!("[force] is as stiff as a spring of K = {} at {}", short(self.found.stiffness), self.found.stiffest)
+        format!("[force] has the stiffness K = {} at {}", short(self.found.stiffness), self.found.stiffest)
     }
 }

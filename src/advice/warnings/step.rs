@@ -15,8 +15,8 @@ pub(super) fn unstable(case: &Case) -> Option<String> {
     let by_itself = case.derived.stability.and_then(Stability::largest_step);
     if let Some(limit) = by_itself.filter(|limit| h >= *limit) {
         return Some(format!(
-            "the step {} is beyond the stability limit {}: slips will grow until they overflow. \
-             Choose time.step below the limit",
+            "the step {} exceeds the stability limit {}: slips grow until they overflow. Choose time.step \
+             below the limit",
             short(h),
             short(limit)
         ));
@@ -25,8 +25,9 @@ pub(super) fn unstable(case: &Case) -> Option<String> {
     let limit = stiffened.largest_step();
     if h >= limit {
         return Some(format!(
-            "{}, so the step {} is beyond the stability limit {} there: the scheme cannot follow the force, and the \
-             velocity may swing to and fro or grow until it overflows. Choose time.step well below the limit, or `--scheme event-driven`",
+            "{}, so the step {} exceeds the stability limit {} there: the scheme cannot follow the force, and \
+             the velocity may oscillate or grow until it overflows. Choose time.step well below the limit, \
+             or `--scheme event-driven`",
             stiffened.reason(),
             short(h),
             short(limit)
@@ -75,9 +76,9 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
     let is_known = case.scenario.model.force.is_none();
     (is_known && derived.expected_amplitude > critical_amplitude && growth > GROWTH).then(|| {
         format!(
-            "without damping, the explicit step adds more energy than friction takes once the amplitude exceeds \
-             A_c = 4 f_d/(pi w0 h K) = {}, and about {} is to be expected: paths may grow without bound. A_c \
-             doubles when time.step is halved",
+            "without damping, the explicit step adds more energy than friction dissipates once the amplitude \
+             exceeds A_c = 4 f_d/(pi w0 h K) = {}, and about {} is expected: paths may grow without bound. \
+             A_c doubles when time.step is halved",
             short(critical_amplitude),
             short(derived.expected_amplitude)
         )
@@ -89,10 +90,10 @@ pub(super) fn amplitude_above_critical(case: &Case) -> Option<String> {
 pub(super) fn runs_away(case: &Case) -> Option<String> {
     let (derived, model) = (&case.derived, &case.scenario.model);
     let lost = if case.step.is_some() { "counted as diverged" } else { "given up" };
-    let lost = format!("and are {lost} once their numbers are too large");
+    let lost = format!("and are {lost} once they overflow");
     if model.force.is_some() {
         return force::beyond_hold_of(case)
-            .map(|driven| format!("{driven}, and so ever farther out: paths may grow without bound, {lost}"));
+            .map(|driven| format!("{driven}, and at all larger distances: paths may grow without bound, {lost}"));
     }
     let growing = match derived.stability {
         Some(Stability::Growing { critical_amplitude }) => Some(critical_amplitude),
@@ -101,8 +102,8 @@ pub(super) fn runs_away(case: &Case) -> Option<String> {
     let critical = growing.filter(|_| model.oscillator.damping < 0.0)?;
     (derived.expected_amplitude > critical).then(|| {
         format!(
-            "negative damping adds more energy than friction takes once the amplitude exceeds {}, and about {} is to \
-             be expected before that: paths beyond it grow without bound, {lost}",
+            "negative damping adds more energy than friction dissipates once the amplitude exceeds {}, and \
+             about {} is expected before that: paths beyond it grow without bound, {lost}",
             short(critical),
             short(derived.expected_amplitude)
         )
@@ -118,7 +119,7 @@ pub(super) fn against_oscillator(case: &Case) -> Option<String> {
     let steps = steps_of(case.derived.natural_frequency);
     if steps < FEW_STEPS {
         return Some(format!(
-            "the step leaves only {} steps per half-cycle pi/w0 of the oscillator: slips are poorly resolved",
+            "the step gives only {} steps per half-cycle pi/w0 of the oscillator: slips are poorly resolved",
             short(steps)
         ));
     }
@@ -126,7 +127,7 @@ pub(super) fn against_oscillator(case: &Case) -> Option<String> {
     let steps = steps_of(stiffened.stiffest.natural_frequency());
     (steps < FEW_STEPS && h < stiffened.largest_step() && !adds_energy(case, stiffened)).then(|| {
         format!(
-            "{}, so the step leaves only {} steps per half-cycle there: slips are poorly resolved",
+            "{}, so the step gives only {} steps per half-cycle there: slips are poorly resolved",
             stiffened.stiffest_place(),
             short(steps)
         )
@@ -144,7 +145,7 @@ pub(super) fn against_forcing(case: &Case) -> Vec<String> {
     let few = steps.filter(|(_, _, steps)| *steps < 2.0 * FEW_STEPS);
     few.map(|(what, frequency, steps)| {
         format!(
-            "the step leaves only {} steps per period of the {what} with angular frequency {}: the forcing is \
+            "the step gives only {} steps per period of the {what} with angular frequency {}: the forcing is \
              poorly resolved",
             short(steps),
             short(frequency)
@@ -159,8 +160,8 @@ pub(super) fn against_noise(case: &Case) -> Option<String> {
     let relaxations = noise.relaxation_rate * h;
     (relaxations > 1.0).then(|| {
         format!(
-            "theta h = {}: the noise decorrelates within one step, and the scheme does not see what it does \
-             in between",
+            "theta h = {}: the noise decorrelates within one step, so the scheme misses its fluctuations \
+             between steps",
             short(relaxations)
         )
     })

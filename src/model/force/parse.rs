@@ -202,8 +202,8 @@ impl Parser<'_> {
     fn nested(&mut self, place: Range<usize>, part: fn(&mut Self) -> Outcome<ReadPart>) -> Outcome<ReadPart> {
         self.nesting += 1;
         if self.nesting > MAX_NESTING {
-            let problem = format!("more than {MAX_NESTING} parentheses, signs and powers contain each other here");
-            return Err(ExpressionError::new(place, problem, "write it with fewer of them inside each other"));
+            let problem = format!("more than {MAX_NESTING} nested parentheses, signs and powers");
+            return Err(ExpressionError::new(place, problem, "reduce the nesting"));
         }
         let piece = part(self)?;
         self.nesting -= 1;
@@ -219,7 +219,7 @@ impl Parser<'_> {
         self.operations += 1;
         if self.operations > MAX_OPERATIONS {
             let problem = format!("the expression has more than {MAX_OPERATIONS} operations");
-            return Err(ExpressionError::new(place.clone(), problem, "write it with fewer"));
+            return Err(ExpressionError::new(place.clone(), problem, "shorten it"));
         }
         Ok(())
     }
@@ -298,7 +298,7 @@ impl Parser<'_> {
             None => "begin with a number, a name, a sign or a parenthesis".into(),
         };
         match self.kind() {
-            TokenKind::End => ExpressionError::new(place, "the expression ends where a value is missing", remedy),
+            TokenKind::End => ExpressionError::new(place, "a value is missing at the end of the expression", remedy),
             _ => {
                 let problem = format!("a value is missing before `{}`", &self.text[place.clone()]);
                 ExpressionError::new(place, problem, remedy)
@@ -311,10 +311,10 @@ impl Parser<'_> {
         let place = self.place();
         match (self.kind(), open) {
             (TokenKind::End, Some(open)) => {
-                ExpressionError::new(open.clone(), "this parenthesis is not closed", "write `)` where it ends")
+                ExpressionError::new(open.clone(), "this parenthesis is not closed", "add the closing `)`")
             }
             (TokenKind::Symbol(')'), _) => {
-                ExpressionError::new(place, "this parenthesis closes none", "remove it, or write `(` where it begins")
+                ExpressionError::new(place, "this parenthesis has no opening one", "remove it, or add the opening `(`")
             }
             (TokenKind::Symbol(','), _) => {
                 let remedy = "write a point in a number, as in 0.5; only min and max have several arguments";

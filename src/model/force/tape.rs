@@ -83,8 +83,8 @@ impl Tape {
         let result = of_node.last().map_or(0, |root| values.slot(*root));
         values.allocate(result, &formula.inputs).ok_or_else(|| {
             let place = 0..formula.nodes.last().map_or(0, |root| root.place.end);
-            let problem = format!("the expression needs more than {MAX_SLOTS} values at one time");
-            ExpressionError::new(place, problem, "write it with fewer parts that contain each other")
+            let problem = format!("the expression needs more than {MAX_SLOTS} intermediate values at once");
+            ExpressionError::new(place, problem, "reduce the nesting")
         })
     }
 

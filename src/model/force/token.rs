@@ -97,7 +97,7 @@ fn is_no_number(number: &str, rest: &str) -> bool {
 fn number(text: &str, at: usize) -> Result<f64, ExpressionError> {
     let number = text.parse().ok().filter(|number: &f64| number.is_finite());
     number.ok_or_else(|| {
-        let problem = "the number is beyond the largest that can be computed with";
+        let problem = "the number is too large";
         ExpressionError::new(at..at + text.len(), problem, format!("write a number below {:.1e}", f64::MAX))
     })
 }
@@ -113,12 +113,12 @@ fn unexpected(text: &str, c: char, at: usize, last: Option<&Token>) -> Expressio
     }
     let remedy = match right {
         Some("xdot") => "write `xdot` for the velocity".into(),
-        Some(CASES) => format!("an expression has no comparisons: {CASES}"),
+        Some(CASES) => format!("comparisons are not supported: {CASES}"),
         Some(right) => format!("write `{right}`"),
-        None => "write it with numbers, names of letters from a to z, digits and _, the operators + - * / ^, \
-                 parentheses and commas"
-            .into(),
+        None => {
+            "use numbers, names (letters a to z, digits and _), the operators + - * / ^, parentheses and commas".into()
+        }
     };
-    let problem = format!("`{}` has no meaning in an expression", short(&text[place.clone()]));
+    let problem = format!("unexpected `{}` in an expression", short(&text[place.clone()]));
     ExpressionError::new(place, problem, remedy)
 }

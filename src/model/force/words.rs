@@ -65,8 +65,8 @@ const HINTS: &[(&[&str], &str)] = &[
 ];
 
 /// What to write in place of the temperature.
-const SUPPORT: &str = "a force knows no temperature, but `V*t`, with a parameter V, is a belt or the end of a pulled spring, \
-                       as in `k3*(V*t - x)^3`";
+const SUPPORT: &str = "a force cannot depend on the temperature; `V*t`, with a parameter V, describes a belt \
+                       or a pulled spring, as in `k3*(V*t - x)^3`";
 
 /// What to write in place of a comparison.
 pub(super) const CASES: &str = "use max, min or sign, as in `-k*max(x - 3, 0)` for a spring beyond 3";
@@ -114,7 +114,7 @@ pub(super) fn meaning(name: &str, place: &Range<usize>, names: Names<'_>) -> Res
     let input = || names.inputs.iter().position(|known| known.name == name).map(Meaning::Input);
     reserved(name).or_else(parameter).or_else(input).ok_or_else(|| {
         let hint = hint(name, names).map_or(String::new(), |hint| format!("{hint}; "));
-        let remedy = format!("{hint}an expression knows {}", known(names));
+        let remedy = format!("{hint}available are {}", known(names));
         ExpressionError::new(place.clone(), format!("unknown name `{}`", short(name)), remedy)
     })
 }
@@ -168,8 +168,8 @@ fn known(names: Names<'_>) -> String {
 pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
     let fault = |name: &str, problem: String, remedy: &str| Err(ExpressionError::of_parameter(name, problem, remedy));
     if let Some((name, _)) = names.parameters.get(MAX_PARAMETERS) {
-        let problem = format!("{} parameters are more than {MAX_PARAMETERS}", names.parameters.len());
-        return fault(name, problem, "write the values of some into the expression");
+        let problem = format!("{} parameters; at most {MAX_PARAMETERS} are supported", names.parameters.len());
+        return fault(name, problem, "replace some parameters by their values");
     }
     for (i, (name, kind)) in names.all().enumerate() {
         let shown = short(name);
@@ -185,15 +185,11 @@ pub(super) fn check(names: Names<'_>) -> Result<(), ExpressionError> {
             );
         }
         if reserved(name).is_some() {
-            return fault(
-                name,
-                format!("the {kind} `{shown}` has a name with a meaning of its own"),
-                "give it another name",
-            );
+            return fault(name, format!("the name of the {kind} `{shown}` is reserved"), "give it another name");
         }
         if let Some((_, other)) = names.all().take(i).find(|(other, _)| *other == name) {
             let both = if other == kind { format!("two {kind}s are") } else { format!("a {other} and an {kind} are") };
-            return fault(name, format!("{both} called `{shown}`"), "give each a name of its own");
+            return fault(name, format!("{both} called `{shown}`"), "give them different names");
         }
     }
     for (name, value) in names.parameters {

@@ -76,8 +76,8 @@ impl CorrectedVi {
             return Ok(());
         }
         let problem = format!(
-            "makes the corrected-vi scheme lower the threshold f_s = `friction.static` = {f_s:?} by its shift 0.5826 K \
-             beta rho sigma sqrt(h) = {:?}, half of it or more",
+            "makes the corrected-vi scheme lower the threshold f_s = `friction.static` = {f_s:?} by half or \
+             more: the shift 0.5826 K beta rho sigma sqrt(h) is {:?}",
             tidy(shift)
         );
         let limit = (LARGEST_SHIFT * f_s / monitoring_shift(model, 1.0)).powi(2);

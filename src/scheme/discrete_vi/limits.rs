@@ -18,7 +18,7 @@ pub(super) fn check_step(model: &Model, h: f64, end: f64) -> Result<(), Misfit> 
     if is_usable {
         return Ok(());
     }
-    let problem = format!("gives h/m = {h_over_m:e} or a threshold h f_s/m that a double cannot hold");
+    let problem = format!("gives h/m = {h_over_m:e} or a threshold h f_s/m outside the range of double precision");
     Err(Misfit::new(&[("time.step", h)], problem, "choose units in which mass, forces and step are closer to 1"))
 }
 
@@ -31,10 +31,9 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
     if increment.is_normal() && can_be_computed_with(&[start / increment]) {
         return Ok(());
     }
-    let problem = format!(
-        "moves v by {increment:e} in a step h = {h:?}, and v, which starts at {start:e}, cannot be counted in units of that"
-    );
-    let remedy = "write `diffusion = 0` to leave v relaxing from v(0), raise it, or choose `--scheme event-driven`";
+    let problem =
+        format!("moves v by {increment:e} per step h = {h:?}, too little to resolve against its start {start:e}");
+    let remedy = "set `diffusion = 0` to let v relax from v(0), raise it, or choose `--scheme event-driven`";
     Err(Misfit::new(&[("temperature.noise.diffusion", noise.diffusion)], problem, remedy))
 }
 
@@ -43,14 +42,14 @@ pub(super) fn check_increments(model: &Model, h: f64) -> Result<(), Misfit> {
 /// samples at which noise may be pinned.
 pub(super) fn check_noise(model: &Model) -> Result<(), Misfit> {
     if model.temperature.has_two_noises() {
-        let problem = "there are two noises, and the schemes with a step carry one".to_string();
-        let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`, or leave one of them out";
+        let problem = "there are two noises; schemes with a time step support one".to_string();
+        let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`, or remove one of them";
         return Err(Misfit::new(&[("temperature.noise", 2.0)], problem, remedy));
     }
     if !(model.temperature.is_pinned && model.temperature.is_random()) {
         return Ok(());
     }
-    let problem = "`temperature.noise.pinned` is true, and the schemes with a step do not meet the samples".to_string();
-    let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`, whose cells end at samples";
+    let problem = "`temperature.noise.pinned` = true is not supported by schemes with a time step".to_string();
+    let remedy = "choose `--scheme event-driven` or `--scheme quasi-static`";
     Err(Misfit::new(&[], problem, remedy))
 }

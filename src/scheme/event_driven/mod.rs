@@ -47,7 +47,7 @@ pub struct EventDriven {
 
 impl Method for EventDriven {
     const NAME: &'static str = "event-driven";
-    const MEANING: &'static str = "from event to event, exact in law in between";
+    const MEANING: &'static str = "event by event, exact in law between events";
     const PARAMETER: Parameter = Parameter::Tolerance { ladder: &[1e-2, 1e-3, 1e-4, 1e-5] };
     const LOOK: Look = Look { colour: "#009E73", dash: "" };
     type Simulation = EventDrivenSimulation;
@@ -86,19 +86,22 @@ pub(super) fn check_friction(model: &Model, end: f64) -> Result<(), Misfit> {
     let f_s = model.friction.static_force;
     let felt = Scene::new(model).felt_noise(end);
     if felt.is_none() && model.temperature.is_pinned && model.temperature.is_random() {
-        let problem =
-            "`temperature.noise.pinned` is true, and the noise moves no force by more than rounding".to_string();
-        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "leave out [temperature.noise]"));
+        let problem = "`temperature.noise.pinned` is true, but the noise is negligible".to_string();
+        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "remove [temperature.noise]"));
     }
     if felt.is_none() && model.temperature.has_two_noises() {
-        let problem = "there are two noises, and they move no force by more than rounding".to_string();
-        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "leave one of them out"));
+        let problem = "there are two noises, but they are negligible".to_string();
+        return Err(Misfit::new(&[("temperature.noise.intensity", 0.0)], problem, "remove one of them"));
     }
     let Some(noise) = felt.filter(|_| f_s > 0.0) else { return Ok(()) };
     if can_be_computed_with(&[noise / f_s, 1.0 / (noise * f_s)]) {
         return Ok(());
     }
-    let problem = format!("is lost beside the noise, which moves b by {noise:e}: when b passes f_s cannot be computed");
-    let remedy = "write `static = 0` and `dynamic = 0` for none, or choose units in which forces are closer to 1";
+    let problem = format!(
+        "is negligible compared with the noise, which moves b by {noise:e}: crossings of \
+        f_s cannot be computed"
+    );
+    let remedy = "set `static = 0` and `dynamic = 0` for no friction, or choose units in which forces are \
+        closer to 1";
     Err(Misfit::new(&[("friction.static", f_s)], problem, remedy))
 }

@@ -33,10 +33,10 @@ pub struct Simulated {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum Unresolved {
     /// It made all evaluations that it may.
-    #[error("it takes more evaluations than a path may make, which is some seconds")]
+    #[error("it needs more force evaluations than a path is allowed (some seconds)")]
     TooLong,
     /// A value was not a finite number.
-    #[error("it meets a force that is not finite, or a load of friction below 0")]
+    #[error("the force is not finite, or the friction load is negative")]
     NoNumber,
     /// The shortest step is too long.
     #[error("the force changes too much within the shortest step")]

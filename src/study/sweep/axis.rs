@@ -72,14 +72,14 @@ impl SweepAxis {
         let (name, key, values) = match parts.as_slice() {
             [key, values] => (None, key.trimmed(), values.trimmed()),
             [name, key, values] => (Some(name.trimmed()), key.trimmed(), values.trimmed()),
-            [.., last] if parts.len() > 3 => return Err(last.wrong("there are more than two `=`", WRITTEN)),
-            _ => return Err(whole.wrong("there is no `=`", WRITTEN)),
+            [.., last] if parts.len() > 3 => return Err(last.wrong("more than two `=`", WRITTEN)),
+            _ => return Err(whole.wrong("missing `=`", WRITTEN)),
         };
         if key.text().is_empty() {
-            return Err(key.wrong("there is no key", WRITTEN));
+            return Err(key.wrong("missing key", WRITTEN));
         }
         if let Some(name) = name.as_ref().filter(|name| !is_name(name.text())) {
-            let problem = format!("`{}` is no name of a dimension", name.text());
+            let problem = format!("`{}` is not a valid name of a dimension", name.text());
             return Err(name.wrong(&problem, "a letter, then letters, digits and underscores, such as rho"));
         }
         let numbers = numbers(&values)?;
@@ -152,7 +152,7 @@ impl<'a> TextPart<'a> {
 
 fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
     if values.text().is_empty() {
-        return Err(values.wrong("there are no values", VALUES));
+        return Err(values.wrong("no values given", VALUES));
     }
     if !values.text().contains(':') {
         return list(values);
@@ -166,8 +166,8 @@ fn numbers(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
             }
             grid(start, stop, count, logarithmic)
         }
-        [word, _, _, _] => Err(word.wrong(&format!("`{}` is no kind of grid", word.text()), VALUES)),
-        _ => Err(values.wrong("these are no values", VALUES)),
+        [word, _, _, _] => Err(word.wrong(&format!("unknown grid `{}`", word.text()), VALUES)),
+        _ => Err(values.wrong("no valid values", VALUES)),
     }
 }
 
@@ -176,8 +176,8 @@ fn list(values: &TextPart<'_>) -> Result<Vec<f64>, AxisError> {
     for piece in values.split(',') {
         let number = piece.number()?;
         if list.contains(&number) {
-            let problem = format!("{number} is in the list twice");
-            return Err(piece.wrong(&problem, "name each value once: a point is looked up by it"));
+            let problem = format!("{number} is listed twice");
+            return Err(piece.wrong(&problem, "list each value once"));
         }
         list.push(number);
     }
@@ -192,7 +192,7 @@ fn grid(
 ) -> Result<Vec<f64>, AxisError> {
     let (a, b) = (start.number()?, stop.number()?);
     let n = count.text().trim().parse::<usize>().ok().filter(|n| (2..=MOST_POINTS).contains(n)).ok_or_else(|| {
-        let problem = format!("`{}` is not a number of values, 2 to {MOST_POINTS}", count.text().trim());
+        let problem = format!("`{}` must be a number of values from 2 to {MOST_POINTS}", count.text().trim());
         count.wrong(&problem, VALUES)
     })?;
     let size = a.abs().max(b.abs());
@@ -210,7 +210,7 @@ fn grid(
         return Ok(values);
     }
     let ends = TextPart { whole: start.whole, at: start.at.start..stop.at.end };
-    Err(ends.wrong("the ends are too close for so many values", "give ends that differ, or fewer values"))
+    Err(ends.wrong("the ends are too close for this number of values", "give ends further apart, or fewer values"))
 }
 
 /// Values of a grid are rounded to this relative accuracy, twelve digits.
@@ -265,17 +265,17 @@ mod tests {
             ("rho=temperature.noise.intensity=0:1:x", "x", "not a number of values"),
             ("rho=temperature.noise.intensity=0:1:1", "1", "not a number of values"),
             ("rho=k=0:one:5", "one", "not a finite number"),
-            ("k=lag:1:2:5", "lag", "no kind of grid"),
+            ("k=lag:1:2:5", "lag", "unknown grid"),
             ("k=log:0:2:5", "0", "above 0"),
             ("k=1:1:5", "1:1", "too close"),
             ("k=1,2,1", "1", "twice"),
             ("k=1,,2", "", "not a finite number"),
             ("k=nan", "nan", "not a finite number"),
             ("k=", "", "no values"),
-            ("=1", "", "no key"),
-            ("2x=k=1", "2x", "no name"),
+            ("=1", "", "missing key"),
+            ("2x=k=1", "2x", "not a valid name"),
             ("a=b=c=1", "1", "more than two"),
-            ("k=1:2", "1:2", "no values"),
+            ("k=1:2", "1:2", "no valid values"),
         ];
         for (text, wrong, problem) in cases {
             let error = SweepAxis::parse(text, |_| None).expect_err(text);

@@ -32,16 +32,16 @@ pub struct Setting {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DesignError {
     /// Two dimensions have the same name, or one has a name that the file uses itself.
-    #[error("a dimension cannot be called `{0}`, which is a name of the file, or of another dimension")]
+    #[error("a dimension cannot be called `{0}`: the name is reserved, or used by another dimension")]
     Name(String),
     /// A key is varied twice.
     #[error("`{0}` is varied twice")]
     Key(String),
     /// Axes that are to be zipped have different numbers of values.
-    #[error("`{0}` has {1} values and `{2}` {3}, and zipped ones need as many")]
+    #[error("`{0}` has {1} values and `{2}` has {3}, but zipped keys need equal numbers")]
     Lengths(String, usize, String, usize),
     /// There are more than [`MOST_POINTS`] points.
-    #[error("these are {0} points, and a sweep has at most {MOST_POINTS}")]
+    #[error("the sweep has {0} points; at most {MOST_POINTS} are supported")]
     Points(f64),
 }
 
@@ -49,13 +49,13 @@ pub enum DesignError {
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum StarError {
     /// The scenario has no number at this key.
-    #[error("the scenario has no number there")]
+    #[error("the scenario has no number for it")]
     NoNumber,
     /// The value is 0, so a relative change leaves it as it is.
-    #[error("it is 0, and a share of 0 is 0")]
+    #[error("it is 0, so it has no relative change")]
     Zero,
     /// The key is named twice.
-    #[error("it is named twice")]
+    #[error("it is listed twice")]
     Twice,
 }
 

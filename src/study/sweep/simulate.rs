@@ -35,7 +35,7 @@ pub enum SweepEnd<E> {
     #[error(transparent)]
     Receiver(E),
     /// A block was delivered twice, which is a flaw of this program.
-    #[error("a flaw in the program: {0}")]
+    #[error("internal error: {0}")]
     Overlap(#[from] Overlap),
 }
 

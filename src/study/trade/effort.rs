@@ -69,7 +69,7 @@ impl Effort {
         let unrun = ladder.steps.get(steps).filter(|_| steps > 0);
         ladder.left_out.extend(unrun.map(|h| LeftOut {
             what: format!("steps of {h:?} and below"),
-            why: "the budget does not allow enough paths of them; predictions for them carry the fitted law on".into(),
+            why: "the budget does not allow enough paths; predictions extrapolate the fitted law".into(),
         }));
         let rungs = steps * ladder.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
         let timing = TIMING * budget.time.as_secs_f64() / rungs as f64;

@@ -9,7 +9,7 @@ pub enum TradeError {
     #[error(transparent)]
     Misfit(#[from] Misfit),
     /// The duration of the scenario, `time.end`, is 0.
-    #[error("`time.end` is 0: nothing happens, and there is nothing to compare; give `time.end` a value above 0")]
+    #[error("`time.end` = 0 leaves nothing to compare; it must be above 0")]
     NothingHappens,
     /// Not even the reference fits into the budget.
     #[error(

@@ -82,7 +82,7 @@ fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
             Some(warning) => why = warning.to_string(),
         }
     }
-    Err(format!("no step suits it: {why}"))
+    Err(format!("no suitable step: {why}"))
 }
 
 /// A length of which both the end and the output step are whole multiples, if there is one.

@@ -62,7 +62,7 @@ pub fn measure_within(
     limits: Limits<'_>,
 ) -> Result<Trade, TradeError> {
     let watch = Stopwatch::start(threads);
-    limits.begin("a few paths of each scheme, to share out the time");
+    limits.begin("a few paths of each scheme, to divide the budget");
     let mut ladder = Ladder::of(scenario);
     let effort = Effort::within(scenario, &mut ladder, budget, threads)?;
     let time = Some(budget.saturating_sub(watch.elapsed()));
@@ -103,7 +103,7 @@ pub fn measure(
     let paired = FreeRun { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
     let pairing = pairing_of(scenario, &reference, &paired, until(reference_ends))?;
     let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
-    let unfinished = |what: String| LeftOut { what, why: "the measuring ended before there was enough of it".into() };
+    let unfinished = |what: String| LeftOut { what, why: "the measurement ended too early".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
         if limits.is_stopped() {
             left_out.push(unfinished(other.scheme.to_string()));
@@ -128,7 +128,7 @@ pub fn measure(
     }
     left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
         what: rung.scheme.to_string(),
-        why: format!("{} of {} paths diverged, so it is recommended for nothing", rung.diverged, rung.paths),
+        why: format!("{} of {} paths diverged; not recommended at any accuracy", rung.diverged, rung.paths),
     }));
     Ok(Trade { left_out, ..Trade::of_rungs(scenario, rungs, reference, pairing)? })
 }

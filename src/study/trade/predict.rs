@@ -38,11 +38,11 @@ pub enum Refusal {
     #[error("it was not run")]
     NotRun,
     /// The statistic has no relative error; [`Trade::standing`] gives the reason.
-    #[error("no run can answer {}", .0.name())]
+    #[error("no run can estimate {}", .0.name())]
     NoAnswer(Statistic),
     /// No setting is known to have a bias below the target.
     #[error("the bias of {} is {}", .statistic.name(), match .is_unresolved {
-        true => format!("known only to {least:.1e}: a larger budget says more"),
+        true => format!("known only to {least:.1e}; use a larger budget"),
         false => format!("up to {least:.1e} at the finest setting"),
     })]
     Bias {

@@ -38,10 +38,8 @@ impl fmt::Display for Standing {
             Standing::Value(_) => "relative to its value",
             Standing::Deviation(_) => "zero within its error: relative to its sd per path",
             Standing::Zero => "exactly zero: nothing to choose",
-            Standing::NoLimit => {
-                "no limit: f_s and f_d meet under noise, and it is a property of the step or the resolution"
-            }
-            Standing::Absent => "does not exist in this scene",
+            Standing::NoLimit => "no limit: f_s = f_d under noise, so it depends on the step or the resolution",
+            Standing::Absent => "does not exist in this scenario",
         })
     }
 }

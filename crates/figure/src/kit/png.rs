@@ -9,10 +9,10 @@ use resvg::usvg::{Options, Tree};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PngError {
     /// The picture would have more pixels than are allowed: its width and its height.
-    #[error("{0} x {1} pixels are too many for a PNG; write SVG or PDF, or make it narrower")]
+    #[error("{0} x {1} pixels are too many for a PNG; use SVG or PDF, or a smaller width")]
     TooLarge(u32, u32),
     /// The conversion failed, which is an error of this program.
-    #[error("a flaw in the program: {0}")]
+    #[error("internal error: {0}")]
     Flaw(String),
 }
 

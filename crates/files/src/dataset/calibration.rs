@@ -97,7 +97,7 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     walk.attribute("record_start", &mut start)?;
     calibration.record.start = start.as_deref().and_then(Start::parse);
     walk.attribute("method", &mut method)?;
-    question.method = CalibrationMethod::from_name(&method).ok_or_else(|| "an unknown method".to_string())?;
+    question.method = CalibrationMethod::from_name(&method).ok_or_else(|| "unknown method".to_string())?;
     walk.attribute("lag_choice", &mut choice)?;
     walk.attribute("shear_stiffness", &mut question.shear_stiffness)?;
     walk.attribute("interval", &mut question.level)?;
@@ -252,41 +252,43 @@ table! {
     ESTIMATE = of_quantity("estimate", "estimate");
     LOW = of_quantity("interval_low", "lower end of the interval");
     HIGH = of_quantity("interval_high", "upper end of the interval");
-    ERR_ESTIMATE = of_quantity("least_squares", "estimate by the least squares, from the best of its starts");
-    ERR_LOW = of_quantity("least_squares_low", "lower end of the interval of the least squares");
-    ERR_HIGH = of_quantity("least_squares_high", "upper end of the interval of the least squares");
-    HELD = of_quantity("held", "value at which the quantity was held, missing where fitted");
-    BOUND_LOW = of_quantity("bound_low", "lower bound of the search, missing where there was none");
-    BOUND_HIGH = of_quantity("bound_high", "upper bound of the search, missing where there was none");
+    ERR_ESTIMATE = of_quantity("least_squares", "least-squares estimate, from the best start");
+    ERR_LOW = of_quantity("least_squares_low", "lower end of the least-squares interval");
+    ERR_HIGH = of_quantity("least_squares_high", "upper end of the least-squares interval");
+    HELD = of_quantity("held", "value at which the quantity was fixed, missing if fitted");
+    BOUND_LOW = of_quantity("bound_low", "lower bound of the search, missing if there was none");
+    BOUND_HIGH = of_quantity("bound_high", "upper bound of the search, missing if there was none");
     OTHER = coordinate!("other", Unit::None, "key of the other quantity");
     CORRELATION = variable("correlation", &["quantity", "other"], Unit::ONE,
         "correlation of the errors of two quantities");
     SLIP = coordinate!("slip", Unit::ONE, "number of the slip");
-    SLIP_TIME = variable("slip_time", &["slip"], Unit::Seconds, "time of the slip, in the middle between two samples");
-    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], Unit::TEMPERATURE, "temperature of steel at the slip");
-    SLIP_JUMP = variable("slip_jump", &["slip"], Unit::LENGTH, "jump of the displacement less kappa beta T");
-    SLIP_USUAL = variable("slip_usual", &["slip"], Unit::None, "whether the slip is alone and of the usual size")
+    SLIP_TIME = variable("slip_time", &["slip"], Unit::Seconds, "time of the slip, midway between two samples");
+    SLIP_TEMPERATURE = variable("slip_temperature", &["slip"], Unit::TEMPERATURE, "temperature of the steel \
+        at the slip");
+    SLIP_JUMP = variable("slip_jump", &["slip"], Unit::LENGTH, "jump of the displacement minus kappa beta T");
+    SLIP_USUAL = variable("slip_usual", &["slip"], Unit::None, "whether the slip is isolated and of typical size")
         .flags(&[0, 1], &[("flag_meanings", "left_out fitted")]);
-    START = coordinate!("start", Unit::ONE, "number of the start of the least squares");
+    START = coordinate!("start", Unit::ONE, "number of the least-squares start");
     START_ERR = variable("start_err", &["start"], Unit::AREA,
-        "mean square of model less measurement");
-    START_VALUE = variable("start_value", &["start", "quantity"], Unit::None, "what the start found");
-    LAG = coordinate!("lag", Unit::Seconds, "lag of steel behind the thermometer");
+        "mean square of model minus measurement");
+    START_VALUE = variable("start_value", &["start", "quantity"], Unit::None, "result of the start");
+    LAG = coordinate!("lag", Unit::Seconds, "lag of the steel behind the thermometer");
     LAG_DEVIANCE = variable("lag_deviance", &["lag"], Unit::ONE,
-        "twice the logarithm of the largest likelihood over that of this lag");
+        "twice the log of the ratio of the largest likelihood to that of this lag");
     ZERO_TIME = coordinate!("zero_time", Unit::Seconds, "time at which the zero of the sensor was set");
-    ZERO_STEP = variable("zero_step", &["zero_time"], Unit::LENGTH, "by how much readings moved when the zero was set");
+    ZERO_STEP = variable("zero_step", &["zero_time"], Unit::LENGTH, "shift of the readings when the zero was set");
     DELAY = coordinate!("delay", Unit::None, "delay in hours").with(&[("units", "h")]);
     AUTOCORRELATION = variable("residual_autocorrelation", &["delay"], Unit::ONE,
-        "correlation of residuals that are so far apart");
+        "autocorrelation of the residuals at this delay");
     TIME = coordinate!("time", Unit::Seconds, "time since the first sample");
-    TEMPERATURE = variable("temperature", &["time"], Unit::TEMPERATURE, "temperature as measured");
-    STEEL = variable("steel_temperature", &["time"], Unit::TEMPERATURE, "temperature of steel, behind the measured one");
+    TEMPERATURE = variable("temperature", &["time"], Unit::TEMPERATURE, "measured temperature");
+    STEEL = variable("steel_temperature", &["time"], Unit::TEMPERATURE, "temperature of the steel, lagging \
+        the measured one");
     INTERPOLATED = variable("temperature_interpolated", &["time"], Unit::None,
-        "whether the temperature is interpolated between those of the thermometer")
+        "whether the temperature is interpolated between readings")
         .flags(&[0, 1], &[("flag_meanings", "measured interpolated")]);
-    READING = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");
-    MODELLED = variable("displacement_modelled", &["time"], Unit::LENGTH, "displacement of the model");
+    READING = variable("displacement", &["time"], Unit::LENGTH, "measured displacement");
+    MODELLED = variable("displacement_modelled", &["time"], Unit::LENGTH, "modelled displacement");
 }
 
 #[cfg(test)]

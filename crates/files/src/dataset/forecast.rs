@@ -63,11 +63,11 @@ const fn of_quantity(name: &'static str, meaning: &'static str) -> Variable {
 }
 
 const PER_LEVEL: [Variable; 5] = [
-    of_quantity("expected", "mean over years with the likeliest parameters"),
+    of_quantity("expected", "mean over years with the most likely parameters"),
     of_quantity("expected_low", "lower end of the interval of that mean"),
     of_quantity("expected_high", "upper end of the interval of that mean"),
-    of_quantity("year_low", "lower end of the interval of one year"),
-    of_quantity("year_high", "upper end of the interval of one year"),
+    of_quantity("year_low", "lower end of the interval for a single year"),
+    of_quantity("year_high", "upper end of the interval for a single year"),
 ];
 
 const fn of_period(name: &'static str, unit: Unit, meaning: &'static str) -> Variable {
@@ -76,9 +76,9 @@ const fn of_period(name: &'static str, unit: Unit, meaning: &'static str) -> Var
 
 const PER_PERIOD: [Variable; 4] = [
     of_period("return_period", Unit::None, "return period in years"),
-    of_period("return_level", Unit::LENGTH, "|z| that is exceeded in one of so many years"),
-    of_period("return_level_low", Unit::LENGTH, "lower end of the interval of that |z|"),
-    of_period("return_level_high", Unit::LENGTH, "upper end of the interval of that |z|"),
+    of_period("return_level", Unit::LENGTH, "return level: |z| exceeded once per return period"),
+    of_period("return_level_low", Unit::LENGTH, "lower end of the interval of the return level"),
+    of_period("return_level_high", Unit::LENGTH, "upper end of the interval of the return level"),
 ];
-const DRAW: Variable = coordinate!("draw", Unit::None, "number of the draw of the parameters");
-const YEAR: Variable = coordinate!("year", Unit::None, "number of the year of a draw");
+const DRAW: Variable = coordinate!("draw", Unit::None, "number of the parameter draw");
+const YEAR: Variable = coordinate!("year", Unit::None, "number of the year within a draw");

@@ -60,7 +60,7 @@ macro_rules! attribute_values {
             fn of(attribute: Option<Attribute>, name: &str) -> Result<Self, String> {
                 match attribute {
                     Some(Attribute::$kind(value)) => Ok(value),
-                    Some(_) => Err(format!("{name} is no {}", $words)),
+                    Some(_) => Err(format!("{name} is not a {}", $words)),
                     None => Err(format!("{name} is missing")),
                 }
             }

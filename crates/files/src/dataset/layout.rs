@@ -63,12 +63,7 @@ macro_rules! bins {
     ($upper:literal, $lower:literal, $unit:expr, $of:literal) => {
         [
             coordinate!($upper, $unit, concat!("upper edge of the bin of the ", $of)),
-            variable(
-                $lower,
-                &[$upper],
-                $unit,
-                concat!("lower edge of the bin of the ", $of, ", itself inside the bin"),
-            ),
+            variable($lower, &[$upper], $unit, concat!("lower edge of the bin of the ", $of, ", inclusive")),
         ]
     };
 }
@@ -92,16 +87,19 @@ const PER_BIN: &[(&str, &str)] = &[("coordinates", "law_lower law_upper")];
 
 table! {
     STATISTIC = coordinate!("statistic", Unit::None, "name of the statistic");
-    STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "what the statistic is");
+    STATISTIC_LONG_NAME = variable("statistic_long_name", &["statistic"], Unit::None, "meaning of the statistic");
     STATISTIC_UNIT = variable("statistic_unit", &["statistic"], Unit::None, "unit of the statistic");
     ESTIMATE = of_statistic("estimate", "estimate").with(WITH_ERRORS);
-    STANDARD_ERROR = of_statistic("standard_error", "standard error of the estimate, the path being the independent unit");
+    STANDARD_ERROR = of_statistic("standard_error", "standard error of the estimate, with paths as \
+        independent units");
     INTERVAL_LOW = of_statistic("interval_low", "lower end of the 95 % confidence interval");
     INTERVAL_HIGH = of_statistic("interval_high", "upper end of the 95 % confidence interval");
-    BIAS = of_statistic("bias", "estimated discretisation bias, missing where unknown");
+    BIAS = of_statistic("bias", "estimated discretisation bias, missing if unknown");
     BIAS_UNCERTAINTY = of_statistic("bias_uncertainty", "95 % uncertainty of the discretisation bias");
-    BIAS_ORDER = of_statistic("bias_order", "observed order p of the bias in the time step, as in C h^p, missing where unknown");
-    ESTIMATE_CORRECTED = of_statistic("estimate_corrected", "estimate with its bias removed as far as it is known, missing where unknown");
+    BIAS_ORDER = of_statistic("bias_order", "observed order p of the bias in the time step, as in C h^p, \
+        missing if unknown");
+    ESTIMATE_CORRECTED = of_statistic("estimate_corrected", "estimate with the known bias removed, missing if \
+        unknown");
     ESTIMATE_CORRECTED_LOW = of_statistic("estimate_corrected_low", "lower end of the 95 % interval of the corrected estimate");
     ESTIMATE_CORRECTED_HIGH = of_statistic("estimate_corrected_high", "upper end of the 95 % interval of the corrected estimate");
 
@@ -120,14 +118,15 @@ table! {
 
     JOINT_DENSITY = variable("joint_density", &["joint_displacement_bin", "joint_velocity_bin"],
         Unit::Of(Dimension { time: 1, length: -2, ..Dimension::ONE }),
-        "density of displacement and velocity in motion over the counted time");
+        "joint density of displacement and velocity in motion over the counted time");
 
-    LAW = coordinate!("law", Unit::None, "name of the law: what is counted");
-    LAW_LONG_NAME = variable("law_long_name", &["law"], Unit::None, "the quantity in words");
+    LAW = coordinate!("law", Unit::None, "name of the distribution");
+    LAW_LONG_NAME = variable("law_long_name", &["law"], Unit::None, "description of the quantity");
     LAW_UNIT = variable("law_unit", &["law"], Unit::None, "unit of the quantity");
-    LAW_BIN = coordinate!("law_bin", Unit::ONE, "number of the bin of a law");
-    LAW_LOWER = variable("law_lower", OF_BIN, Unit::None, "lower edge of the bin, itself inside the bin");
-    LAW_UPPER = variable("law_upper", OF_BIN, Unit::None, "upper edge of the bin, missing where the law has fewer bins");
+    LAW_BIN = coordinate!("law_bin", Unit::ONE, "number of the bin");
+    LAW_LOWER = variable("law_lower", OF_BIN, Unit::None, "lower edge of the bin, inclusive");
+    LAW_UPPER = variable("law_upper", OF_BIN, Unit::None, "upper edge of the bin, missing if the distribution \
+        has fewer bins");
     LAW_COUNT = variable("law_count", OF_BIN, Unit::ONE,
         "values of completed phases, without the first stick of each path").with(PER_BIN);
     LAW_CENSORED_COUNT = variable("law_censored_count", OF_BIN, Unit::ONE,
@@ -150,46 +149,47 @@ table! {
         "amplitude of the mean velocity at the harmonic");
 
     SUB_PHASE = coordinate!("sub_phase", Unit::ONE,
-        "sub-phases of a dynamic phase; the last entry stands for this many or more");
+        "number of sub-phases of a dynamic phase; the last entry includes all larger numbers");
 
     PERIOD = coordinate!("period", Unit::ONE, "number of whole periods P");
     DRIFT_LIMIT = variable("drift_velocity_limit", &[], Unit::VELOCITY,
-        "drift velocity in the long run, where the spring and the slope of the temperature decide it");
+        "long-run drift velocity, if determined by the spring and the temperature trend");
     PERIOD_TIME = variable("period_time", &["period"], Unit::TIME, "end of the period");
 
-    TRANSIENT_END = variable("transient_end", &[], Unit::TIME, "time from which on statistics count");
+    TRANSIENT_END = variable("transient_end", &[], Unit::TIME, "start of the counted time");
     TRANSIENT_DISPLACEMENT_ERROR = variable("transient_displacement_error", &[], Unit::LENGTH,
-        "standard error of that mean, the path being the independent unit");
+        "standard error of that mean, with paths as independent units");
 
-    CYCLE_NUMBER = coordinate!("cycle_number", Unit::None, "name of a number of the cycle");
+    CYCLE_NUMBER = coordinate!("cycle_number", Unit::None, "name of a property of the cycle");
     CYCLE = variable("cycle", &["cycle_number"], Unit::None,
-        "what the path of a scene without noise does in the end, missing where no state comes back");
-    SECTION_STATE = coordinate!("section_state", Unit::ONE, "number of a state of the section");
+        "long-term motion of a deterministic scenario, missing if no state recurs");
+    SECTION_STATE = coordinate!("section_state", Unit::ONE, "number of the state in the section");
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
-        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
+        "displacement at the ends of the last forcing periods, or at the starts of the last slips; missing if \
+            there are fewer");
 
     FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE,
-        "first sticks that ended");
+        "completed first sticks");
     FIRST_STICK_CENSORED = variable("first_stick_duration_censored", &[], Unit::ONE,
         "first sticks still running at the end");
     SUB_PHASE_COUNT = variable("sub_phase_count", &["sub_phase"], Unit::ONE,
-        "completed dynamic phases with so many sub-phases");
+        "number of completed dynamic phases with k sub-phases");
     SUB_PHASE_CENSORED = variable("sub_phase_censored", &[], Unit::ONE,
         "dynamic phases still running at the end");
     TRANSIENT_STICKS = variable("transient_sticks", &[], Unit::ONE,
-        "completed sticks that began before that, the first of each path left out");
+        "completed sticks that began in the burn-in, without the first of each path");
     TRANSIENT_SLIPS = variable("transient_slips", &[], Unit::ONE,
-        "completed dynamic phases that began before that");
+        "completed dynamic phases that began in the burn-in");
     DIVERGED_PATH = coordinate!("diverged_path", Unit::ONE,
-        "numbers of the paths that diverged or were given up, which are in no statistic");
+        "numbers of the paths that diverged or were given up, excluded from all statistics");
 
     PART_STATE = coordinate!("part_state", Unit::None,
-        "state of a part of a run, from which mc merge joins it to the others");
+        "state of a part of a run, used by mc merge");
 
     PATH = coordinate!("path", Unit::ONE, "path number").with(&[("standard_name", "realization")]);
     EVENT = coordinate!("event", Unit::None, BARE_DIMENSION);
     TRAJECTORY_BEARING = variable("trajectory_bearing_displacement", &["trajectory", "time"], Unit::LENGTH,
-        "displacement that a sensor at the bearing shows");
+        "displacement shown by a sensor at the bearing");
 }
 
 table! {
@@ -217,9 +217,9 @@ table! {
         Unit::Of(Dimension { time: 1, length: -1, ..Dimension::ONE }),
         "density of the velocity in motion over the counted time").with(&[("coordinates", "velocity_bin_lower")]);
     PASSAGE_SURVIVAL = measured!("passage_survival", ["level", "time"], Unit::ONE,
-        "probability that the displacement has not been so far from the start until then");
+        "probability that the displacement has not yet reached this distance from the start");
     REST_SHARE = measured!("rest_share", [], Unit::ONE,
-        "share of the counted time at which the body is at rest");
+        "fraction of the counted time at rest");
     DISPLACEMENT_AUTOCOVARIANCE = measured!("displacement_autocovariance", ["lag"], Unit::AREA,
         "autocovariance of the displacement about its mean over paths");
     VELOCITY_AUTOCOVARIANCE = measured!("velocity_autocovariance", ["lag"],
@@ -231,11 +231,11 @@ table! {
         "two-sided power spectrum of the velocity about its mean over paths");
 
     SUB_PHASE_SHARE = measured!("sub_phase_share", ["sub_phase"], Unit::ONE,
-        "share of the completed dynamic phases that have so many sub-phases",
-        interval of the "probability that a completed dynamic phase has so many sub-phases");
+        "fraction of completed dynamic phases with k sub-phases",
+        interval of the "probability that a completed dynamic phase has k sub-phases");
 
     TRANSIENT_DISPLACEMENT = measured!("transient_displacement", [], Unit::LENGTH,
-        "mean displacement from the start to that time",
+        "mean displacement in the burn-in",
         interval of the "mean displacement in the burn-in");
 
     DISPLACEMENT_PERIOD_MEAN = measured!("displacement_period_mean", ["period"], Unit::LENGTH,

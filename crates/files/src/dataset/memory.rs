@@ -125,7 +125,7 @@ impl Source for Dataset {
         let known = |axis: &&str| self.entry(axis).map(|coordinate| coordinate.column.len());
         match variable.axes.iter().map(known).product::<Option<usize>>() {
             Some(length) if length == entry.column.len() => Ok(Some(entry.column.clone())),
-            Some(_) => Err(format!("{} has another shape than its axes", variable.name)),
+            Some(_) => Err(format!("the shape of {} differs from its axes", variable.name)),
             None => Err(format!("{} has values but no coordinate", variable.name)),
         }
     }

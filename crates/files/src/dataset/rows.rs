@@ -83,7 +83,7 @@ impl Dataset {
             let more = part.entry(&entry.name).ok_or_else(|| format!("{} is missing", entry.name))?;
             let more = more.column.values();
             if more.kind() != entry.column.values().kind() {
-                return Err(format!("{} has another type", entry.name));
+                return Err(format!("{} has the wrong type", entry.name));
             }
             entry.column.extend(more);
         }

@@ -36,7 +36,7 @@ pub(crate) fn write(to: &mut Dataset, summary: &Summary) {
 /// The statistics of a finished run; `step` is the step of its scheme, if it has one.
 pub(crate) fn read(from: &dyn Source, completed_paths: u64, step: Option<f64>) -> Result<Summary, String> {
     if read_variable::<f64>(from, &layout::QUANTILE)? != QUANTILE_LEVELS {
-        return Err(format!("{} has other levels than this program", layout::QUANTILE.name));
+        return Err(format!("{} has different levels from this program", layout::QUANTILE.name));
     }
     let names: Vec<String> = read_variable(from, &layout::STATISTIC)?;
     let mut summary = Summary {
@@ -217,7 +217,7 @@ fn walk_laws(
     }
     let extremes = extremes.iter_mut().flat_map(|of| [&mut of.displacement, &mut of.velocity]);
     let laws: Vec<&mut Distribution> = [sticks].into_iter().chain(asked.iter_mut().flatten()).chain(extremes).collect();
-    walk.check(laws.len() == names.len(), || format!("{} has other names than this program", layout::LAW.name))?;
+    walk.check(laws.len() == names.len(), || format!("{} has different names from this program", layout::LAW.name))?;
     walk_distributions(walk, laws)
 }
 
@@ -386,7 +386,7 @@ impl Dataset {
     pub fn summary(&self, step: Option<f64>) -> Result<Summary, String> {
         match self.attribute("completed_paths") {
             Some(Attribute::Count(paths)) => read(self, *paths, step),
-            _ => Err("completed_paths is missing: this is not the data set of a run".into()),
+            _ => Err("not the data set of a run: completed_paths is missing".into()),
         }
     }
 }

@@ -8,46 +8,65 @@ use super::layout::{Unit, Variable, coordinate, table, variable};
 const STATISTIC: &[&str] = &["statistic"];
 
 table! {
-    GROUP = coordinate!("group", Unit::ONE, "paths of this number modulo the number of groups");
-    ALONG = coordinate!("along", Unit::None, "dimension along which neighbours are compared");
+    GROUP = coordinate!("group", Unit::ONE, "paths with this number modulo the number of groups");
+    ALONG = coordinate!("along", Unit::None, "dimension along which neighbouring points are compared");
     POINT = coordinate!("point", Unit::ONE, "number of the point");
-    POINT_KEY = variable("point_key", &["point"], Unit::None, "key that is moved at the point, none at the centre");
+    POINT_KEY = variable("point_key", &["point"], Unit::None, "key that is changed at the point, none at the centre");
     POINT_VALUE = variable("point_value", &["point"], Unit::None, "value of that key");
     KEY = coordinate!("key", Unit::None, "key of the scenario");
-    KEY_VALUE = variable("key_value", &["key"], Unit::None, "its value at the centre");
+    KEY_VALUE = variable("key_value", &["key"], Unit::None, "value of the key at the centre");
 
     ESTIMATE_WITHOUT = variable("estimate_without", &["group", "statistic"], Unit::None,
-        "estimate from all paths but those of the group");
+        "estimate from all paths except those of the group");
 
     POINT_STATUS = variable("point_status", &[], Unit::None, "whether the point is done")
         .flags(&[0, 1, 2], &[("flag_meanings", "missing complete lost")]);
     POINT_COMPLETED_PATHS = variable("point_completed_paths", &[], Unit::ONE, "paths simulated to the end");
-    POINT_DIVERGED_PATHS = variable("point_diverged_paths", &[], Unit::ONE, "of those, paths that diverged or were given up");
+    POINT_DIVERGED_PATHS = variable("point_diverged_paths", &[], Unit::ONE, "number of those that diverged or \
+        were given up");
     POINT_SEED = variable("point_seed", &[], Unit::ONE, "seed of the paths of the point");
     POINT_SECONDS = variable("point_seconds", &[], Unit::Seconds, "CPU time of the point");
 }
 
 /// The variables with one value per statistic of each difference.
 pub(crate) const PER_DIFFERENCE: [Variable; 5] = [
-    variable("difference", STATISTIC, Unit::None, "estimate at the next point along the dimension minus that here"),
+    variable(
+        "difference",
+        STATISTIC,
+        Unit::None,
+        "estimate at the next point along the dimension minus the \
+        one here",
+    ),
     variable(
         "difference_error",
         STATISTIC,
         Unit::None,
-        "standard error of the difference, with the noise that the points share",
+        "standard error of the difference, with the noise shared by the points",
     ),
     variable("difference_low", STATISTIC, Unit::None, "lower end of the 95 % confidence interval of the difference"),
     variable("difference_high", STATISTIC, Unit::None, "upper end of the 95 % confidence interval of the difference"),
-    variable("difference_gain", STATISTIC, Unit::ONE, "variance of the difference with independent seeds over its own"),
+    variable(
+        "difference_gain",
+        STATISTIC,
+        Unit::ONE,
+        "variance of the difference with independent seeds, \
+        divided by its actual variance",
+    ),
 ];
 
 /// The variables with one value per statistic of each elasticity.
 pub(crate) const PER_ELASTICITY: [Variable; 5] = [
-    variable("elasticity", STATISTIC, Unit::ONE, "relative change of the estimate for each relative change of the key"),
+    variable("elasticity", STATISTIC, Unit::ONE, "relative change of the estimate per relative change of the key"),
     variable("elasticity_error", STATISTIC, Unit::ONE, "standard error of the elasticity"),
     variable("elasticity_low", STATISTIC, Unit::ONE, "lower end of the 95 % confidence interval of the elasticity"),
     variable("elasticity_high", STATISTIC, Unit::ONE, "upper end of the 95 % confidence interval of the elasticity"),
-    variable("elasticity_gain", STATISTIC, Unit::ONE, "variance of the elasticity with independent seeds over its own"),
+    variable(
+        "elasticity_gain",
+        STATISTIC,
+        Unit::ONE,
+        "variance of the elasticity with independent seeds, \
+        divided by its actual variance",
+    ),
 ];
 
 #[cfg(test)]

@@ -192,7 +192,7 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     measured(&mut Walk::Reading(from), &mut rungs, Default::default())?;
     let reference: String = read_attribute(from, "reference")?;
     let reference = rungs.iter().position(|rung| rung.scheme.to_string() == reference);
-    let reference = reference.ok_or_else(|| "reference is none of its rungs".to_string())?;
+    let reference = reference.ok_or_else(|| "reference is not one of its rungs".to_string())?;
     let ratios: Vec<f64> = read_variable(from, &STATISTIC_PAIRING)?;
     let pairing = match ratios.iter().all(|ratio| ratio.is_nan()) {
         _ if scenario.ensemble.antithetic => Pairing::Asked,
@@ -208,12 +208,12 @@ const BOTH: &[&str] = &["rung", "statistic"];
 const PREDICTION: &[&str] = &["scheme", "statistic", "target"];
 
 table! {
-    RUNG = coordinate!("rung", Unit::ONE, "number of the rung: scheme by scheme, from coarse to fine");
+    RUNG = coordinate!("rung", Unit::ONE, "number of the setting: scheme by scheme, from coarse to fine");
     SCHEME = coordinate!("scheme", Unit::None, "name of the scheme");
-    TARGET = coordinate!("target", Unit::ONE, "root mean square error asked for, relative");
-    RUNG_SCHEME = variable("rung_scheme", &["rung"], Unit::None, "scheme of the rung");
-    RUNG_STEP = variable("rung_step", &["rung"], Unit::TIME, "time step, missing where there is none");
-    RUNG_TOLERANCE = variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing where there is none");
+    TARGET = coordinate!("target", Unit::ONE, "target relative root mean square error");
+    RUNG_SCHEME = variable("rung_scheme", &["rung"], Unit::None, "scheme of the setting");
+    RUNG_STEP = variable("rung_step", &["rung"], Unit::TIME, "time step, missing if there is none");
+    RUNG_TOLERANCE = variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing if there is none");
     RUNG_PATHS = variable("rung_paths", &["rung"], Unit::ONE, "paths simulated").with(PER_RUNG);
     RUNG_DIVERGED = variable("rung_diverged", &["rung"], Unit::ONE, "paths that diverged").with(PER_RUNG);
     RUNG_SECONDS_FIRST = variable("rung_seconds_first", &["rung"], Unit::Seconds,
@@ -230,27 +230,30 @@ table! {
     RUNG_BIAS_ERROR = variable("rung_bias_error", BOTH, Unit::None,
         "standard error of that difference").with(PER_RUNG);
     RUNG_CHANGE = variable("rung_change", BOTH, Unit::None,
-        "estimate minus that at half the step, on the same noise").with(PER_RUNG);
+        "estimate minus the one at half the step, with the same noise").with(PER_RUNG);
     RUNG_CHANGE_ERROR = variable("rung_change_error", BOTH, Unit::None,
-        "standard error of that change").with(PER_RUNG);
+        "standard error of that difference").with(PER_RUNG);
 
     STATISTIC_SCALE = variable("statistic_scale", &["statistic"], Unit::None,
-        "what errors of the statistic are relative to");
-    STATISTIC_NOTE = variable("statistic_note", &["statistic"], Unit::None, "what that is, or why there is none");
+        "scale to which errors of the statistic are relative");
+    STATISTIC_NOTE = variable("statistic_note", &["statistic"], Unit::None, "meaning of that scale, or why \
+        there is none");
     STATISTIC_PAIRING = variable("statistic_pairing", &["statistic"], Unit::ONE,
-        "variance with antithetic pairs over that with as many independent paths, missing where not measured");
+        "variance with antithetic pairs divided by that with the same number of independent paths, missing if \
+            not measured");
     SCHEME_ORDER = variable("scheme_order", &["scheme", "statistic"], Unit::ONE,
         "observed order p of the bias C h^p");
     SCHEME_ORDER_ERROR = variable("scheme_order_error", &["scheme", "statistic"], Unit::ONE, "its standard error");
 
     PREDICTED_SECONDS = variable("predicted_seconds", PREDICTION, Unit::Seconds,
         "CPU time of the cheapest run that meets the target");
-    PREDICTED_PATHS = variable("predicted_paths", PREDICTION, Unit::ONE, "its number of paths");
-    PREDICTED_STEP = variable("predicted_step", PREDICTION, Unit::TIME, "its time step");
+    PREDICTED_PATHS = variable("predicted_paths", PREDICTION, Unit::ONE, "number of paths of the cheapest run");
+    PREDICTED_STEP = variable("predicted_step", PREDICTION, Unit::TIME, "time step of the cheapest run");
     PREDICTED_TOLERANCE = variable("predicted_tolerance", PREDICTION, Unit::ONE, "its tolerance");
-    PREDICTED_BIAS = variable("predicted_bias", PREDICTION, Unit::ONE, "upper bound of its bias, relative");
+    PREDICTED_BIAS = variable("predicted_bias", PREDICTION, Unit::ONE, "upper bound of the relative bias of \
+        the cheapest run");
     PREDICTED_ANTITHETIC = variable("predicted_antithetic", PREDICTION, Unit::ONE,
-        "1 where its paths are antithetic pairs");
+        "1 if its paths are antithetic pairs");
     WINNER = variable("winner", &["statistic", "target"], Unit::None, "scheme of the cheapest run, or none");
 }
 

@@ -23,7 +23,7 @@ impl Dataset {
     }
 }
 
-const TRUTH: Variable = of_quantity("truth", "what a calibration is to find");
+const TRUTH: Variable = of_quantity("truth", "true value of the quantity");
 const TEMPERATURE: Variable =
-    variable("temperature", &["time"], Unit::None, "temperature as measured").with(&[("units", "degC")]);
-const DISPLACEMENT: Variable = variable("displacement", &["time"], Unit::LENGTH, "displacement as measured");
+    variable("temperature", &["time"], Unit::None, "measured temperature").with(&[("units", "degC")]);
+const DISPLACEMENT: Variable = variable("displacement", &["time"], Unit::LENGTH, "measured displacement");

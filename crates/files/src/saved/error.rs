@@ -7,8 +7,8 @@ use std::path::PathBuf;
 pub enum SavedError {
     /// The run was begun by another version or build of the program.
     #[error(
-        "{}: begun by {theirs}; this is {mine}, which may compute other numbers\n  fix: continue it with the program that \
-         began it, or run it again with this one", path.display()
+        "{}: started by {theirs}; this is {mine}, whose results may differ\n  fix: continue it with the \
+         program that started it, or run it again with this one", path.display()
     )]
     OtherProgram {
         /// The file with the state of the run.
@@ -19,7 +19,7 @@ pub enum SavedError {
         mine: String,
     },
     /// The saved state or log of a run cannot be used: its bytes are not those that were saved.
-    #[error("{}: damaged, or not what this program has saved; take it from a backup, or run again with --force", path.display())]
+    #[error("{}: damaged, or not saved by this program; restore it from a backup, or run again with --force", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,

@@ -22,7 +22,7 @@ pub enum PartsError {
     #[error(transparent)]
     Saved(#[from] SavedError),
     /// The parts belong to different runs, or to the same run cut into different numbers of parts.
-    #[error("{}: not of the same run as {}: {difference}; give the parts of one run", path.display(), first.display())]
+    #[error("{}: not of the same run as {}: {difference}; use parts of the same run", path.display(), first.display())]
     Foreign {
         /// The part.
         path: PathBuf,
@@ -32,7 +32,7 @@ pub enum PartsError {
         difference: String,
     },
     /// Two parts hold the same paths.
-    #[error("{} and {}: both are part {part} of the run; leave out one of them", first.display(), second.display())]
+    #[error("{} and {}: both are part {part} of the run; remove one of them", first.display(), second.display())]
     Repeated {
         /// The first one.
         first: PathBuf,
@@ -42,13 +42,13 @@ pub enum PartsError {
         part: String,
     },
     /// Some parts of the run were not given.
-    #[error("missing: part {missing} of the run; give them as well, or make them with `mc run --part`")]
+    #[error("missing: part {missing} of the run; add them, or make them with `mc run --part`")]
     Missing {
         /// The missing parts, such as `1/3, 3/3`.
         missing: String,
     },
     /// The rows of a part are not those that were simulated.
-    #[error("{}: {cause}; take the part as it was made", path.display())]
+    #[error("{}: {cause}; use the unmodified part", path.display())]
     Rows {
         /// The part.
         path: PathBuf,
@@ -96,8 +96,7 @@ impl Parts {
             }
             let (mine, cut) = whole(state);
             let difference = mine.difference_from(&question).or_else(|| {
-                (cut != count)
-                    .then(|| format!("it is one of {} parts, not of {}", cut.unwrap_or(1), count.unwrap_or(1)))
+                (cut != count).then(|| format!("it is one of {} parts, not {}", cut.unwrap_or(1), count.unwrap_or(1)))
             });
             if let Some(difference) = difference {
                 return Err(PartsError::Foreign { path: path.clone(), first, difference });
@@ -177,7 +176,7 @@ pub(crate) fn each_block<E>(
         position = position.after(&owned, &mut bytes);
         visit(&owned)?;
     }
-    if state.rows == position { Ok(()) } else { Err(wrong("its rows are not those that were written".to_string())) }
+    if state.rows == position { Ok(()) } else { Err(wrong("its rows differ from those that were written".to_string())) }
 }
 
 /// Read the events of some paths. `first` is the row of their first event; the row after their last

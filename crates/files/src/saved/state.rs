@@ -39,12 +39,12 @@ impl RunQuestion {
         let lines = || mine.lines().zip(theirs.lines());
         let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
         if let Some((mine, theirs)) = lines().find(|(mine, theirs)| mine != theirs) {
-            return Some(format!("it has `{}`, and this one `{}`", said(mine), said(theirs)));
+            return Some(format!("it has `{}`, but this one has `{}`", said(mine), said(theirs)));
         }
         if mine != theirs {
-            return Some("its scenario is another one".into());
+            return Some("its scenario differs".into());
         }
-        (self.asked != other.asked).then(|| "its goals, limits or options are others".into())
+        (self.asked != other.asked).then(|| "its goals, limits or options differ".into())
     }
 
     /// The question as the bytes of a state without paths.
@@ -346,7 +346,7 @@ mod tests {
         };
         let other = with(&|body| body[at] = b'9').expect("it can be shown");
         let error = other.check_program(Path::new("state")).expect_err("and not continued");
-        assert!(error.to_string().contains("begun by mc 9"), "{error}");
+        assert!(error.to_string().contains("started by mc 9"), "{error}");
         let newer = with(&|body| body[MAGIC.len()] = VERSION as u8 + 1).expect_err("newer");
         assert!(matches!(newer, SavedError::Newer { .. }), "{newer}");
     }

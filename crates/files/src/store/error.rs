@@ -27,8 +27,8 @@ pub enum StoreError {
     },
     /// `NAME.partial`, the folder in which the file would be made, holds unfinished work already.
     #[error(
-        "{}: left behind by something that did not finish; move it away to keep it, continue it with `mc resume {}`, or give it \
-         up with --force", partial.display(), target.display()
+        "{}: left behind by an unfinished command; move it to keep it, continue it with `mc resume {}`, or \
+         discard it with --force", partial.display(), target.display()
     )]
     LeftOver {
         /// The folder with the unfinished work.
@@ -38,8 +38,8 @@ pub enum StoreError {
     },
     /// An earlier run to the same target was not finished and can be continued.
     #[error(
-        "{}: {what} is unfinished there, with {} of {} paths\n  fix: continue it with `mc resume {}`, give it up with \
-         --force, or choose another output file with -o", partial.display(), grouped(*saved_paths), grouped(*paths), target.display()
+        "{}: {what} is unfinished, with {} of {} paths done\n  fix: continue it with `mc resume {}`, discard \
+         it with --force, or choose another output file with -o", partial.display(), grouped(*saved_paths), grouped(*paths), target.display()
     )]
     Resumable {
         /// The folder in which it is saved.
@@ -54,13 +54,13 @@ pub enum StoreError {
         paths: u64,
     },
     /// Something else has the name, and it is nothing that this program may replace.
-    #[error("{}: something else of this name is in the way; move it away, or choose another output file with -o", path.display())]
+    #[error("{}: the name is taken by something else; move it, or choose another output file with -o", path.display())]
     InTheWay {
         /// The name in question.
         path: PathBuf,
     },
     /// There is neither a file of this name nor an unfinished run.
-    #[error("{}: there is no such file, and no unfinished run of that name ({})\n  fix: give the file of a run that was interrupted", target.display(), partial.display())]
+    #[error("{}: no such file, and no unfinished run of that name ({})\n  fix: give the file of an interrupted run", target.display(), partial.display())]
     NothingToResume {
         /// The file that was to be continued.
         target: PathBuf,
@@ -68,7 +68,7 @@ pub enum StoreError {
         partial: PathBuf,
     },
     /// The folder in which a file is made was removed or replaced by another one meanwhile.
-    #[error("{}: moved, deleted or replaced while {} was being made in it; leave it alone, and run again", partial.display(), target.display())]
+    #[error("{}: moved, deleted or replaced while {} was being written in it; run again, and do not touch it", partial.display(), target.display())]
     TakenAway {
         /// The folder.
         partial: PathBuf,
@@ -80,8 +80,8 @@ pub enum StoreError {
     Saved(#[from] SavedError),
     /// A file appeared under the target's name while the results were being made.
     #[error(
-        "{}: appeared while it was being made, and was not replaced; the results are in {}\n  fix: move the file away, or replace it \
-         with --force, then `mc resume {}`", target.display(), partial.display(), target.display()
+        "{}: appeared during the run and was not replaced; the results are in {}\n  fix: move the file, or \
+         replace it with --force, then run `mc resume {}`", target.display(), partial.display(), target.display()
     )]
     Appeared {
         /// The folder with the results.
@@ -91,22 +91,23 @@ pub enum StoreError {
     },
     /// The same for a file of which nothing is kept.
     #[error(
-        "{}: appeared while it was being made, and was not replaced; nothing is written\n  fix: choose another output file with -o, or \
-         replace it with --force", target.display()
+        "{}: appeared during the run and was not replaced; nothing was written\n  fix: choose another output \
+         file with -o, or replace it with --force", target.display()
     )]
     Overtaken {
         /// The file that appeared.
         target: PathBuf,
     },
     /// Another process has the file open and HDF5 has locked it.
-    #[error("{}: in use by another process; wait or close that one", path.display())]
+    #[error("{}: in use by another process; wait, or close that process", path.display())]
     InUse {
         /// The file.
         path: PathBuf,
     },
     /// The file system has no locks, and a lock file exists, so another process may be making the
     /// file.
-    #[error("{}: another process may be making {}, and this file system has no locks to tell; remove this file if there is none", path.display(), target.display())]
+    #[error("{}: another process may be writing {} (this file system does not support locks); remove this \
+        file if there is none", path.display(), target.display())]
     NoLocks {
         /// The lock file.
         path: PathBuf,
@@ -114,15 +115,15 @@ pub enum StoreError {
         target: PathBuf,
     },
     /// Another process is making the same file.
-    #[error("{}: another process is making this file; wait for it, or choose another output file with -o", path.display())]
+    #[error("{}: another process is writing this file; wait for it, or choose another output file with -o", path.display())]
     Busy {
         /// The file.
         path: PathBuf,
     },
     /// The file holds the results of another sweep.
     #[error(
-        "{}: this is another sweep: {what}\n  fix: give the options of that sweep to continue it, choose another output file with -o, \
-         or overwrite it with --force", path.display()
+        "{}: this is a different sweep: {what}\n  fix: use the options of that sweep to continue it, choose \
+         another output file with -o, or overwrite it with --force", path.display()
     )]
     OtherSweep {
         /// The file.
@@ -131,22 +132,22 @@ pub enum StoreError {
         what: String,
     },
     /// The file is not the file of a sweep.
-    #[error("{}: this is no file of a sweep; choose another output file with -o, or overwrite it with --force", path.display())]
+    #[error("{}: not the file of a sweep; choose another output file with -o, or overwrite it with --force", path.display())]
     NotASweep {
         /// The file.
         path: PathBuf,
     },
     /// The points of a sweep are in a file that another program has changed or written.
     #[error(
-        "{}: it has no checksum, because another program changed or wrote it, so its points are not used\n  fix: take the file as mc \
-         wrote it, or move it away", path.display()
+        "{}: it has no checksum, because another program wrote or changed it; its points are not used\n  fix: \
+         use the file as mc wrote it, or move it", path.display()
     )]
     NotSealed {
         /// The file.
         path: PathBuf,
     },
     /// The disk has too little space for the run; this is checked before the run starts.
-    #[error("{}: about {} are needed and {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed as f64), bytes(*free as f64))]
+    #[error("{}: needs about {}, but only {} are free; free some space, choose another disk, or record less", folder.display(), bytes(*needed as f64), bytes(*free as f64))]
     TooLittleSpace {
         /// The folder of the output file.
         folder: PathBuf,
@@ -180,7 +181,7 @@ pub enum StoreError {
         cause: String,
     },
     /// The finished file could not be given its name.
-    #[error("{}: complete, but cannot be given the name {}: {source}; mend that, then `mc resume {}`", partial.display(), target.display(), target.display())]
+    #[error("{}: complete, but cannot be renamed to {}: {source}; fix this, then run `mc resume {}`", partial.display(), target.display(), target.display())]
     Rename {
         /// The finished file.
         partial: PathBuf,
@@ -198,7 +199,7 @@ pub enum StoreError {
         source: io::Error,
     },
     /// The system could not say how much space is free.
-    #[error("{}: cannot ask for the free space: {source}", folder.display())]
+    #[error("{}: cannot determine the free space: {source}", folder.display())]
     Space {
         /// The folder of the output file.
         folder: PathBuf,
@@ -220,14 +221,16 @@ pub enum StoreError {
         path: PathBuf,
     },
     /// The file is an HDF5 file, but not one of this program.
-    #[error("{}: an HDF5 file, but not one of this program (no format_name = \"{}\")\n  fix: give a file that mc run wrote", path.display(), crate::dataset::header::FORMAT.0)]
+    #[error("{}: an HDF5 file, but not written by this program (no format_name = \"{}\")\n  fix: give a file \
+        that mc run wrote", path.display(), crate::dataset::header::FORMAT.0)]
     Foreign {
         /// The file.
         path: PathBuf,
     },
     /// The file has another format than this program reads.
     #[error(
-        "{}: written in format {major}.{minor}, and this program reads {reads}.x\n  fix: use the version of mc that wrote the file, or make it again from the scenario in it",
+        "{}: written in format {major}.{minor}, but this program reads {reads}.x\n  fix: use the version of \
+            mc that wrote the file, or run its scenario again",
         path.display()
     )]
     OtherFormat {
@@ -241,7 +244,7 @@ pub enum StoreError {
         reads: u32,
     },
     /// The file is one of this program, but its contents cannot be read.
-    #[error("{}: damaged or cut short ({cause}); copy it again from its origin, or run again", path.display())]
+    #[error("{}: damaged or truncated ({cause}); copy it again from its source, or run again", path.display())]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -282,7 +285,7 @@ pub(super) fn cause(error: &hdf5::Error) -> String {
 /// The end of a message about a failed write: how many paths are saved, and what to do next.
 fn after_failure(saved_paths: u64, target: &Path, remedy: &str) -> String {
     match saved_paths {
-        0 => format!("nothing more was written: {remedy}, and run again"),
-        paths => format!("{} paths are safe: {remedy}, then `mc resume {}`", grouped(paths), target.display()),
+        0 => format!("nothing more was written: {remedy}, then run again"),
+        paths => format!("{} paths are saved: {remedy}, then run `mc resume {}`", grouped(paths), target.display()),
     }
 }

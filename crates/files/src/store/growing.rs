@@ -72,7 +72,7 @@ impl GrowingTable {
         let new: Vec<&Entry> = of_table(self.along, rows).collect();
         let Some(first) = new.first() else { return Ok(()) };
         if !self.columns.iter().map(|column| &column.entry.name).eq(new.iter().map(|entry| &entry.name)) {
-            return Err("a block holds other variables than the file records".into());
+            return Err("a block has different variables from the file".into());
         }
         let more = first.column.len() / self.columns[0].width;
         for (column, Entry { name, column: values, .. }) in self.columns.iter_mut().zip(new) {
@@ -120,7 +120,7 @@ impl GrowingVariable {
             Column::U32(values) => write_rows(dataset, width, values, start, end),
             Column::I8(values) => write_rows(dataset, width, values, start, end),
             Column::U8(values) => write_rows(dataset, width, values, start, end),
-            Column::Text(_) => Err("no text is kept of single paths".into()),
+            Column::Text(_) => Err("text is not stored per path".into()),
         }
     }
 }

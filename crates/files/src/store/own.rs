@@ -44,5 +44,5 @@ pub(super) fn identity(path: &Path) -> Option<(u64, u64)> {
 
 fn no_file(path: &Path) -> io::Error {
     let name = path.file_name().unwrap_or_default().display();
-    io::Error::other(format!("{name} is no regular file, and mc has not made it; move it away"))
+    io::Error::other(format!("{name} is not a regular file and was not created by mc; move it"))
 }

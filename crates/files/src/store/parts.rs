@@ -21,7 +21,7 @@ pub enum PartError {
     #[error(transparent)]
     Parts(#[from] PartsError),
     /// A file is not one part of a run; it may hold a whole run, for example.
-    #[error("{}: not a part of a run, its status is `{}`\n  fix: give files of mc run --part", path.display(), status.name())]
+    #[error("{}: not a part of a run (status `{}`)\n  fix: give files of mc run --part", path.display(), status.name())]
     NotAPart {
         /// The file.
         path: PathBuf,

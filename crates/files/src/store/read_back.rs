@@ -53,12 +53,12 @@ impl Written {
         for (entry, sum) in &self.rows {
             against.described(entry).map_err(failed)?;
             if sum_of(&file, &entry.name, sum).map_err(failed)? != *sum {
-                return Err(failed(format!("{} was not written as it is", entry.name)));
+                return Err(failed(format!("{} was not written correctly", entry.name)));
             }
         }
         against.finish(&self.dataset).map_err(failed)?;
         match against.difference {
-            Some(difference) => Err(failed(format!("{difference} was not written as it is"))),
+            Some(difference) => Err(failed(format!("{difference} was not written correctly"))),
             None => Ok(()),
         }
     }

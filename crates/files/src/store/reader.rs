@@ -55,7 +55,7 @@ pub(super) fn check_file(path: &Path) -> Result<bool, StoreError> {
 pub(super) fn check_seal(path: &Path, largest: u64) -> Result<bool, StoreError> {
     let sealed = seal::is_right(path, largest);
     match sealed.map_err(not_opened(path))? {
-        Some(false) => Err(damaged(path)("its checksum is not that of its bytes".to_string())),
+        Some(false) => Err(damaged(path)("its checksum does not match its contents".to_string())),
         sealed => Ok(sealed.is_some()),
     }
 }

@@ -17,8 +17,7 @@ pub fn take_remains() -> Vec<String> {
     let mut remains = std::mem::take(&mut *REMAINS.lock().unwrap_or_else(PoisonError::into_inner));
     // A second attempt may have removed it.
     remains.retain(|(path, _)| path.symlink_metadata().is_ok());
-    let line = |(path, error): (PathBuf, String)| {
-        format!("{} stays, because it cannot be removed: {error}; remove it yourself", path.display())
-    };
+    let line =
+        |(path, error): (PathBuf, String)| format!("cannot remove {}: {error}; remove it by hand", path.display());
     remains.into_iter().map(line).collect()
 }

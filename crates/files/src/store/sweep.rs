@@ -178,7 +178,7 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
         let most = theirs.len().max(mine.len());
         let at = |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
         let i = (0..most).find(|&i| theirs.get(i) != mine.get(i))?;
-        Some(format!("it has `{}`, and this sweep `{}`", at(theirs, i), at(mine, i)))
+        Some(format!("it has `{}`, but this sweep has `{}`", at(theirs, i), at(mine, i)))
     })
 }
 

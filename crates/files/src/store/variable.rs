@@ -317,7 +317,7 @@ fn some_rows(name: &str, dataset: &Dataset, kind: ElementType, rows: &Range<usiz
 
 fn slice<T: H5Type + Clone>(name: &str, dataset: &Dataset, rows: &Range<usize>) -> Result<Vec<T>> {
     if !dataset.dtype()?.is::<T>() {
-        return Err(format!("{name} has another type than it was written with").into());
+        return Err(format!("{name} has a different type from when it was written").into());
     }
     let some = rows.clone();
     match dataset.shape()[..] {
@@ -344,7 +344,7 @@ fn shaped(file: &File, variable: &Described) -> Result<Dataset> {
     }
     let has_length = |(axis, length): (&&str, &usize)| file.dataset(axis).is_ok_and(|axis| axis.size() == *length);
     if shape.len() != variable.axes.len() || !axes.zip(&shape).all(has_length) {
-        return Err(format!("{name} has another shape than its axes").into());
+        return Err(format!("the shape of {name} differs from its axes").into());
     }
     // A variable that claims to be larger than its file is damaged, unless another program
     // compressed it, and then by a factor of a thousand at most.

@@ -88,7 +88,7 @@ impl Writer {
         let appended = self.appended;
         self.guarded(|place, tables, header| {
             if tables.iter().any(|table| table.along == RowAxis::Path) && appended != paths {
-                return Err(format!("the statistics are of {paths} paths, but {appended} were appended").into());
+                return Err(format!("the statistics cover {paths} paths, but {appended} were appended").into());
             }
             for table in tables {
                 place.written.rows.extend(table.write_all()?);

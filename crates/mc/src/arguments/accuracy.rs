@@ -32,10 +32,10 @@ pub fn choose(
             note(wrapped(sentence, "  ").trim_end());
         }
     };
-    say(&format!("choosing how to run it: measuring for about {} s", PILOT.as_secs()));
+    say(&format!("pilot run of about {} s to choose scheme, step and paths", PILOT.as_secs()));
     let chosen = measuring(PILOT, is_quiet, stop, |limits| accuracy.choose(scenario, limits));
     if stop.load(Ordering::Relaxed) {
-        note("interrupted while choosing how to run it: nothing was run, nothing is written");
+        note("interrupted during the pilot run: nothing was written");
         return Err(Failure::Interrupted);
     }
     let (decision, trade) = chosen.map_err(failure)?;
@@ -53,12 +53,12 @@ fn explanation(accuracy: &Accuracy, scenario: &Scenario, trade: &Trade, decision
     };
     let (decisive, cost, bias) = (choice.decisive.name(), time(choice.seconds), percent(choice.bias));
     let paths = match choice.paths {
-        1 => "nothing is random, so one path is the ensemble".into(),
+        1 => "the scenario is deterministic, so one path is enough".into(),
         FEWEST_PATHS => format!("intervals need at least {FEWEST_PATHS} paths"),
         _ => format!("{decisive} needs the most paths"),
     };
     let mut why =
-        format!("the cheapest that was found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}");
+        format!("the cheapest run found, about {cost} of CPU; {paths}; the bias of {decisive} is at most {bias}");
     if !choice.is_measured {
         why += ", extrapolated from coarser steps: this step itself was not measured";
     }
@@ -68,14 +68,14 @@ fn explanation(accuracy: &Accuracy, scenario: &Scenario, trade: &Trade, decision
         why,
     ];
     if choice.paths > 1 {
-        said.push("the error is a root mean square: a 95 % interval is about twice as wide to each side".into());
+        said.push("the error is a root mean square; a 95 % interval extends about twice this to each side".into());
     }
     for &statistic in asked.iter() {
         if let Standing::Deviation(deviation) = trade.standing(statistic) {
             let unit = statistic.dimension().label(&scenario.units);
             said.push(format!(
-                "{} is zero within its error in the pilot, so no error can be relative to it: {} is \
-                taken of its standard deviation per path, an error of {} {unit}",
+                "{} is zero within its error in the pilot run: {} refers to its standard deviation per path \
+                instead, an error of {} {unit}",
                 statistic.name(),
                 percent(target),
                 significant(target * deviation, 2),
@@ -86,8 +86,8 @@ fn explanation(accuracy: &Accuracy, scenario: &Scenario, trade: &Trade, decision
         let seconds = choice.seconds / threads as f64;
         if seconds > NOTABLE {
             said.push(format!(
-                "{decisive} alone decides, about {} here: name what matters with --statistic, and the run may be much \
-                shorter; Ctrl-C saves it, and --max-time bounds it",
+                "{decisive} alone decides the cost, about {} here; select statistics with --statistic to \
+                shorten the run, or bound it with --max-time; Ctrl-C saves it",
                 time(seconds)
             ));
         }
@@ -102,13 +102,17 @@ fn failure(error: AccuracyError) -> Failure {
     let problem = format!("--accuracy: {error}");
     let remedy = match error {
         AccuracyError::Pilot(TradeError::BudgetTooSmall { .. }) => {
-            return Failure::run(problem, "choose --scheme and --paths yourself; mc trade --budget measures longer");
+            return Failure::run(
+                problem,
+                "choose --scheme and --paths yourself, or measure longer with mc \
+                trade --budget",
+            );
         }
         AccuracyError::Pilot(error) => return error.into(),
         AccuracyError::Misfit(error) => return error.into(),
-        AccuracyError::NoAnswer { .. } => "name another one with --statistic, or make `time.end` later".into(),
-        AccuracyError::Unasked { .. } => "write the distances, `--set 'statistics.levels=[3.0]'`".into(),
-        AccuracyError::NothingToChoose => "leave out --accuracy; mc trade says more".into(),
+        AccuracyError::NoAnswer { .. } => "choose another one with --statistic, or increase `time.end`".into(),
+        AccuracyError::Unasked { .. } => "give the distances, e.g. `--set 'statistics.levels=[3.0]'`".into(),
+        AccuracyError::NothingToChoose => "remove --accuracy; mc trade gives details".into(),
         AccuracyError::OutOfReach { instead, .. } | AccuracyError::TooLong { instead, .. } => alternative(instead),
     };
     Failure::usage(problem, remedy)
@@ -125,7 +129,7 @@ pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
     let AccuracyGoal { target, paths, decisive, .. } = accuracy_goal;
     accuracy_goal.error_after(completed).map(|error| {
         format!(
-            "the relative error of {} is not reached: {} of {} paths make about {} of {}",
+            "the relative error of {} was not reached: {} of {} paths give about {} of {}",
             percent(*target),
             grouped(completed),
             grouped(*paths),
@@ -139,11 +143,13 @@ pub fn missed(accuracy_goal: &AccuracyGoal, completed: u64) -> Option<String> {
 fn alternative(instead: Option<Alternative>) -> String {
     match instead {
         Some(Alternative { target, seconds }) => format!(
-            "--accuracy {} is in reach, in about {}; mc trade says more",
+            "use --accuracy {}, which takes about {}; mc trade gives details",
             percent(target).replace(' ', ""),
             time(seconds)
         ),
-        None => "give more time with --max-time, or name fewer statistics with --statistic; mc trade says more".into(),
+        None => "allow more time with --max-time, or select fewer statistics with --statistic; mc trade gives \
+            details"
+            .into(),
     }
 }
 

@@ -35,8 +35,7 @@ fn as_it_is(text: &str) -> Result<String, String> {
 
 /// The statistic with this name.
 fn statistic(name: &str) -> Result<Statistic, String> {
-    Statistic::from_name(name)
-        .ok_or_else(|| format!("there is no such statistic; write one of {}", crate::statistic_names()))
+    Statistic::from_name(name).ok_or_else(|| format!("unknown statistic; use one of {}", crate::statistic_names()))
 }
 
 impl<T: Clone + Send + Sync + 'static> TypedValueParser for Completed<T> {

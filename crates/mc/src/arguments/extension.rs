@@ -22,7 +22,7 @@ pub fn writable_hdf5<P: AsRef<Path>>(
         "html" | "htm" => format!("mc report {file} -o {shown}"),
         _ => return Ok(()),
     };
-    let problem = format!("-o {shown}: results are written as HDF5, and this name promises something else");
+    let problem = format!("-o {shown}: results are written as HDF5, but this name has another extension");
     Err(Failure::usage(problem, format!("write `-o {file}`, and then `{makes}`")))
 }
 
@@ -31,10 +31,10 @@ pub fn check_page(path: &Path, of: &Path) -> Result<(), Failure> {
     let (shown, of) = (path.display(), of.display());
     let remedy = match ending(path).as_str() {
         "html" | "htm" => return Ok(()),
-        "svg" | "png" | "pdf" => format!("end the name in .html, or draw it with `mc plot {of} -o {shown}`"),
-        _ => "end the name in .html".to_string(),
+        "svg" | "png" | "pdf" => format!("use the extension .html, or draw it with `mc plot {of} -o {shown}`"),
+        _ => "use the extension .html".to_string(),
     };
-    Err(Failure::usage(format!("-o {shown}: a report is a page for a browser"), remedy))
+    Err(Failure::usage(format!("-o {shown}: a report is an HTML page"), remedy))
 }
 
 /// The ending of a file's name, in small letters; empty if it has none.

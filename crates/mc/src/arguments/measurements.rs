@@ -13,39 +13,38 @@ use stickslip_data::{BearingData, ColumnSource, DataError, Origin, Wording};
 /// so itself: they are keys of a scenario under names of their own.
 #[derive(Debug, clap::Args)]
 pub struct MeasuredFlags {
-    /// The column of temperatures [default: the one whose name begins with `temperature`]
+    /// Column of temperatures [default: the one whose name begins with `temperature`]
     #[arg(long, value_name = "COLUMN")]
     temperature: Option<String>,
-    /// The unit of temperatures, if the file does not say it: degC, K, degF or degR
+    /// Unit of the temperatures, if the file does not give it: degC, K, degF or degR
     #[arg(long, value_name = "U")]
     temperature_unit: Option<String>,
-    /// The column of times, or those of dates and times of day, or years, days of the year and hours,
-    /// with commas between them [default: those with usual names, such as time or Date/Time]
+    /// Column of times; or columns of date and time of day, or of year, day of year and hour,
+    /// separated by commas [default: columns with usual names, such as time or Date/Time]
     #[arg(long, value_name = "COLUMN[,COLUMN]")]
     time: Option<String>,
-    /// The time zone of times, where neither they nor their column name one, e.g. UTC or Europe/Paris
+    /// Time zone, if neither the times nor their column give one, e.g. UTC or Europe/Paris
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true)]
     zone: Option<String>,
-    /// The order of year, month and day in dates [default: the year first, or the order in which
-    /// all of them are dates and the rows in order]
+    /// Order of year, month and day in dates [default: year first, or the order in which all dates
+    /// are valid and the rows sorted]
     #[arg(long, value_name = "ymd|dmy|mdy")]
     dates: Option<String>,
-    /// Number of lines before the names of the columns [default: up to the first line with the
-    /// names that are wanted]
+    /// Number of lines before the header [default: up to the first line with the required names]
     #[arg(long, value_name = "N")]
     skip: Option<String>,
-    /// Numbers and words that mark a missing value, besides the usual ones
+    /// Numbers and words that mark a missing value, in addition to the usual ones
     #[arg(long, value_name = "MARK,MARK", value_delimiter = ',', allow_hyphen_values = true)]
     missing: Vec<String>,
-    /// Leave out values that differ from those around them by more than so many standard
-    /// deviations of such differences, e.g. 8 [default: none is left out]
+    /// Leave out values that differ from their neighbours by more than this many standard
+    /// deviations of such differences, e.g. 8 [default: none]
     #[arg(long, value_name = "N")]
     outliers: Option<String>,
-    /// The decimal mark of numbers [default: what all of them together tell]
+    /// Decimal separator [default: inferred from all numbers]
     #[arg(long, value_name = "MARK")]
     decimal: Option<String>,
-    /// The time before its stamp over which each value is a mean, e.g. 10min, or 0 for instantaneous
-    /// values [default: what the name of its column says, e.g. Air_Avg]
+    /// Averaging time of each value, ending at its stamp, e.g. 10min, or 0 for instantaneous values
+    /// [default: from the name of the column, e.g. Air_Avg]
     #[arg(long, value_name = "TIME")]
     averaged: Option<String>,
 }
@@ -53,19 +52,19 @@ pub struct MeasuredFlags {
 /// The same for a file of temperatures that is laid out otherwise than that of the displacements.
 #[derive(Debug, clap::Args)]
 struct TemperatureLayoutFlags {
-    /// The column of times in the file of temperatures [default: as --time]
+    /// Column of times in the temperature file [default: as --time]
     #[arg(long, value_name = "COLUMN[,COLUMN]", requires = "temperature_file")]
     temperature_time: Option<String>,
-    /// The time zone in the file of temperatures [default: as --zone]
+    /// Time zone of the temperature file [default: as --zone]
     #[arg(long, value_name = "ZONE", allow_hyphen_values = true, requires = "temperature_file")]
     temperature_zone: Option<String>,
-    /// The order of dates in the file of temperatures [default: as --dates]
+    /// Order of dates in the temperature file [default: as --dates]
     #[arg(long, value_name = "ymd|dmy|mdy", requires = "temperature_file")]
     temperature_dates: Option<String>,
-    /// Number of lines before the names of the columns in that file [default: as --skip]
+    /// Number of lines before the header of that file [default: as --skip]
     #[arg(long, value_name = "N", requires = "temperature_file")]
     temperature_skip: Option<String>,
-    /// Marks of missing values in the file of temperatures [default: as --missing]
+    /// Marks of missing values in the temperature file [default: as --missing]
     #[arg(
         long,
         value_name = "MARK,MARK",
@@ -74,7 +73,7 @@ struct TemperatureLayoutFlags {
         requires = "temperature_file"
     )]
     temperature_missing: Vec<String>,
-    /// The same for temperatures alone [default: as --averaged]
+    /// Averaging time of the temperatures [default: as --averaged]
     #[arg(long, value_name = "TIME")]
     temperature_averaged: Option<String>,
 }
@@ -137,20 +136,19 @@ fn given(quantity: &str, flag: &str, key: &str, value: &Option<String>) -> Optio
 /// The columns and the layout of the files with the measurements of a bearing.
 #[derive(Debug, clap::Args)]
 pub struct Source {
-    /// The scenario, a TOML file: the stiffness K_BP, the names of the columns, and where a search
-    /// begins
+    /// Scenario (TOML file): stiffness K_BP, names of the columns, and starting values
     scenario: PathBuf,
-    /// The measurement, a CSV file with times, temperatures and displacements [default: the
-    /// files of the scenario, under displacement.series and temperature.series]
+    /// Measurement, a CSV file with times, temperatures and displacements [default: the files under
+    /// displacement.series and temperature.series of the scenario]
     #[arg(value_name = "DATA.csv")]
     data: Option<PathBuf>,
-    /// The temperatures, if they are in a file of their own
+    /// Separate file of temperatures
     #[arg(long, value_name = "FILE.csv", requires = "data")]
     temperature_file: Option<PathBuf>,
-    /// The column of displacements [default: the one whose name begins with `displacement`]
+    /// Column of displacements [default: the one whose name begins with `displacement`]
     #[arg(long, value_name = "COLUMN")]
     displacement: Option<String>,
-    /// The unit of displacements, if the file does not say it: m, cm, mm or um
+    /// Unit of the displacements, if the file does not give it: m, cm, mm or um
     #[arg(long, value_name = "U")]
     displacement_unit: Option<String>,
     #[command(flatten)]
@@ -221,7 +219,7 @@ fn files_of(
 ) -> Result<(PathBuf, Option<PathBuf>), Failure> {
     let path = |file: &String| scenario.parent().unwrap_or(Path::new("")).join(file);
     let Some(data) = displacement.file.as_ref().or(temperature.file.as_ref()).map(path) else {
-        let problem = format!("no measurement is given, and {} names none", scenario.display());
+        let problem = format!("no measurement given, and {} names none", scenario.display());
         let remedy = "give DATA.csv, or write `file = \"data.csv\"` under [displacement.series], and under [temperature.series] if the \
                       temperatures are in another file";
         return Err(Failure::usage(problem, remedy));

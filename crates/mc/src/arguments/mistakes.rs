@@ -37,11 +37,11 @@ fn file_without_verb(word: &str) -> Option<Failure> {
     let remedy = match store::is_sealed(path) {
         _ if is_shipped => format!("write `mc run {word}` to simulate it, or `mc init --from {word}` to change it"),
         _ if !is_file => return None,
-        Ok(_) => format!("write `mc show {word}` for what is in it, or `mc plot {word}` for a picture"),
-        _ => format!("write `mc run {word}` to simulate it, or `mc check {word}` to see what it says"),
+        Ok(_) => format!("write `mc show {word}` for its results, or `mc plot {word}` for a picture"),
+        _ => format!("write `mc run {word}` to simulate it, or `mc check {word}` to check it"),
     };
     let what = if is_shipped { "a shipped scenario" } else { "a file" };
-    Some(Failure::usage(format!("{word} is {what}, and no command is given for it"), remedy))
+    Some(Failure::usage(format!("{word} is {what}, but a command is missing"), remedy))
 }
 
 /// What people look for under the name of a verb, and where it is.
@@ -50,9 +50,10 @@ const ELSEWHERE: [(&str, &str); 6] = [
     ("scenarios", "`mc init --help` lists the shipped scenarios"),
     (
         "events",
-        "`mc run ... --set record.events=true` keeps events in the file, and `mc replay FILE --path N` prints one path's",
+        "`mc run ... --set record.events=true` stores events in the file, and `mc replay FILE --path N` \
+            prints one path's",
     ),
-    ("statistics", "`mc show FILE` prints the statistics of a file, and `mc sweep --help` names all of them"),
+    ("statistics", "`mc show FILE` prints the statistics of a file, and `mc sweep --help` lists all of them"),
     ("keys", "`mc check SCENARIO` prints every key of a scenario, and `mc init` every key with a comment"),
     ("simulate", "`mc run SCENARIO` simulates"),
 ];
@@ -66,7 +67,7 @@ fn no_verb(word: &str, is_like_a_verb: bool) -> Option<Failure> {
     };
     let key = || (!is_like_a_verb).then(|| config::key_meant(word)).flatten().map(|key| of_key(&key));
     let remedy = elsewhere.or_else(statistic).or_else(key)?;
-    Some(Failure::usage(format!("`{word}` is no command"), remedy))
+    Some(Failure::usage(format!("unknown command `{word}`"), remedy))
 }
 
 fn of_key(key: &str) -> String {
@@ -88,7 +89,8 @@ const OPTIONS: [(&str, &str); 7] = [
     ("--csv", "`mc show FILE --format csv` prints comma-separated values"),
     (
         "--format",
-        "`mc show FILE --format csv|markdown|latex` prints a table; elsewhere the ending of the name after -o chooses a format",
+        "`mc show FILE --format csv|markdown|latex` prints a table; elsewhere the extension of -o selects the \
+            format",
     ),
 ];
 
@@ -98,6 +100,6 @@ fn no_option(option: &str) -> Option<Failure> {
     }
     let known = OPTIONS.iter().find(|(known, _)| *known == option).map(|(_, remedy)| remedy.to_string());
     let key = || config::key_meant(option.trim_start_matches('-')).map(|key| of_key(&key));
-    let remedy = known.or_else(key).unwrap_or_else(|| "`--help` behind the command lists its options".to_string());
-    Some(Failure::usage(format!("there is no option `{option}` here"), remedy))
+    let remedy = known.or_else(key).unwrap_or_else(|| "add `--help` to the command to list its options".to_string());
+    Some(Failure::usage(format!("unknown option `{option}`"), remedy))
 }

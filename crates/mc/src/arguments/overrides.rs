@@ -15,14 +15,14 @@ pub struct Overrides {
     /// Number of paths [ensemble.paths]
     #[arg(long, value_name = "N", allow_hyphen_values = true)]
     paths: Option<String>,
-    /// Seed; with the number of a path, determines its noise [ensemble.seed]
+    /// Seed of the random numbers [ensemble.seed]
     #[arg(long, value_name = "S", allow_hyphen_values = true)]
     seed: Option<String>,
     #[arg(long, value_name = "KIND", allow_hyphen_values = true, value_parser = crate::arguments::completion::SCHEME, hide_possible_values = true,
           help = format!("Scheme: {} [scheme.kind]", names(|_| true, "or")))]
     scheme: Option<String>,
     #[arg(long, value_name = "TOL", allow_hyphen_values = true,
-          help = format!("Relative error that discretisation may leave; {} schemes [scheme.tolerance]",
+          help = format!("Permitted relative discretisation error; {} schemes [scheme.tolerance]",
                          names(|kind| !kind.has_step(), "and")))]
     tolerance: Option<String>,
     #[arg(long, value_name = "H", allow_hyphen_values = true,
@@ -70,7 +70,7 @@ impl Overrides {
     pub fn without_goals(&self) -> Result<Vec<Override>, Failure> {
         match self.until.iter().find(|text| is_goal(text)) {
             None => Ok(self.list()?),
-            Some(goal) => Err(Failure::usage(format!("--until \"{goal}\" is a goal of mc run"), "leave it out here")),
+            Some(goal) => Err(Failure::usage(format!("--until \"{goal}\" is a goal of mc run"), "remove it here")),
         }
     }
 

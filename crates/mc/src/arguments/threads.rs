@@ -34,8 +34,8 @@ pub fn enough_memory(work: &str, used: f64, threads: usize) -> Result<(), Failur
     Need { bytes: used, threads }.check().map_err(|Short { needed, free, limit }| {
         let threads = counted(threads as u64, "thread");
         let (needed, free) = (bytes(needed), bytes(free));
-        let problem = format!("{work} on {threads} takes about {needed} of memory, and {limit} leaves {free}");
-        let remedy = "give fewer --threads, a larger `time.output_step`, or record less of single paths";
+        let problem = format!("{work} on {threads} needs about {needed} of memory, but {limit} leaves {free}");
+        let remedy = "use fewer --threads, a larger `time.output_step`, or record less per path";
         Failure::usage(problem, remedy)
     })
 }

@@ -49,7 +49,7 @@ impl Arguments {
 /// The resolved scenario, followed by the derived numbers as comments.
 pub fn report(scenario: &Scenario) -> String {
     let mut text = scenario.to_toml();
-    text.push_str("\n# What follows from it\n");
+    text.push_str("\n# Derived quantities\n");
     let inputs = scenario.measured.iter().filter_map(|measured| Some((measured.input()?, measured)));
     let inputs = inputs.map(|(name, measured)| (format!("input {name}"), taken(measured)));
     let derived = derived(scenario).into_iter().map(|(meaning, value)| (meaning.to_string(), value));
@@ -64,7 +64,7 @@ fn taken(measured: &Measured) -> String {
     let Measured { series, unit, begin, .. } = measured;
     let number = |x: f64| significant(x, DIGITS);
     let unit = match unit.as_ref().and_then(|unit| Some((unit, input_unit(unit)?))) {
-        None => "as it is, because nothing says its unit".to_string(),
+        None => "unit not given; assuming SI".to_string(),
         Some((_, (si, 1.0))) => format!("in {si}"),
         Some((unit, (si, ratio))) => format!("from {unit} to {si}, times {ratio}"),
     };
@@ -81,7 +81,7 @@ fn taken(measured: &Measured) -> String {
 fn duration(seconds: Option<f64>) -> String {
     let threads = crate::cores();
     let name = format!("time of the run here, on {}, about", counted(threads as u64, "thread"));
-    let value = seconds.map_or("unknown: no path came far enough in a tenth of a second".to_string(), time);
+    let value = seconds.map_or("unknown: no path progressed far enough in a tenth of a second".to_string(), time);
     format!("# {name:<46}{value}\n")
 }
 
@@ -89,8 +89,8 @@ fn duration(seconds: Option<f64>) -> String {
 fn long(seconds: Option<f64>) -> String {
     let Some(seconds) = seconds.filter(|seconds| *seconds > cost::LONG) else { return String::new() };
     let warning = format!(
-        "# warning: the run takes about {} here. Fewer `--paths`, a larger step or tolerance, or `--scheme event-driven` \
-         shorten it; `mc run --max-time` bounds it; `mc trade` measures what accuracy costs",
+        "# warning: the run takes about {} here. Fewer `--paths`, a larger step or tolerance, or `--scheme \
+         event-driven` shorten it; `mc run --max-time` bounds it; `mc trade` measures the cost of accuracy",
         time(seconds)
     );
     wrapped(&warning, "#   ")
@@ -124,10 +124,10 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
             Some(_) => format!("linear: simulated as K = {stiffness}, alpha = {damping}"),
             None => "general: slips are simulated to a tolerance".to_string(),
         };
-        say("g, the force of your own", told);
+        say("g, user-defined force", told);
     }
     if scenario.model.has_load() {
-        say("friction", "with a load or a direction: f_s and f_d below are without it".to_string());
+        say("friction", "depends on a load or direction; f_s and f_d below exclude it".to_string());
     }
     let amplitudes = scenario.model.temperature.harmonics.iter().map(|harmonic| harmonic.amplitude.abs());
     let forcing = body.force_per_temperature().abs() * amplitudes.fold(0.0, |sum, size| sum + size);
@@ -135,16 +135,16 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     say("f_d/f_s, friction ratio", optional(d.friction_ratio, "none: f_s = 0"));
     say("K beta rho sigma/sqrt(2 theta), noise in b", optional(d.noise_force, "no noise"));
     if d.noise_force.is_some() {
-        say("f_s/(K beta rho), corridor, half width in v", optional(d.corridor_half_width, "unbounded"));
+        say("f_s/(K beta rho), half width of the stick band in v", optional(d.corridor_half_width, "unbounded"));
         say("(f_s/(K beta rho sigma))^2, time to cross it", optional(d.corridor_time, "unbounded"));
     }
     if let Some(amplitude) = d.runaway_amplitude {
-        say("amplitude beyond which the body runs away", number(amplitude));
+        say("amplitude beyond which the motion grows without bound", number(amplitude));
     }
     if let Some(stability) = d.stability {
         let (meaning, limit, why) = match stability {
             Stability::Growing { critical_amplitude: a } => {
-                ("the same with what the step adds", a, " (negative damping)")
+                ("the same, including the error of the step", a, " (negative damping)")
             }
             Stability::Undamped { critical_amplitude: a } => {
                 ("A_c = 4 f_d/(pi w0 h K), critical amplitude", a, " (no damping)")
@@ -171,12 +171,12 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
     }
     let without = match d.runaway_amplitude {
         _ if scenario.model.force.is_some() => " without [force]",
-        Some(limit) if d.expected_amplitude > limit => " if it does not run away",
+        Some(limit) if d.expected_amplitude > limit => " if the motion stays bounded",
         _ => "",
     };
-    say("largest |x| to be expected, roughly", significant(d.expected_amplitude, 2) + without);
+    say("largest |x| expected, roughly", significant(d.expected_amplitude, 2) + without);
     let with_source = |period: Period| format!("{}, {}", number(period.length), period.source.words());
-    say("P, time after which x is compared again", d.period.map_or("none".to_string(), with_source));
+    say("P, period at which displacements are compared", d.period.map_or("none".to_string(), with_source));
     say("whole periods P", number(d.whole_periods));
     say("whole periods P that are counted", grouped(d.counted_periods as u64));
     let none = || format!("none; the {} scheme does not use time.step", scenario.scheme.name());
@@ -185,7 +185,7 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         say("path-steps in all", significant(steps, 3));
     }
     say("rows of the output grid", grouped(d.rows as u64));
-    say("memory of a thread for them, about", bytes(d.thread_bytes));
+    say("memory per thread for them, about", bytes(d.thread_bytes));
     say("output file, about", bytes(d.output_bytes));
     lines
 }

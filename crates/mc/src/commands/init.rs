@@ -18,12 +18,12 @@ pub struct Arguments {
           value_parser = PossibleValuesParser::new(SHIPPED.map(|scenario| scenario.name))
             .try_map(|name| shipped(&name).ok_or("no shipped scenario")))]
     from: &'static Shipped,
-    /// What the scenario asks, in one line; sets the key `title`
+    /// Title of the scenario, in one line; sets the key `title`
     #[arg(long, value_name = "TEXT")]
     title: Option<String>,
     #[command(flatten)]
     overrides: Overrides,
-    /// Where to write the scenario; `-` is standard output [default: NAME.toml]
+    /// Output file; `-` is standard output [default: NAME.toml]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite the file if it exists

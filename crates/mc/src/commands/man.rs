@@ -7,7 +7,7 @@ use clap::CommandFactory as _;
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/man.txt"))]
 pub struct Arguments {
-    /// The command of which to print the page [default: mc itself]
+    /// Command whose page to print [default: mc itself]
     command: Option<String>,
 }
 
@@ -19,7 +19,7 @@ impl Arguments {
             None => all,
             Some(name) => {
                 let found = all.get_subcommands().find(|verb| verb.get_name() == name && !verb.is_hide_set());
-                let unknown = || Failure::usage(format!("there is no command `{name}`"), "`mc --help` lists them");
+                let unknown = || Failure::usage(format!("unknown command `{name}`"), "`mc --help` lists them");
                 found.ok_or_else(unknown)?.clone()
             }
         };

@@ -15,7 +15,7 @@ pub struct Arguments {
     /// The files of all parts, in any order
     #[arg(required = true, value_name = "FILE")]
     parts: Vec<PathBuf>,
-    /// Where to write the results
+    /// Output file
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,
     /// Overwrite the file if it exists

@@ -24,42 +24,42 @@ pub struct Arguments {
     /// Further sweeps over the same key, drawn in the same axes
     #[arg(value_name = "SWEEP.h5")]
     beside: Vec<PathBuf>,
-    /// Where to write the picture; the ending .svg, .png or .pdf selects the format [default:
-    /// NAME.svg in the current directory]
+    /// Output file; the extension .svg, .png or .pdf selects the format [default: NAME.svg in the
+    /// current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[arg(long, value_name = "NAME", value_parser = Only::named,
           help = format!("One figure: {}; or one of its panels by its letter, e.g. sticks.B", Only::names()))]
     only: Option<Only>,
-    /// The number of the path to draw
+    /// Number of the path to draw
     #[arg(long, value_name = "N", default_value_t = 0)]
     path: u64,
-    /// The time at which the drawing of a path begins
+    /// Time at which the drawing of a path begins
     #[arg(long, value_name = "T", allow_hyphen_values = true, default_value_t = 0.0)]
     from: f64,
-    /// The time at which it ends
+    /// Time at which it ends
     #[arg(long, value_name = "T", allow_hyphen_values = true)]
     until: Option<String>,
-    /// The statistic of a trade [default: the first that the trade has an answer for], or of a
-    /// sweep [default: two of them]
+    /// Statistic of a trade [default: the first with an estimate], or of a sweep [default: two of
+    /// them]
     #[arg(long, value_name = "NAME", value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
-    /// Colours for paper or for a dark screen
+    /// Colours for paper (light) or a dark screen
     #[arg(long, value_name = "light|dark", default_value = "light", value_parser = theme)]
     theme: Theme,
     /// Width of one figure in millimetres; a page is two figures wide
     #[arg(long, value_name = "MM", default_value_t = COLUMN, value_parser = width)]
     width: f64,
-    /// Logarithmic vertical axes for densities and shares
+    /// Logarithmic vertical axes for densities and fractions
     #[arg(long)]
     log: bool,
     #[command(flatten)]
     set: Settings,
-    /// Words at the axes for a key or its symbol, or for a statistic, e.g. V="speed of the belt";
-    /// repeatable; for sweeps
+    /// Axis label for a key or its symbol, or for a statistic, of a sweep, e.g. V="speed of the
+    /// belt"; repeatable
     #[arg(long, value_name = "KEY=WORDS", value_parser = label)]
     label: Vec<(String, String)>,
-    /// The heading of the page; a figure by itself has none
+    /// Heading of the page; single figures have none
     #[arg(long, value_name = "WORDS", conflicts_with = "only")]
     title: Option<String>,
     /// Overwrite an earlier picture
@@ -77,7 +77,7 @@ impl Arguments {
         note(&format!("{}: {}", output.display(), size(&scene)));
         if scene.left_out > 0 {
             note(&format!(
-                "{} had no room; a larger --width or an earlier --until makes some",
+                "no room for {}; use a larger --width or an earlier --until",
                 counted(scene.left_out as u64, "label")
             ));
         }
@@ -97,20 +97,17 @@ impl Arguments {
             }
             Some(FileKind::Sweep) => {}
             _ if !self.label.is_empty() => {
-                return refused(
-                    format!("--label names keys at the axes of a sweep, and {shown} is none"),
-                    "leave it out",
-                );
+                return refused(format!("--label applies to sweeps, but {shown} is not one"), "remove it");
             }
             _ if !self.beside.is_empty() => {
-                let remedy = "several files are drawn together if they are sweeps over the same key";
-                return refused(format!("{shown} is no sweep"), remedy);
+                let remedy = "several files can be drawn together only if they are sweeps over the same key";
+                return refused(format!("{shown} is not a sweep"), remedy);
             }
             _ => {}
         }
         if !self.set.list()?.is_empty() {
-            let problem = format!("--set changes a scenario, and {shown} says what was run");
-            return refused(problem, "give the scenario instead of the file, or leave --set out");
+            let problem = format!("--set changes a scenario, but {shown} is a finished run");
+            return refused(problem, "give the scenario instead of the file, or remove --set");
         }
         match files::read(&self.subject, store::content)? {
             Content::Run(stored) => self.scene_of_run(&stored),
@@ -122,7 +119,7 @@ impl Arguments {
                 let nothing = || {
                     Failure::run_of(
                         &self.subject,
-                        "no statistic in it has prices",
+                        "it has no costs for any statistic",
                         "measure again with a larger --budget",
                     )
                 };
@@ -154,8 +151,8 @@ impl Arguments {
         if (0.0..end.max(f64::MIN_POSITIVE)).contains(&from) {
             return Ok(DrawnPath { scenario, number: self.path, from });
         }
-        let problem = format!("--from {from:?}: the path lasts from 0 to {end:?}");
-        Err(Failure::usage(problem, "give a time before its end, or a later --until"))
+        let problem = format!("--from {from:?} must be between 0 and {end:?}");
+        Err(Failure::usage(problem, "give an earlier time, or a later --until"))
     }
 
     /// What ends a path at `--until`. Events do not depend on the end of the simulation, so it is the
@@ -180,8 +177,8 @@ impl Arguments {
         match options.into_iter().find(|(_, is_given, figures)| *is_given && !figures.contains(&figure.name)) {
             None => Ok(()),
             Some((option, _, figures)) => Err(Failure::usage(
-                format!("{option} changes nothing in the figure `{}`", figure.name),
-                format!("leave it out; it is for {}", figures.join(", ")),
+                format!("{option} has no effect on the figure `{}`", figure.name),
+                format!("remove it; it applies to {}", figures.join(", ")),
             )),
         }
     }
@@ -192,9 +189,9 @@ impl Arguments {
         let style = Style { theme, width, log, title: self.title.as_deref(), labels: &self.label };
         stickslip_figure::draw(self.only, subject, &style).map_err(|no| match no {
             NoPage::Without(figure, absent) => self.refused(figure.name, &absent),
-            NoPage::Empty => Failure::Run("there is nothing to draw: every path was lost".to_string()),
+            NoPage::Empty => Failure::Run("nothing to draw: every path was lost".to_string()),
             NoPage::Label(name, known) => {
-                let problem = format!("--label {name}=...: the sweep has no such key, and there is no such statistic");
+                let problem = format!("--label {name}=...: no key of the sweep and no statistic has this name");
                 Failure::usage(problem, format!("name a statistic, or one of {known}"))
             }
         })
@@ -205,7 +202,7 @@ impl Arguments {
         let remedy = match absent {
             Absent::Elsewhere(_) => "run it first, or choose another figure with --only",
             Absent::Nothing(_) => return Failure::Run(problem),
-            Absent::Panel(..) => "choose one of them with --only, or leave the letter out for all",
+            Absent::Panel(..) => "choose one of them with --only, or drop the letter for all",
             Absent::Lost(_) => "choose another path with --path",
         };
         Failure::usage(problem, remedy)
@@ -234,10 +231,10 @@ fn writing(path: &Path) -> Result<Writing, Failure> {
     match crate::arguments::extension::ending(path).as_str() {
         "svg" => Ok(|scene| Ok(stickslip_figure::svg(scene).into_bytes())),
         "png" => Ok(|scene| stickslip_figure::png(scene, DOTS_PER_INCH).map_err(|error| error.to_string())),
-        "pdf" => Ok(|scene| stickslip_figure::pdf(scene).ok_or_else(|| "a flaw in the program: no PDF".to_string())),
+        "pdf" => Ok(|scene| stickslip_figure::pdf(scene).ok_or_else(|| "internal error: no PDF".to_string())),
         _ => {
-            let problem = format!("-o {}: the ending does not tell a format", path.display());
-            Err(Failure::usage(problem, "write a name that ends in .svg, .png or .pdf"))
+            let problem = format!("-o {}: unknown file extension", path.display());
+            Err(Failure::usage(problem, "use .svg, .png or .pdf"))
         }
     }
 }
@@ -267,9 +264,5 @@ fn label(text: &str) -> Result<(String, String), String> {
 const WIDTHS: std::ops::RangeInclusive<f64> = 60.0..=400.0;
 
 fn width(text: &str) -> Result<f64, String> {
-    parse_number_in(
-        text,
-        &WIDTHS,
-        &format!("write a number of millimetres from {} to {}", WIDTHS.start(), WIDTHS.end()),
-    )
+    parse_number_in(text, &WIDTHS, &format!("must be between {} and {} mm", WIDTHS.start(), WIDTHS.end()))
 }

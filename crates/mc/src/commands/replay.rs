@@ -22,7 +22,7 @@ pub struct Arguments {
     /// Number of the path, from 0
     #[arg(long, value_name = "N")]
     path: u64,
-    /// Where to write it [default: FILE-path-N.h5 in the current directory]
+    /// Output file [default: FILE-path-N.h5 in the current directory]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite the file if it exists
@@ -59,8 +59,8 @@ impl Arguments {
         }
         Err(Failure::run_of(
             &self.file,
-            format!("path {} of its scenario is another one than the file holds", self.path),
-            "take the file as it was written (its scenario, seed or rows were changed), or the program that wrote it",
+            format!("path {} of its scenario differs from the one in the file", self.path),
+            "use the unmodified file (its scenario, seed or rows were changed), or the program that wrote it",
         ))
     }
 }
@@ -93,6 +93,6 @@ fn rows(rows: ReplayRows) -> String {
     match rows {
         ReplayRows::Steps { stride: 1, .. } => "every step".into(),
         ReplayRows::Steps { stride, of } => format!("one in {stride} of the {of} steps"),
-        ReplayRows::Finer(times) => format!("{times} times as fine as the output grid of the run"),
+        ReplayRows::Finer(times) => format!("{times} times finer than the output grid of the run"),
     }
 }

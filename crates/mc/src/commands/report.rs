@@ -19,7 +19,7 @@ use stickslip_files::store::{self, Content, StoredCalibration};
 pub struct Arguments {
     /// A file that `mc run`, `mc sweep`, `mc trade` or `mc calibrate` wrote
     file: PathBuf,
-    /// Where to write the page [default: NAME.html in the current directory]
+    /// Output file [default: NAME.html in the current directory]
     #[arg(short, long, value_name = "FILE.html")]
     output: Option<PathBuf>,
     /// Overwrite an earlier page
@@ -44,7 +44,7 @@ impl Arguments {
             let program = other.map_or_else(crate::version, str::to_string);
             vec![("file", self.file.display().to_string()), ("program", format!("mc {program}"))]
         };
-        let digits = format!("`mc show {} --format csv` prints the numbers with all digits.", self.file.display());
+        let digits = format!("`mc show {} --format csv` prints all digits.", self.file.display());
         let mut words = vec![("All digits", digits)];
         let (report, warnings, pictures, provenance) = match content {
             Content::Calibration(stored) => return Ok(of_bearing(&stored, None)),
@@ -83,13 +83,14 @@ impl Arguments {
 }
 
 /// What stands below the statistics of a run.
-const INTERVALS: &str = "Intervals have 95 %, with the path as the unit. A bias is that of the time step: the estimate less its \
-                         value without one; the corrected estimate is shown where the bias exceeds its uncertainty. The \
-                         single path is the one with number 0.";
+const INTERVALS: &str = "Intervals are 95 % confidence intervals, with paths as independent units. Bias is \
+                         the effect of the time step on the estimate; the corrected estimate is shown where \
+                         the bias exceeds its uncertainty. The single path is number 0.";
 
 /// What neither fit nor forecast knows of.
-const LEFT_OUT: &str = "Traffic, wind and brakes, which move a bearing faster than the weather does; wear, which changes friction; \
-                        and a climate that is not that of the record. Movements that they cause add to the sliding path.";
+const LEFT_OUT: &str = "Traffic, wind and braking, which move a bearing faster than the weather; wear, which \
+                        changes friction; and a climate different from that of the record. Movements that \
+                        they cause add to the sliding path.";
 
 /// The page of a forecast.
 pub fn of_forecast(scene: &BridgeScene, foreseen: &Foreseen) -> String {
@@ -109,10 +110,7 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
     let page = Page {
         report,
         warnings: own.chain(foreseen.map(Foreseen::warnings).unwrap_or_default()).collect(),
-        words: vec![
-            ("What the record shows", report::bearing::seen(calibration)),
-            ("What is not in it", LEFT_OUT.into()),
-        ],
+        words: vec![("Results from the record", report::bearing::seen(calibration)), ("Not included", LEFT_OUT.into())],
         pictures: pictures(&Subject::Calibration { title, calibration }),
         scenario: scenario_text,
         provenance: vec![("program", format!("mc {program}"))],

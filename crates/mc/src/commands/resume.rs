@@ -15,9 +15,9 @@ use stickslip_files::store::{self, FileSink, StoreError, Unfinished};
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("help/resume.txt"))]
 pub struct Arguments {
-    /// The file that the run or the sweep would have written, or FILE.partial, which it left
+    /// Output file of the run or sweep, or the FILE.partial that it left
     file: PathBuf,
-    /// Do not continue: write a file with the paths that are done; its status is `interrupted`
+    /// Do not continue: write a file with the finished paths; its status is `interrupted`
     #[arg(long)]
     end: bool,
     /// Replace an existing file of this name
@@ -37,7 +37,7 @@ impl Arguments {
             files::look(&output);
         }
         let Some(Unfinished { question, so_far, sink }) = FileSink::go_on(&output, self.force)? else {
-            note(&format!("{} is finished: there is nothing to resume", output.display()));
+            note(&format!("{} is finished; nothing to resume", output.display()));
             return Ok(());
         };
         let (scenario, asked) = (&question.scenario, &question.asked);
@@ -59,8 +59,8 @@ impl Arguments {
         let partial = store::partial_path(output);
         if self.end || self.options.watch.is_some() {
             let partial = partial.display();
-            let problem = format!("{partial} is a sweep, which is not resumed with --end or --watch");
-            return Err(Failure::usage(problem, format!("leave them out; the points that are done are in {partial}")));
+            let problem = format!("{partial} is a sweep, which does not support --end or --watch");
+            return Err(Failure::usage(problem, format!("remove them; the finished points are in {partial}")));
         }
         if output.symlink_metadata().is_ok() && !self.force {
             return Err(StoreError::Appeared { partial, target: output.to_owned() }.into());

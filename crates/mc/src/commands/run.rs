@@ -27,31 +27,28 @@ pub struct Arguments {
     #[command(flatten)]
     overrides: Overrides,
     /// Choose scheme, step or tolerance, and number of paths for this relative error, e.g. 1e-2 or
-    /// 1%, from a pilot run of some seconds
+    /// 1%, after a pilot run of a few seconds
     #[arg(long, value_name = "EPS", value_parser = accuracy::target, allow_hyphen_values = true)]
     accuracy: Option<f64>,
     /// The statistic that --accuracy is for; repeatable [default: all]
     #[arg(long, value_name = "NAME", value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true, requires = "accuracy")]
     statistic: Vec<Statistic>,
-    /// End the run before this time is up: 90, 90s, 15m, 4h50m; the file says after which block it
-    /// ended
+    /// Limit the run time: 90, 90s, 15m, 4h50m; the file records after which block the run ended
     #[arg(long, value_name = "TIME", value_parser = crate::output::numbers::parse_duration, allow_hyphen_values = true)]
     max_time: Option<Duration>,
-    /// Simulate one part of the run only, e.g. 3/16 for the third of 16; mc merge joins the parts
+    /// Simulate only one part of the run, e.g. 3/16 for the third of 16; mc merge joins the parts
     #[arg(long, value_name = "I/N")]
     part: Option<Part>,
-    /// Where to write the results [default: SCENARIO.h5 in the current directory, stdin.h5 for
-    /// standard input]
+    /// Output file [default: SCENARIO.h5 in the current directory, stdin.h5 for standard input]
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     /// Overwrite the results of another run
     #[arg(long)]
     force: bool,
-    /// Do not estimate the bias of each statistic that comes from the step; saves up to an eighth
-    /// of the time
+    /// Do not estimate the discretisation bias; saves up to an eighth of the time
     #[arg(long)]
     no_bias: bool,
-    /// Print the resolved scenario and what follows from it before the run
+    /// Print the resolved scenario and derived quantities before the run
     #[arg(short, long, conflicts_with = "quiet")]
     verbose: bool,
     #[command(flatten)]
@@ -94,14 +91,14 @@ impl Arguments {
 
     /// Chooses how to run a scenario for this relative error.
     fn decide(&self, target: f64, scenario: &Scenario, goals: &[Goal], stop: &AtomicBool) -> Result<Decision, Failure> {
-        let conflict = |problem: String| Err(Failure::usage(problem, "leave out one of them"));
+        let conflict = |problem: String| Err(Failure::usage(problem, "remove one of them"));
         if let Some(decided) = self.overrides.decides(&accuracy::CHOSEN) {
             return conflict(format!(
-                "--accuracy chooses scheme, step or tolerance, and paths; {decided} does so as well"
+                "--accuracy chooses scheme, step or tolerance, and paths, which {decided} also sets"
             ));
         }
         if !goals.is_empty() {
-            return conflict("--accuracy and a goal of --until both decide the number of paths".to_string());
+            return conflict("--accuracy and a goal of --until both set the number of paths".to_string());
         }
         let (threads, max_time) = (self.options.threads(), self.max_time);
         let accuracy = Accuracy { target, named: &self.statistic, max_time, threads };
@@ -113,26 +110,26 @@ impl Arguments {
     fn check_part(&self, scenario: &Scenario, goals: &[Goal]) -> Result<(), Failure> {
         let Some(part) = self.part else { return Ok(()) };
         let refuse = |what: &str, why: &str, remedy: &str| {
-            Err(Failure::usage(format!("--part {part} does not go with {what}: {why}"), remedy))
+            Err(Failure::usage(format!("--part {part} cannot be combined with {what}: {why}"), remedy))
         };
         let number = "give the number of paths of the whole run with --paths";
         if !goals.is_empty() {
-            return refuse("a goal of --until", "whether it is reached is known of all parts together only", number);
+            return refuse("a goal of --until", "whether it is reached depends on all parts together", number);
         }
         if self.accuracy.is_some() {
-            let why = "each part would choose for itself, from a measurement of its own";
+            let why = "each part would make its own choice";
             return refuse("--accuracy", why, "choose once with `mc trade`, then give --scheme and --paths");
         }
         if self.max_time.is_some() {
-            let why = "a part that ends early cannot be joined to the others";
-            let remedy = "let the scheduler send a signal in time, which saves the part; `mc resume` continues it";
+            let why = "a part that ends early cannot be merged with the others";
+            let remedy = "let the scheduler send a signal, which saves the part; continue it with `mc resume`";
             return refuse("--max-time", why, remedy);
         }
         let blocks = scenario.ensemble.paths.div_ceil(BLOCK_SIZE);
         if part.of() > blocks {
             let problem =
                 format!("--part {part}: {} paths are {blocks} blocks of {BLOCK_SIZE}", scenario.ensemble.paths);
-            return Err(Failure::usage(problem, format!("give {blocks} parts at most")));
+            return Err(Failure::usage(problem, format!("use at most {blocks} parts")));
         }
         Ok(())
     }

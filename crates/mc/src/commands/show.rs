@@ -20,31 +20,29 @@ pub struct Arguments {
     /// Files that `mc run` wrote, or one of `mc sweep`, `mc trade` or `mc calibrate`
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// Print these statistics, in this order, separated by commas [default: those of sticks, slips
-    /// and drift that the paper asks for]
+    /// Print these statistics, in this order, separated by commas [default: the main statistics of
+    /// sticks, slips and drift]
     #[arg(long, value_name = "NAME,...", value_delimiter = ',', value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true,
           conflicts_with_all = ["all", "json"])]
     statistics: Vec<Statistic>,
     /// Print all statistics that were measured; for a trade, every measurement
     #[arg(long, conflicts_with = "json")]
     all: bool,
-    /// Print all notes below the table of a run, and where its numbers come from
+    /// Print all notes below the table of a run, and its provenance
     #[arg(long, conflicts_with_all = ["json", "format"])]
     notes: bool,
-    /// Print JSON instead: one object, or an array of them for several files
+    /// Print JSON: one object, or an array for several files
     #[arg(long)]
     json: bool,
-    /// Print a table for other programs instead: comma-separated values with all digits, a line for
-    /// each statistic of each file or point, all of them unless --statistics names some; or a table
-    /// for a paper, with the digits that the error supports
+    /// Print a table for other programs: CSV with all digits, one line per statistic of each file
+    /// or point (all statistics unless --statistics selects some); or a table for a paper, with the
+    /// digits that the error supports
     #[arg(long, value_name = "csv|markdown|latex", conflicts_with = "json", hide_possible_values = true)]
     format: Option<TableFormat>,
-    /// Print how to cite a run instead: program, scenario, scheme, seed, paths, and the paper of
-    /// the model
+    /// Print how to cite a run: program, scenario, scheme, seed, paths, and the paper of the model
     #[arg(long, conflicts_with_all = ["json", "format"])]
     cite: bool,
-    /// Print the scenario that the file was made with instead, with every default written out: a
-    /// file for mc run
+    /// Print the scenario of the file, with every default written out: a file for mc run
     #[arg(long, conflicts_with_all = ["json", "format", "cite"])]
     scenario: bool,
 }
@@ -92,8 +90,8 @@ impl Arguments {
             let is_run =
                 |file: &&PathBuf| matches!(files::read(file, store::kind), Ok(Some(FileKind::Run) | None) | Err(_));
             if let Some(file) = self.files.iter().find(|file| !is_run(file)) {
-                let problem = format!("{} is no run, and only runs are printed beside each other", file.display());
-                return Err(Failure::usage(problem, "show it alone, or several files with --format csv"));
+                let problem = format!("{} is not a run; only runs can be compared", file.display());
+                return Err(Failure::usage(problem, "show it alone, or use --format csv for several files"));
             }
             let runs = self.files.iter().map(|file| files::read(file, store::read)).collect::<Result<Vec<_>, _>>()?;
             let infos: Vec<RunInfo> = self.files.iter().zip(&runs).map(|(file, run)| info(file, run, None)).collect();
@@ -116,8 +114,8 @@ impl Arguments {
                 report::run(&stored.summary, &info(file, &stored, scenario.as_ref()), chosen, self.notes)
             }
             Content::Calibration(_) if !self.statistics.is_empty() => {
-                let problem = format!("--statistics: {} is a calibration, which has none", file.display());
-                return Err(Failure::usage(problem, "leave it out"));
+                let problem = format!("--statistics: {} is a calibration, which has no statistics", file.display());
+                return Err(Failure::usage(problem, "remove it"));
             }
             Content::Calibration(stored) => {
                 stored.warnings.iter().filter(|_| is_text).for_each(|(_, text)| warn(text));
@@ -144,14 +142,12 @@ impl Arguments {
 
     fn print_scenario(&self) -> Result<(), Failure> {
         let [file] = self.files.as_slice() else {
-            return Err(Failure::usage("--scenario prints the scenario of one file", "give one file"));
+            return Err(Failure::usage("--scenario takes one file", "give one file"));
         };
         let content = files::read(file, store::content)?;
         let (text, is_measured) = content.scenario();
         if is_measured {
-            note(
-                "measured values are in the file of results and not in the text: run it beside the data files that it names",
-            );
+            note("measured values are in the result file, not in this text: to run it, keep the data files it names");
         }
         print_data(&text)
     }

@@ -27,36 +27,35 @@ pub struct Arguments {
     /// friction.static=log:1:2:11; repeatable
     #[arg(long, value_name = "[NAME=]KEY=VALUES", allow_hyphen_values = true, required_unless_present = "elasticity")]
     vary: Vec<String>,
-    /// Pair the values of all --vary, first with first and so on, instead of combining each with
-    /// each
+    /// Pair the values of all --vary (first with first, and so on) instead of crossing them
     #[arg(long, requires = "vary")]
     zip: bool,
     /// Report elasticities with respect to these keys: the relative change of each statistic per
     /// relative change of the key
     #[arg(long, value_name = "KEY,KEY", value_delimiter = ',', conflicts_with = "vary")]
     elasticity: Vec<String>,
-    /// For --elasticity: the relative change of each key, to both sides of its value
+    /// For --elasticity: relative change of each key, in both directions
     #[arg(long, value_name = "SHARE", default_value = "5%", value_parser = share, requires = "elasticity",
           allow_hyphen_values = true)]
     relative_step: f64,
-    /// Give every point its own seed: the errors of points are then independent, and differences
-    /// between points are less precise
+    /// Give every point its own seed: errors of points are independent, but differences are less
+    /// precise
     #[arg(long)]
     independent: bool,
     #[command(flatten)]
     overrides: Overrides,
-    /// Print the number of points and paths, the time and the disk space, and do not simulate
+    /// Print the number of points and paths, the time and the disk space, without simulating
     #[arg(long)]
     dry_run: bool,
-    /// A statistic to print; repeatable [default: some; the file holds all]
+    /// Statistic to print; repeatable [default: a selection; the file contains all]
     #[arg(long, value_name = "NAME", value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true)]
     statistic: Vec<Statistic>,
-    /// Do not estimate the bias of each statistic that comes from the step
+    /// Do not estimate the discretisation bias
     #[arg(long)]
     no_bias: bool,
     #[command(flatten)]
     threads: Threads,
-    /// Where to write the results [default: SCENARIO-sweep.h5 in the current directory]
+    /// Output file [default: SCENARIO-sweep.h5 in the current directory]
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
     /// Overwrite the results of another run or sweep
@@ -65,7 +64,7 @@ pub struct Arguments {
     /// Print nothing but warnings and errors
     #[arg(short, long)]
     quiet: bool,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     json: bool,
 }
@@ -88,9 +87,8 @@ impl Arguments {
     fn question(&self) -> Result<SweepQuestion, Failure> {
         let scenario = self.overrides.scenario(&self.scenario)?;
         if let Some(key) = scenario.record.curve() {
-            let remedy =
-                format!("leave it out with --set {key}=false, or run each point with `mc run --set KEY=VALUE`");
-            return Err(Failure::usage(format!("{key}: a sweep keeps statistics, and no curves"), remedy));
+            let remedy = format!("turn it off with --set {key}=false, or run each point with `mc run --set KEY=VALUE`");
+            return Err(Failure::usage(format!("{key} = true: a sweep stores statistics only, no curves"), remedy));
         }
         let (design, shown) = if self.elasticity.is_empty() { self.grid()? } else { self.star(&scenario)? };
         let point = |settings: &[Setting]| self.overrides.scenario_with(&self.scenario, &overrides(settings, &shown));
@@ -121,7 +119,7 @@ impl Arguments {
                     "`mc check` prints every key with its value".to_string()
                 }
                 StarError::Zero => format!("give it a value with --set, or --vary {key}=0:1:5"),
-                StarError::Twice => "name it once".to_string(),
+                StarError::Twice => "list it once".to_string(),
             };
             Err(Failure::usage(format!("{flag}: {error}"), remedy))
         })?;
@@ -153,9 +151,9 @@ fn overrides(settings: &[Setting], quoted: &[(String, String)]) -> Vec<Override>
 impl From<DesignError> for Failure {
     fn from(error: DesignError) -> Self {
         let remedy = match error {
-            DesignError::Name(_) => "name it yourself: --vary NAME=KEY=VALUES",
-            DesignError::Key(_) => "leave out one of them",
-            DesignError::Lengths(..) => "give as many values, or cross them by leaving out --zip",
+            DesignError::Name(_) => "give it a name: --vary NAME=KEY=VALUES",
+            DesignError::Key(_) => "remove one of them",
+            DesignError::Lengths(..) => "give equal numbers of values, or remove --zip to cross them",
             DesignError::Points(_) => "give fewer values",
         };
         Failure::usage(format!("--vary: {error}"), remedy)
@@ -171,7 +169,7 @@ fn outlook(question: &SweepQuestion, threads: usize) -> Report {
     let paths = question.points.iter().map(|point| point.ensemble.paths);
     let all = paths.fold(0_u64, u64::saturating_add);
     let each = report::paths_of_each(question).map_or_else(String::new, |each| each + ", ");
-    let time = estimated_seconds(question, threads).map_or_else(|| "a time that no path showed".to_string(), duration);
+    let time = estimated_seconds(question, threads).map_or_else(|| "an unknown time".to_string(), duration);
     let remarks = vec![
         ("points", format!("{}{of}", grouped(design.points() as u64))),
         ("paths", format!("{each}{} in all", grouped(all))),
@@ -182,7 +180,7 @@ fn outlook(question: &SweepQuestion, threads: usize) -> Report {
 }
 
 fn share(text: &str) -> Result<f64, String> {
-    parse_share_in(text, &RELATIVE_STEPS, "write a share from 1e-6 to 50%, such as 5% or 0.05")
+    parse_share_in(text, &RELATIVE_STEPS, "must be between 1e-6 and 50%, e.g. 5% or 0.05")
 }
 
 #[cfg(test)]

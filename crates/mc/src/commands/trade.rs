@@ -29,7 +29,7 @@ pub struct Arguments {
     /// How long to measure, e.g. 60s, 5m, 1h; a plain number is seconds
     #[arg(long, value_name = "TIME", default_value = "30s", value_parser = budget)]
     budget: Duration,
-    /// The statistic that the picture shows [default: the first for which there is an answer]
+    /// Statistic to plot [default: the first with an estimate]
     #[arg(long, value_name = "NAME", value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true)]
     statistic: Option<Statistic>,
     #[command(flatten)]
@@ -39,13 +39,13 @@ pub struct Arguments {
     seed: Option<String>,
     #[command(flatten)]
     threads: Threads,
-    /// Write all measurements to FILE, and the picture next to it as SVG and PNG
+    /// Write all measurements to FILE, and a picture next to it as SVG and PNG
     #[arg(short, long, value_name = "FILE.h5")]
     output: Option<PathBuf>,
     /// Overwrite earlier files
     #[arg(long, requires = "output")]
     force: bool,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     json: bool,
 }
@@ -78,7 +78,7 @@ impl Arguments {
 
     fn refuse_to_lose(&self, output: &Path, inputs: &[PathBuf]) -> Result<(), Failure> {
         if pictures(output).iter().any(|picture| picture == output) {
-            let problem = format!("{} is the name of a picture", output.display());
+            let problem = format!("{} has the extension of a picture", output.display());
             return Err(Failure::usage(problem, "name the HDF5 file, e.g. -o trade.h5; the pictures go next to it"));
         }
         writable_hdf5(output, self.force, inputs)?;
@@ -96,7 +96,7 @@ impl Arguments {
         let prices = shown.map(|statistic| Prices::of(trade, statistic, scenario));
         let draw = |prices: &Prices| stickslip_figure::page(&Subject::Trade(prices), &Style::default()).ok();
         let Some(scene) = prices.as_ref().and_then(draw) else {
-            let why = shown.map_or("no statistic can be answered".to_string(), |s| trade.standing(s).to_string());
+            let why = shown.map_or("no statistic can be estimated".to_string(), |s| trade.standing(s).to_string());
             warn(format!("no picture: {why}"));
             return Ok(());
         };
@@ -118,7 +118,7 @@ const LONGEST: Duration = Duration::from_secs(7 * 86_400);
 fn budget(text: &str) -> Result<Duration, String> {
     let sensible = Duration::from_secs(1)..=LONGEST;
     let budget = parse_duration(text).ok().filter(|budget| sensible.contains(budget));
-    budget.ok_or_else(|| "write a time from one second to a week, e.g. 60s, 5m or 1h".to_string())
+    budget.ok_or_else(|| "must be between one second and a week, e.g. 60s, 5m or 1h".to_string())
 }
 
 impl From<TradeError> for Failure {

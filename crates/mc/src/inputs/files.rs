@@ -17,8 +17,8 @@ pub fn read<T>(path: &Path, reader: impl FnOnce(&Path) -> Result<T, StoreError>)
 /// something is missing from a file without a checksum.
 pub fn explained(path: &Path, error: StoreError) -> Failure {
     let other = |what: &str, resume: &str| {
-        let problem = format!("{} is {what}, which is not what this verb reads", path.display());
-        Failure::usage(problem, format!("`mc show`, `mc plot`, `mc report`,{resume} and `mc verify` take it"))
+        let problem = format!("{} is {what}, which this command cannot read", path.display());
+        Failure::usage(problem, format!("`mc show`, `mc plot`, `mc report`,{resume} and `mc verify` accept it"))
     };
     match error {
         StoreError::Foreign { .. } => match store::kind(path) {
@@ -30,10 +30,10 @@ pub fn explained(path: &Path, error: StoreError) -> Failure {
         },
         StoreError::Damaged { cause, .. } if matches!(store::is_sealed(path), Ok(false)) => {
             let problem = format!(
-                "{}: {cause}; another program left it out or changed it, or the file was cut short",
+                "{}: {cause}; another program removed or changed it, or the file was truncated",
                 path.display()
             );
-            Failure::run(problem, "save all variables with it, or take the file as mc wrote it")
+            Failure::run(problem, "save all variables with it, or use the file as mc wrote it")
         }
         error => error.into(),
     }

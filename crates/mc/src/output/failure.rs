@@ -136,8 +136,8 @@ pub fn writable<P: AsRef<Path>>(path: &Path, force: bool, inputs: impl IntoItera
     let taken = [path.to_owned(), partial_path(path), lock_path(path)];
     for input in inputs {
         if let Some(name) = taken.iter().find(|name| is_same(name, input.as_ref())) {
-            let need = if name == path { String::new() } else { format!(", which mc needs to make {shown},") };
-            return refuse(format!("{}{need} is what the results are made from", name.display()));
+            let need = if name == path { String::new() } else { format!(", which mc needs to write {shown},") };
+            return refuse(format!("{}{need} is an input of this command", name.display()));
         }
     }
     if path.is_dir() {
@@ -145,15 +145,15 @@ pub fn writable<P: AsRef<Path>>(path: &Path, force: bool, inputs: impl IntoItera
     }
     let parent = path.parent().filter(|parent| !parent.as_os_str().is_empty()).unwrap_or(Path::new("."));
     if !parent.is_dir() {
-        let problem = format!("there is no directory {} to write {shown} in", parent.display());
+        let problem = format!("the directory {} of {shown} does not exist", parent.display());
         return Err(Failure::usage(problem, "create it, or choose another place with -o"));
     }
     // `symlink_metadata` also finds a dangling link. Writing through it would create a file at its
     // target.
     match path.symlink_metadata() {
-        Ok(there) if !there.is_file() => refuse(format!("{shown} is no regular file, and nothing else is replaced")),
+        Ok(there) if !there.is_file() => refuse(format!("{shown} is not a regular file and cannot be replaced")),
         Ok(_) if !force => {
-            let problem = format!("{shown} exists and would be overwritten");
+            let problem = format!("{shown} already exists");
             Err(Failure::usage(problem, "choose another name with -o FILE, or overwrite it with --force"))
         }
         _ => Ok(()),

@@ -50,7 +50,7 @@ pub fn parse_duration(text: &str) -> Result<Duration, String> {
     let seconds = text.trim().parse().ok().or_else(|| stickslip_data::seconds(text));
     let duration =
         seconds.filter(|seconds| *seconds > 0.0).and_then(|seconds| Duration::try_from_secs_f64(seconds).ok());
-    duration.ok_or_else(|| "not a time above zero, such as 90, 90s, 15m, 2h or 4h50m".to_string())
+    duration.ok_or_else(|| "must be a positive duration, such as 90, 90s, 15m, 2h or 4h50m".to_string())
 }
 
 /// Reads a finite number that lies in a range; if it does not, `wrong` says what to write.

@@ -30,5 +30,5 @@ pub fn citation(stored: &Stored) -> [String; 2] {
         header.scheme,
         header.seed,
     );
-    [program, format!("The model and the scheme: {PAPER}")]
+    [program, format!("Model and scheme: {PAPER}")]
 }

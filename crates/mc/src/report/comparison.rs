@@ -57,24 +57,24 @@ fn letter(i: usize) -> String {
 
 /// States what the errors of the differences assume.
 fn legend(infos: &[RunInfo], letters: &[String]) -> String {
-    let mut legend = "errors of differences are those of independent runs; * marks a difference beyond 1.96 \
-                      of them, which chance alone produces once in twenty"
+    let mut legend = "errors of differences assume independent runs; * marks differences above 1.96 errors, \
+                      which chance alone produces once in twenty"
         .to_string();
     let first = &infos[0].provenance;
     let same = letters.iter().zip(infos).skip(1).filter(|(_, info)| info.provenance.seed == first.seed);
     let same: Vec<&str> = same.map(|(letter, _)| letter.as_str()).collect();
     if !same.is_empty() {
         legend += &format!(
-            ". {} and {} have the same seed: if they share their noise as well (one scheme, or discrete-vi \
-             and corrected-vi, at one step), differences are more certain than these errors say; `mc sweep` \
-             computes their errors, and --seed makes runs independent",
+            ". {} and {} have the same seed: if they also share their noise (same scheme, or discrete-vi and \
+             corrected-vi, at the same step), the errors of differences are overestimated; use `mc sweep` \
+             for exact errors, or --seed for independent runs",
             letters[0],
             same.join(", ")
         );
     }
     let differs = |other: &Provenance| other.scheme != first.scheme || other.step != first.step;
     if infos.iter().any(|info| differs(&info.provenance)) {
-        legend.push_str(". Differences contain the biases of the steps");
+        legend.push_str(". Differences include the biases of the steps");
     }
     legend
 }

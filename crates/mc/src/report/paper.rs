@@ -2,6 +2,7 @@
 //! LaTeX with the digits that the error supports.
 
 use super::{Cell, Column, Format, Report, Row, Table};
+use stickslip::stats::Statistic;
 
 /// The tables as one, whose columns are those of all of them by name.
 fn joined(tables: Vec<Table>, format: Format) -> Vec<Vec<Cell>> {
@@ -71,7 +72,7 @@ pub fn latex(report: Report) -> String {
     format!("\\begin{{tabular}}{{l{columns}}}\n\\hline\n{}\\hline\n{body}\\hline\n\\end{{tabular}}\n", lines[0])
 }
 
-/// A number as mathematics, and anything else as text.
+/// A number as mathematics, a statistic in words, and anything else as text.
 fn latex_cell(cell: &str) -> String {
     if cell == "+-" {
         return "$\\pm$".into();
@@ -88,7 +89,7 @@ fn latex_cell(cell: &str) -> String {
         '^' | '~' => format!("\\{letter}{{}}"),
         _ => letter.to_string(),
     };
-    cell.chars().map(escaped).collect()
+    Statistic::from_name(cell).map_or(cell, Statistic::words).chars().map(escaped).collect()
 }
 
 #[cfg(test)]
@@ -96,7 +97,7 @@ mod tests {
     use super::super::sample_tests::{info, set, summary};
     use super::*;
     use crate::report::{Chosen, run};
-    use stickslip::stats::{Bias, Statistic};
+    use stickslip::stats::Bias;
 
     #[test]
     fn what_a_spreadsheet_would_compute_is_marked_as_a_text() {
@@ -141,6 +142,7 @@ mod tests {
             "\\begin{tabular}{lrrr}\n\\hline\na\\_b & 95 \\% from & $\\pm$ & unit \\\\\n\\hline\n\
              x|y & $-0.9\\times10^{-4}$ & none & m \\\\\nz & $1$ & $2$ &  \\\\\n\\hline\n\\end{tabular}\n"
         );
+        assert_eq!(latex_cell("stick_duration_mean"), "mean stick duration");
     }
 
     #[test]

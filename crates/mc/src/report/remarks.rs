@@ -9,7 +9,7 @@ use stickslip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCount
 /// the rest is.
 pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static str, String)> {
     let rest = |line: Option<String>| line.filter(|_| all);
-    let file = if all { info.file.clone() } else { format!("{0}; for more, `mc show {0} --all --notes`", info.file) };
+    let file = if all { info.file.clone() } else { format!("{0}; details: `mc show {0} --all --notes`", info.file) };
     let Provenance { program: Program { version, git_hash, generator, block_size }, seed, .. } = &info.provenance;
     let lines = [
         ("sticks", rest(Some(sticks(summary)))),
@@ -35,7 +35,7 @@ pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static st
 fn sticks(summary: &Summary) -> String {
     let sticks = &summary.stick_durations;
     format!(
-        "{} ended, {} still running (censored); first ones {} and {}",
+        "{} ended, {} still running (censored); first sticks {} and {}",
         grouped(sticks.completed),
         grouped(sticks.censored),
         grouped(summary.first_sticks.completed),
@@ -48,7 +48,7 @@ fn sticks(summary: &Summary) -> String {
 fn multiples(summary: &Summary) -> Option<String> {
     let sticks = &summary.stick_durations;
     let step = sticks.step.filter(|_| sticks.completed > 0)?;
-    Some(format!("their durations are multiples of the step, {step:?}, and so is their median"))
+    Some(format!("durations are multiples of the step, {step:?}, and so is the median"))
 }
 
 fn slips(summary: &Summary) -> String {
@@ -65,7 +65,7 @@ fn long_slips(summary: &Summary) -> Option<String> {
     let SubPhaseCounts { counts, censored, .. } = &summary.sub_phases;
     let completed: u64 = counts.iter().sum();
     let share = *censored as f64 / (completed + censored) as f64;
-    (share > SMALL_SHARE).then(|| "sub_phases_* and jump_* are of slips that ended; try a later `time.end`".into())
+    (share > SMALL_SHARE).then(|| "sub_phases_* and jump_* include only completed slips; increase `time.end`".into())
 }
 
 fn with_unit(number: String, dimension: Dimension, info: &RunInfo) -> String {
@@ -77,12 +77,12 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     let number = |x: f64, dimension| with_unit(significant(x, 8), dimension, info);
     let amplitude = number(cycle.amplitude, Dimension::LENGTH);
     let Some(repeats) = &cycle.repeats else {
-        return format!("no state comes back within the counted time; x spans twice {amplitude}");
+        return format!("no state recurs within the counted time; x spans twice {amplitude}");
     };
     let period = number(repeats.period, Dimension::TIME);
     let name = match repeats.forcing_periods {
-        Some(n) => format!("period-{n}: the motion repeats itself after {period}, {}", counted(n as u64, "period P")),
-        None => format!("the motion repeats itself after {period}, {}", counted(repeats.slips as u64, "slip")),
+        Some(n) => format!("period-{n}: the motion repeats after {period}, {}", counted(n as u64, "period P")),
+        None => format!("the motion repeats after {period}, {}", counted(repeats.slips as u64, "slip")),
     };
     let advance = match repeats.advance {
         0.0 => String::new(),
@@ -108,7 +108,8 @@ fn start(summary: &Summary, info: &RunInfo) -> Option<String> {
     let Transient { end, sticks, slips, displacement, .. } = summary.transient?;
     let digits = Digits::of(displacement.estimate, displacement.standard_error);
     Some(format!(
-        "left out: what began before t = {}: {} sticks and {} slips; until then x moved by {} in the mean (std. error {})",
+        "excluded: phases that began before t = {} ({} sticks, {} slips); until then the mean displacement \
+            was {} (std. error {})",
         with_unit(format!("{end:?}"), Dimension::TIME, info),
         grouped(sticks),
         grouped(slips),
@@ -138,8 +139,8 @@ fn unsettled(summary: &Summary) -> Option<String> {
     let off: Vec<String> = summary.unsettled()?.into_iter().map(words).collect();
     (!off.is_empty()).then(|| {
         format!(
-            "x has not settled: {} {} from that by more than chance explains (level 1 %); a larger \
-             `statistics.after` leaves out more of the start",
+            "x has not settled: {} {} from that significantly (level 1 %); increase `statistics.after` to \
+             exclude more of the start",
             off.join(" and "),
             if off.len() == 1 { "differs" } else { "differ" },
         )
@@ -174,7 +175,7 @@ fn too_few(summary: &Summary) -> Option<String> {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
     let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
     (!names.is_empty())
-        .then(|| format!("too few of the paths have any sticks or slips to bound {}; run more paths", some_of(&names)))
+        .then(|| format!("too few paths have sticks or slips to bound {}; run more paths", some_of(&names)))
 }
 
 /// The number of paths, and how the run ended.
@@ -201,10 +202,10 @@ fn time(summary: &Summary, info: &RunInfo) -> Option<String> {
     let parts = [
         info.threads.map(|threads| format!(" on {}", counted(threads as u64, "thread"))),
         info.us_per_path(summary.completed_paths).map(|us| format!(", {} us a path", significant(us, 3))),
-        info.ns_per_path_step(summary.completed_paths).map(|ns| format!(", {} ns a path-step", significant(ns, 3))),
+        info.ns_per_path_step(summary.completed_paths).map(|ns| format!(", {} ns per path-step", significant(ns, 3))),
         info.bias_seconds
             .filter(|_| summary.has_bias())
-            .map(|seconds| format!(", of which bias {} s", significant(seconds, 2))),
+            .map(|seconds| format!(", including {} s for the bias", significant(seconds, 2))),
     ];
     Some(duration(info.seconds?) + &parts.into_iter().flatten().collect::<String>())
 }
@@ -220,8 +221,8 @@ pub fn lost(summary: &Summary, info: &RunInfo) -> Option<String> {
     let more = if n > LISTED_PATHS { ", ..." } else { "" };
     (n > 0).then(|| {
         let (paths, loss) = (counted(n as u64, "path"), info.loss());
-        let why = if info.provenance.step.is_some() { "" } else { "; mc replay says why" };
-        format!("{paths} {loss}, in no statistic: number {}{more}{why}", numbers.join(", "))
+        let why = if info.provenance.step.is_some() { "" } else { "; mc replay shows why" };
+        format!("{paths} {loss}, excluded from all statistics: number {}{more}{why}", numbers.join(", "))
     })
 }
 
@@ -244,7 +245,7 @@ mod tests {
         let short = remarks(&summary(), &info(), false);
         assert_eq!(short.iter().map(|(label, _)| *label).collect::<Vec<_>>(), ["drift", "paths", "file"]);
         let table = table(&summary(), &info());
-        assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns a path-step"), "{table}");
+        assert!(table.contains("0.60 s on 2 threads, 60 us a path, 10 ns per path-step"), "{table}");
         assert!(table.contains("rho025.h5") && table.contains("812 still running (censored)"), "{table}");
     }
 
@@ -256,7 +257,7 @@ mod tests {
             let e = &mut summary.estimates[statistic.index()];
             (e.estimate, e.standard_error, e.low, e.high) = (1.0, 0.5, f64::NAN, f64::NAN);
         }
-        let line = "too few of the paths have any sticks or slips to bound stick_duration_mean, stick_duration_sd";
+        let line = "too few paths have sticks or slips to bound stick_duration_mean, stick_duration_sd";
         assert_eq!(too_few(&summary).map(|text| text.starts_with(line)), Some(true), "{:?}", too_few(&summary));
         // A single path has no errors at all, and another line says so.
         summary.estimates.iter_mut().for_each(|e| e.standard_error = f64::NAN);
@@ -266,7 +267,7 @@ mod tests {
     #[test]
     fn a_median_of_multiples_of_the_step_is_explained() {
         let mut summary = summary();
-        let line = "their durations are multiples of the step, 0.01, and so is their median";
+        let line = "durations are multiples of the step, 0.01, and so is the median";
         assert!(!table(&summary, &info()).contains("multiples"));
         summary.stick_durations.step = Some(0.01);
         assert!(table(&summary, &info()).contains(line), "{}", table(&summary, &info()));
@@ -277,7 +278,7 @@ mod tests {
     #[test]
     fn many_slips_that_have_not_ended_are_mentioned() {
         let mut summary = summary();
-        let line = "sub_phases_* and jump_* are of slips that ended";
+        let line = "sub_phases_* and jump_* include only completed slips";
         summary.sub_phases.counts = vec![900, 80];
         for (censored, is_mentioned) in [(19, false), (21, true)] {
             summary.sub_phases.censored = censored;
@@ -292,13 +293,13 @@ mod tests {
     #[test]
     fn what_a_burn_in_leaves_out_is_told() {
         let mut summary = summary();
-        assert!(!table(&summary, &info()).contains("left out"));
+        assert!(!table(&summary, &info()).contains("excluded"));
         let displacement = Measurement { estimate: -1.25, standard_error: 0.05, low: -1.35, high: -1.15 };
         let transient = Transient { end: 25.5, sticks: 31_000, slips: 42_000, displacement };
         summary.transient = Some(transient);
         let units = Units { time: "s".into(), length: "mm".into(), ..Units::default() };
-        let line = "start   left out: what began before t = 25.5 s: 31 000 sticks and 42 000 slips; until then x moved by \
-                    -1.250 mm in the mean (std. error 0.050)";
+        let line = "start   excluded: phases that began before t = 25.5 s (31 000 sticks, 42 000 slips); until then the mean \
+                    displacement was -1.250 mm (std. error 0.050)";
         let reported = table(&summary, &info_in(units));
         assert!(unbroken(&reported).contains(&unbroken(line)), "{reported}");
     }
@@ -331,7 +332,7 @@ mod tests {
         let mut summary = summary();
         summary.diverged = (0..12).map(|i| 4711 + i).collect();
         let table = table(&summary, &info());
-        assert!(table.contains("12 paths diverged, in no statistic: number 4711, 4712"), "{table}");
+        assert!(table.contains("12 paths diverged, excluded from all statistics: number 4711, 4712"), "{table}");
         assert!(table.contains("4720, ...") && !table.contains("4721"), "{table}");
         summary.diverged = (0..10_000).collect();
         set(&mut summary, Statistic::DisplacementEndMean, f64::NAN);
@@ -339,7 +340,7 @@ mod tests {
         let without_step = RunInfo { provenance: Provenance { step: None, ..info().provenance }, ..info() };
         let table = super::super::sample_tests::table(&summary, &without_step);
         assert!(
-            table.contains("10 000 paths given up, in no statistic") && !table.contains("paths diverged"),
+            table.contains("10 000 paths given up, excluded from all statistics") && !table.contains("paths diverged"),
             "{table}"
         );
     }

@@ -186,7 +186,7 @@ mod tests {
         assert!(narrow.lines().all(|line| line.chars().count() <= 70), "{narrow}");
         let cells: Vec<&str> = row(&narrow, "stick_duration_mean").split_whitespace().collect();
         assert_eq!(cells[..4], ["stick_duration_mean", "0.53857", "0.53805", "0.53909"], "{narrow}");
-        assert!(narrow.contains("no room for all columns") && !narrow.contains("corrected"), "{narrow}");
+        assert!(narrow.contains("not all columns fit") && !narrow.contains("corrected"), "{narrow}");
     }
 
     #[test]
@@ -214,7 +214,7 @@ mod tests {
         summary.sub_phases.counts = vec![];
         summary.periods.time.truncate(1);
         for (statistic, why) in [
-            (Statistic::StickDurationMean, "no stick ended, the first one apart"),
+            (Statistic::StickDurationMean, "no stick after the first ended"),
             (Statistic::FirstStickDurationMean, "no first stick ended"),
             (Statistic::SubPhasesMean, "no slip was completed"),
             (Statistic::JumpAbsMean, "no slip was completed"),
@@ -253,10 +253,7 @@ mod tests {
         };
         assert_eq!(drift(2, PeriodSource::Forcing), "of 1 whole period; below 3 it may be a transient");
         assert_eq!(drift(4, PeriodSource::Forcing), "");
-        assert_eq!(
-            drift(10, PeriodSource::Share),
-            "from the ends of periods P = 25, a tenth of the time that is counted"
-        );
+        assert_eq!(drift(10, PeriodSource::Share), "from the ends of periods P = 25, a tenth of the counted time");
     }
 
     #[test]

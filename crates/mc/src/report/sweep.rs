@@ -119,7 +119,8 @@ fn gains(sweep: &Sweep) -> Option<Table> {
         .map(|(name, gains)| Row::of(name, gains.into_iter().map(gain_cell)))
         .collect();
     let columns = ["gain along"].into_iter().chain(along).map(|name| Column::of(name, name)).collect();
-    let below = "gain: the variance that a difference of neighbours would have with independent seeds, over the one that it has";
+    let below = "gain: variance of a difference of neighbours with independent seeds, divided by its actual \
+        variance";
     let is_common = sweep.question.seeds == Seeds::Common && !rows.is_empty();
     is_common.then(|| Table { columns, rows, below: below.into(), not_in: NO_TEXT, ..Table::default() })
 }
@@ -152,15 +153,19 @@ pub fn warnings(sweep: &Sweep) -> Vec<String> {
     let diverged: u64 = sweep.points.iter().flatten().map(|point| point.diverged_paths).sum();
     let points = sweep.points.iter().flatten().filter(|point| point.diverged_paths > 0).count();
     let (lost, of) = (grouped(diverged), sweep.points.len());
-    let lost = format!("{lost} paths at {points} of {of} points diverged or were given up, and are in no statistic");
+    let lost = format!(
+        "{lost} paths at {points} of {of} points diverged or were given up, excluded from all \
+        statistics"
+    );
     let along = sweep.question.design.along().into_iter().enumerate();
     let hardly = along.filter(|_| sweep.question.seeds == Seeds::Common).filter_map(|(dimension, name)| {
         let is_low = |statistic: &Statistic| sweep.gain(dimension, *statistic) < LOW_GAIN;
         let low: Vec<&str> = asked(sweep).into_iter().filter(is_low).map(Statistic::name).collect();
         (!low.is_empty()).then(|| {
             format!(
-                "common seeds hardly sharpen differences along {name} (gain below {LOW_GAIN}) in {} of {} statistics: {}; closer \
-                 values do, and --independent makes the errors of points independent",
+                "common seeds barely reduce the errors of differences along {name} (gain below {LOW_GAIN}) in \
+                 {} of {} statistics: {}; use closer values, or --independent for independent errors of \
+                 points",
                 low.len(),
                 asked(sweep).len(),
                 some_of(&low)

@@ -49,7 +49,7 @@ pub(super) fn of_table(table: &Table, columns: Option<usize>) -> String {
     let mut format = Format::Text;
     if columns.is_some() && is_narrow(&table, format) && width(&table, Format::Narrow) < width(&table, format) {
         format = Format::Narrow;
-        below.insert_str(0, "(no room for all columns; a wider terminal and --json show them)\n");
+        below.insert_str(0, "(not all columns fit; use a wider terminal or --json)\n");
     }
     let heading = if table.heading.is_empty() { String::new() } else { format!("{}\n", table.heading) };
     heading + &drawn(&table, format, if is_narrow(&table, format) { " " } else { GAP }) + &reasons + &below

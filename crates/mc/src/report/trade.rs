@@ -26,10 +26,11 @@ pub fn without_answer(trade: &Trade) -> Vec<(String, Standing)> {
 /// The report of all that was measured, with the commands for this scenario file and statistic.
 pub fn trade(title: &str, trade: &Trade, shown: Option<(&Path, Statistic)>) -> Report {
     let reference = trade.reference();
-    let legend = "Cheapest run of each scheme: step or tolerance, x paths, CPU time; * the cheapest of all. A step in brackets was not \
-                  run: its bias is that of the fitted law. Paths marked p are antithetic pairs (`--set \
-                  ensemble.antithetic=true`). `bias b`: no setting has a smaller bias than b. `bias? b`: the bias is \
-                  known only to b, and a larger budget says more. A bias counts with its upper bound (one-sided 95 %).";
+    let legend = "Cheapest run of each scheme: step or tolerance, x paths, CPU time; * marks the cheapest of \
+                  all. A step in brackets was not run: its bias is from the fitted law. Paths marked p are \
+                  antithetic pairs (`--set ensemble.antithetic=true`). `bias b`: no setting has a bias below \
+                  b. `bias? b`: the bias is known only to b; use a larger budget. Biases enter by their \
+                  upper bound (one-sided 95 %).";
     let without = without_answer(trade).into_iter().map(|(names, reason)| ("none", format!("{names}: {reason}")));
     let left_out = trade.left_out.iter().map(|LeftOut { what, why }| ("not run", format!("{what}: {why}")));
     let mut tables: Vec<Table> = trade.schemes().into_iter().map(|scheme| of_scheme(trade, scheme)).collect();
@@ -39,9 +40,9 @@ pub fn trade(title: &str, trade: &Trade, shown: Option<(&Path, Statistic)>) -> R
     Report {
         title: title.to_string(),
         about: format!(
-            "Costs: CPU on one thread. Biases: percent, with half the 95 % interval, against {} ({} paths); in percent of the \
-             standard deviation per path (marked sd) where a value is zero within its error. Each step is half the one before, \
-             shown to three digits.",
+            "Costs: CPU on one thread. Biases: percent, with half the 95 % interval, against {} ({} paths); \
+             in percent of the standard deviation per path (marked sd) if a value is zero within its error. \
+             Each step is half the previous one, shown to three digits.",
             reference.scheme, reference.paths
         ),
         tables,
@@ -75,8 +76,8 @@ pub fn prices(title: &str, trade: &Trade, chosen: Chosen) -> Report {
         ("paths", "paths"),
         ("seconds", "CPU time"),
     ]);
-    let below = "The cheapest run for a root mean square error of this size; CPU time on one thread. Paths marked p are \
-                 antithetic pairs. `none`: no run that was measured or predicted reaches it.";
+    let below = "The cheapest run for this root mean square error; CPU time on one thread. Paths marked p are \
+                 antithetic pairs. `none`: no measured or predicted run reaches it.";
     let table = Table {
         heading: "Cheapest runs".into(),
         columns: columns.to_vec(),
@@ -84,7 +85,7 @@ pub fn prices(title: &str, trade: &Trade, chosen: Chosen) -> Report {
         below: below.into(),
         ..Table::default()
     };
-    Report { title: title.into(), about: "what accuracy costs".into(), tables: vec![table], ..Report::default() }
+    Report { title: title.into(), about: "cost of accuracy".into(), tables: vec![table], ..Report::default() }
 }
 
 /// A table with a column for each of these headings.

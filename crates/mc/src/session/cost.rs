@@ -46,7 +46,7 @@ pub fn announce(scenario: &Scenario, paths: u64, threads: usize) {
     };
     if let Some(seconds) = seconds.map(|seconds| seconds / threads as f64).filter(|seconds| *seconds > LONG) {
         note(&format!(
-            "this takes about {} on {}; --max-time bounds it, and Ctrl-C saves it",
+            "this takes about {} on {}; bound it with --max-time, or press Ctrl-C to save and stop",
             time(seconds),
             counted(threads as u64, "thread")
         ));

@@ -11,9 +11,9 @@ pub fn hopeless(reason: &Hopeless) -> String {
             let name = estimate.statistic.name();
             let (value, error) = (significant(estimate.estimate, 3), significant(estimate.standard_error, 2));
             format!(
-                "{name} is {value} with a standard error of {error} after {} paths: zero within its error, \
-                 so a relative bound cannot be reached\n  fix: give a bound in its own unit, such as \
-                 --until \"{name} < {error}\"",
+                "{name} is {value} with a standard error of {error} after {} paths: zero within its error, so \
+                 a relative bound cannot be reached\n  fix: give an absolute bound, such as --until \"{name} \
+                 < {error}\"",
                 grouped(*paths)
             )
         }
@@ -24,7 +24,8 @@ pub fn hopeless(reason: &Hopeless) -> String {
             grouped(*paths)
         ),
         Hopeless::TooFar { goal, needed, least_error } => format!(
-            "{goal} takes about {needed:.1e} paths, and no run has more than {}, which make about {}\n  fix: a wider bound",
+            "{goal} needs about {needed:.1e} paths, but a run has at most {}, which give about {}\n  fix: use \
+                a wider bound",
             grouped(MOST_PATHS),
             significant(*least_error, 2)
         ),
@@ -35,9 +36,9 @@ pub fn hopeless(reason: &Hopeless) -> String {
 pub fn missed(MissedGoal { goal, paths, verdict }: &MissedGoal, needed: Option<u64>) -> String {
     match (verdict, needed) {
         (Verdict::Zero, _) => {
-            format!("{goal} is not reached: the estimate may be zero; give a bound in its own unit")
+            format!("{goal} was not reached: the estimate may be zero; give an absolute bound")
         }
-        (_, Some(needed)) => format!("{goal} is not reached after {} paths; try --paths {needed}", grouped(*paths)),
-        (_, None) => format!("{goal} is not reached: the statistic does not exist"),
+        (_, Some(needed)) => format!("{goal} was not reached after {} paths; try --paths {needed}", grouped(*paths)),
+        (_, None) => format!("{goal} was not reached: the statistic does not exist"),
     }
 }

@@ -41,8 +41,8 @@ fn there(memory: *mut u8) -> *mut u8 {
 }
 
 const MESSAGE: &[u8] =
-    b"error: the system gives this process no more memory\n  fix: give fewer --threads, or allow more \
-memory (`ulimit -v`, the limit of the container); `mc resume` continues a run that had begun\n";
+    b"error: out of memory\n  fix: use fewer --threads, or allow more memory (`ulimit -v`, the limit of the \
+container); `mc resume` continues a run that had begun\n";
 
 /// Ends the process, as a kill would: nothing here may ask for memory.
 #[cold]

@@ -49,7 +49,7 @@ pub fn stop_on_signals() -> Result<Arc<AtomicBool>, Failure> {
         }
     });
     let remedy = "allow more processes (`ulimit -u`) or more memory (`ulimit -v`)";
-    let refused = |error| Failure::run(format!("the system does not start a thread: {error}"), remedy);
+    let refused = |error| Failure::run(format!("cannot start a thread: {error}"), remedy);
     listening.map(|_| stop).map_err(refused)
 }
 

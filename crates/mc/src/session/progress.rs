@@ -143,7 +143,7 @@ fn long_path(plan: &Plan, first: u64) -> Option<String> {
         let reached = plan.why_lost(path, TimeLimit::of(LONG_PATH))?;
         let is_long = matches!(reached.why, Unresolved::Stopped | Unresolved::TooLong);
         let (t, x) = (significant(reached.time, 4), significant(reached.displacement, 4));
-        is_long.then(|| format!("; path {path} comes to t = {t}, x = {x} within a second"))
+        is_long.then(|| format!("; path {path} reached t = {t}, x = {x} in one second"))
     })
 }
 

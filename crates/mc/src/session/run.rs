@@ -23,8 +23,8 @@ use stickslip_files::store;
 /// Options that change no number of the results.
 #[derive(Debug, clap::Args)]
 pub struct RunOptions {
-    /// Show the running estimate of this statistic and its relative error [default: that of --until
-    /// or --accuracy]
+    /// Show the running estimate of this statistic and its relative error [default: the statistic
+    /// of --until or --accuracy]
     #[arg(long, value_name = "NAME", value_parser = crate::arguments::completion::STATISTIC, hide_possible_values = true)]
     pub watch: Option<Statistic>,
     #[command(flatten)]
@@ -32,7 +32,7 @@ pub struct RunOptions {
     /// Print nothing but warnings and errors
     #[arg(short, long)]
     pub quiet: bool,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     pub json: bool,
 }
@@ -112,9 +112,11 @@ impl<'a> Sitting<'a> {
                 }
                 let info = self.print(&outcome)?;
                 let kept = match self.leaves {
-                    Leaves::Run => format!("the paths before are saved; mc show {} prints them", self.output.display()),
-                    Leaves::File => format!("the paths before are in {}", info.file),
-                    Leaves::Nothing => "nothing is written".to_string(),
+                    Leaves::Run => {
+                        format!("the paths before it are saved; print them with mc show {}", self.output.display())
+                    }
+                    Leaves::File => format!("the paths before it are in {}", info.file),
+                    Leaves::Nothing => "nothing was written".to_string(),
                 };
                 Err(Failure::run(format!("{flaw}\n  {kept}"), Flaw::REMEDY))
             }
@@ -126,7 +128,7 @@ impl<'a> Sitting<'a> {
     fn report(&self, outcome: &Outcome) -> Result<(), Failure> {
         if outcome.summary.completed_paths == 0 {
             if self.is_unfinished(outcome) {
-                note("interrupted before the first paths were done: nothing is written");
+                note("interrupted before the first paths were done: nothing was written");
                 return Err(Failure::Interrupted);
             }
             let first = BLOCK_SIZE.min(outcome.paths);
@@ -134,17 +136,17 @@ impl<'a> Sitting<'a> {
             let takes =
                 takes.map_or_else(String::new, |seconds| format!(", which take about {} on a thread", time(seconds)));
             let problem = format!(
-                "the time was up before the first {first} paths were done{takes}; nothing is written, because results are those of \
-                 whole blocks of {BLOCK_SIZE} paths"
+                "the time limit was reached before the first {first} paths were done{takes}; nothing was \
+                 written, because results consist of whole blocks of {BLOCK_SIZE} paths"
             );
-            let remedy = "a longer --max-time, or a larger step or tolerance; mc check says how long it takes";
+            let remedy = "use a longer --max-time, or a larger step or tolerance; mc check estimates the time";
             return Err(Failure::run(problem, remedy));
         }
         let info = self.print(outcome)?;
         if outcome.status == Status::Interrupted && self.leaves != Leaves::File {
             note(&match self.leaves {
                 Leaves::Run => format!("interrupted; continue it with: mc resume {}", self.output.display()),
-                _ => "interrupted: nothing is written; give the same command again".to_string(),
+                _ => "interrupted: nothing was written; run the same command again".to_string(),
             });
             return Err(Failure::Interrupted);
         }
@@ -153,7 +155,7 @@ impl<'a> Sitting<'a> {
             _ if outcome.is_all_lost() => self.all_lost(outcome),
             _ => return Ok(()),
         };
-        Err(Failure::Run(format!("{reason}\n  what was simulated is in {}", info.file)))
+        Err(Failure::Run(format!("{reason}\n  the results so far are in {}", info.file)))
     }
 
     /// Whether the run was interrupted and can be continued.
@@ -206,15 +208,14 @@ impl<'a> Sitting<'a> {
         let Model { force, oscillator, .. } = &self.scenario.model;
         let cause = match force {
             Some(force) if force.sides().is_some() => {
-                ". The reason may be `friction.load`, which must not be below 0 where the body is: write `max(.., 0)` \
-                 where it lifts off"
+                ". A possible cause is a negative `friction.load`; use `max(.., 0)`"
             }
             Some(_) => {
-                ". The reason may be `force.expression`: that it has no value where the body is, or drives it without \
-                 bound"
+                ". A possible cause is `force.expression`: it may be undefined at the position of the body, \
+                 or drive it without bound"
             }
             None if oscillator.damping < 0.0 => {
-                ". The reason may be the negative damping, which lets the body run away"
+                ". A possible cause is the negative damping, under which the motion can grow without bound"
             }
             None => "",
         };
@@ -226,13 +227,14 @@ impl<'a> Sitting<'a> {
         };
         let remedy = match why.map(|given_up| given_up.why) {
             None if cause.is_empty() => {
-                "a smaller step, or --scheme corrected-vi or event-driven; mc check says how long a step may be"
+                "use a smaller step, or --scheme corrected-vi or event-driven; mc check prints the largest \
+                    stable step"
             }
-            None => "what the warnings of mc check say; a smaller step tells whether the step is the reason",
+            None => "follow the warnings of mc check; try a smaller step to see whether the step is the cause",
             Some(Unresolved::TooLong) => {
-                "a shorter --until; or --scheme discrete-vi, whose work is its number of steps"
+                "use a shorter --until, or --scheme discrete-vi, whose cost is its number of steps"
             }
-            Some(_) => "what the warnings of mc check say, or a shorter --until",
+            Some(_) => "follow the warnings of mc check, or use a shorter --until",
         };
         format!("{lost}{cause}\n  fix: {remedy}")
     }

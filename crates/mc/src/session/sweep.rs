@@ -32,7 +32,7 @@ impl SweepSitting<'_> {
         warn_once(&question);
         let mut sweep = Sweep { question, points: known };
         if file.has_name() {
-            note(&format!("{} holds this sweep already", self.output.display()));
+            note(&format!("{} already contains this sweep", self.output.display()));
         } else if sweep.done() > 0 {
             note(&format!("continuing: {} of {} points are done", sweep.done(), sweep.points.len()));
         }
@@ -43,7 +43,10 @@ impl SweepSitting<'_> {
             file.save_now(&sweep)?;
             let (done, all) = (sweep.done(), sweep.points.len());
             let partial = partial_path(self.output);
-            note(&format!("{done} of {all} points are in {}; the same command continues", partial.display()));
+            note(&format!(
+                "{done} of {all} points are in {}; run the same command again to continue",
+                partial.display()
+            ));
             return Err(Failure::Interrupted);
         }
         if !file.has_name() {

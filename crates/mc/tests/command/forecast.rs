@@ -103,7 +103,7 @@ fn two_loggers_say_what_one_file_says() {
     fs::write(path.join("two.toml"), fs::read_to_string(BEARING).expect("a bearing") + series).expect("written");
     let named = json(&done(path, &["calibrate", "two.toml", "--method", "slips", "--json"]));
     assert_eq!(named["parameters"], one["parameters"]);
-    refused(path, &["calibrate", BEARING], 2, &["no measurement is given", "[displacement.series]"]);
+    refused(path, &["calibrate", BEARING], 2, &["no measurement given", "[displacement.series]"]);
     refused(path, &["calibrate", "two.toml", "--set", "displacement.series.dats=dmy"], 2, &["dates"]);
 }
 
@@ -179,7 +179,7 @@ fn a_fitted_temperature_is_a_part_of_a_scenario() {
         2,
         &["names one period twice", "each period once"],
     );
-    refused(path, &["fit-temperature", DATA, "-o", DATA, "--force"], 2, &["is what the results are made from"]);
+    refused(path, &["fit-temperature", DATA, "-o", DATA, "--force"], 2, &["is an input of this command"]);
 }
 
 /// There are forces only if K_BP is known. The output is the same for any number of threads, and

@@ -55,7 +55,7 @@ fn a_block_slides_as_far_as_a_record_in_any_unit_takes_it() {
         ("time_s,acc\ns,m/s\u{b2}", &si, "in m/s2"),
         ("Time (s),acc gal", &gal, "from gal to m/s2, times 0.01"),
         ("Time (s),acc [kN]", &kilonewton, "from kN to N, times 1000"),
-        ("time_s,acc", &si, "as it is, because nothing says its unit"),
+        ("time_s,acc", &si, "unit not given; assuming SI"),
     ] {
         let here = block(&csv(names, samples));
         let checked = done(here.path(), &["check", "block.toml"]);
@@ -92,8 +92,8 @@ fn an_at2_file_is_the_same_numbers_as_in_csv() {
     std::fs::write(here.path().join("checked.toml"), checked).expect("written");
     assert!(is_same("checked.toml"));
     for (header, rows, says) in [
-        ("NPTS=    501, DT=   .0200 SEC,", rows.clone(), "has 500 values, and its header says NPTS = 501"),
-        ("NPTS=    500, DT=  -.0200 SEC,", rows.clone(), "is no header of a record"),
+        ("NPTS=    501, DT=   .0200 SEC,", rows.clone(), "has 500 values, but its header says NPTS = 501"),
+        ("NPTS=    500, DT=  -.0200 SEC,", rows.clone(), "is not the header of a record"),
         ("NPTS=    500, DT=   .0200 SEC,", rows.replacen(&values[7], "  none", 1), "quake.AT2:6: `none` is no number"),
     ] {
         record(header, &rows);
@@ -127,12 +127,12 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
         refused(here.path(), &["check", "block.toml"], 2, &[says, &["fix: "]].concat());
     };
     let row = sound.lines().nth(3).expect("a row");
-    file(row, "0.04,", &["quake.csv:4", "`acc (g)` = \"\" is no number", "nothing of an input is mended"]);
+    file(row, "0.04,", &["quake.csv:4", "`acc (g)` = \"\" is not a number", "not repaired"]);
     file(row, "0.04,NaN", &["quake.csv:4", "`acc (g)` = \"NaN\" is no number"]);
     file(row, "0.04,strong", &["quake.csv:4", "`acc (g)` = \"strong\" is not a number"]);
-    file(row, "0.01,0.5", &["quake.csv:4", "= 0.5 is not later than", "in line 3", "put the rows in order"]);
+    file(row, "0.01,0.5", &["quake.csv:4", "= 0.5 is not later than", "in line 3", "sort the rows"]);
     file(row, "0.02,0.5", &["quake.csv:4", "= 0.5 is not later than"]);
-    file("acc (g)", "acc (furlong)", &["unit that is not known, `furlong`", "m/s2, g, cm/s2"]);
+    file("acc (g)", "acc (furlong)", &["unknown unit `furlong`", "m/s2, g, cm/s2"]);
     file("acc (g)", "speed", &["no column is called `acc`"]);
     let here = block(&sound);
     let set = |set: &str, says: &[&str]| {
@@ -142,12 +142,12 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     set("units.length=mm", &["is converted to m/s2, and `units.length` is \"mm\""]);
     set("units.time=ms", &["has times in seconds"]);
     set("input.ag.max_gap=1", &["unknown key `max_gap`", "`input` takes file, time, column"]);
-    set("input.ag.hash=abc", &["the samples are others than those of `input.ag.hash`"]);
+    set("input.ag.hash=abc", &["the samples differ from those of `input.ag.hash`"]);
     set("input.ag={}", &["missing key `input.ag.file`"]);
     set("input.ag=3", &["`input.ag` = 3 is a whole number", "a table"]);
-    set("force.expression=m*x", &["`input.ag` is in no expression", "write `ag` in `force.expression`"]);
+    set("force.expression=m*x", &["`input.ag` is not used in any expression", "use `ag` in `force.expression`"]);
     for (name, says) in [
-        ("t", "the input `t` has a name with a meaning of its own"),
+        ("t", "the name of the input `t` is reserved"),
         ("xdot", "the input `xdot` has a name"),
         ("direction", "the input `direction` has a name"),
         ("max", "the input `max` has a name"),
@@ -182,7 +182,7 @@ fn inputs_with_stamps_begin_together() {
     assert!(checked.contains("# input n") && checked.contains("from kN to N"), "{checked}");
     assert!(checked.contains("time.end") || checked.contains("end = 9.98"), "{checked}");
     two("b.csv");
-    refused(here.path(), &["check", "two.toml"], 2, &["t = 0 would be two instants", "begin together"]);
+    refused(here.path(), &["check", "two.toml"], 2, &["both must begin at t = 0", "common start"]);
 }
 
 /// A belt whose speed is one number for the line and for the friction that falls with speed.
@@ -221,8 +221,13 @@ fn a_number_may_name_a_parameter() {
     assert!(own.contains("trend = 0.1"), "{own}");
     let wrong = BELT.replace("trend = \"V\"", "trend = \"W\"");
     std::fs::write(here.join("wrong.toml"), wrong).expect("written");
-    let says =
-        ["wrong.toml:3:21", "\"W\"", "is no number, and no parameter", "name a parameter: \"mu\", \"V\", \"x0\"", "^"];
+    let says = [
+        "wrong.toml:3:21",
+        "\"W\"",
+        "is neither a number nor a parameter",
+        "name a parameter: \"mu\", \"V\", \"x0\"",
+        "^",
+    ];
     refused(here, &["check", "wrong.toml"], 2, &says);
 }
 

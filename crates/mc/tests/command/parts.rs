@@ -122,7 +122,7 @@ fn parts_that_do_not_go_together_are_named() {
         (files[..2].to_vec(), vec!["part 3/4, 4/4"]),
         (more("again.h5"), vec!["p2.h5", "again.h5", "2/4"]),
         (with("foreign.h5"), vec!["foreign.h5", "seed = 9", "seed = 1"]),
-        (with("cut.h5"), vec!["cut.h5", "one of 3 parts, not of 4"]),
+        (with("cut.h5"), vec!["cut.h5", "one of 3 parts, not 4"]),
         (with("whole.h5"), vec!["whole.h5", "complete"]),
         (with("text.h5"), vec!["text.h5", "not an HDF5 file"]),
         (with("nothing.h5"), vec!["nothing.h5", "No such file"]),
@@ -151,7 +151,9 @@ fn rows_of_a_part_that_were_changed_are_not_joined() {
     });
     let output = merged(&here, &files);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
-    assert!(text(&output.stderr).contains("p2.h5") && text(&output.stderr).contains("not those that were written"));
+    assert!(
+        text(&output.stderr).contains("p2.h5") && text(&output.stderr).contains("differ from those that were written")
+    );
     assert!(!here.path().join("all.h5").exists());
 }
 
@@ -160,8 +162,8 @@ fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
     let here = folder();
     let cases = [
         (vec!["--until", "stick_duration_mean < 1%"], "all parts together"),
-        (vec!["--accuracy", "1%"], "choose for itself"),
-        (vec!["--max-time", "1h"], "cannot be joined"),
+        (vec!["--accuracy", "1%"], "make its own choice"),
+        (vec!["--max-time", "1h"], "cannot be merged"),
     ];
     for (flags, reason) in cases {
         let output = mc(&here, &[&["run", RHO025, "--part", "1/2"], flags.as_slice()].concat());
@@ -169,7 +171,7 @@ fn what_is_known_of_all_parts_together_only_is_refused_with_the_reason() {
         assert!(text(&output.stderr).contains(reason), "{flags:?}: {}", text(&output.stderr));
     }
     let output = mc(&here, &["run", RHO025, "--paths", "1000", "--part", "1/5"]);
-    assert!(text(&output.stderr).contains("4 parts at most"), "{}", text(&output.stderr));
+    assert!(text(&output.stderr).contains("at most 4 parts"), "{}", text(&output.stderr));
     for wrong in ["0/4", "5/4", "3", "a/b"] {
         assert_eq!(mc(&here, &["run", RHO025, "--part", wrong]).status.code(), Some(2), "{wrong}");
     }

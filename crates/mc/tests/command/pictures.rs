@@ -117,19 +117,19 @@ fn what_cannot_be_drawn_is_refused_in_words() {
         (&["run.h5", "-o", "picture.jpg"], 2, ".svg, .png or .pdf"),
         (&["run.h5", "--only", "ventilator"], 2, "path, fan, sticks"),
         (&["run.h5", "--only", "path.D"], 2, "no panel D, but A to C"),
-        (&["run.h5", "--only", "path.b"], 2, "a panel has a capital letter"),
+        (&["run.h5", "--only", "path.b"], 2, "panels are named by capital letters"),
         (&["run.h5", "--width", "5"], 2, "from 60 to 400"),
         (&["run.h5", "--theme", "pink"], 2, "light or dark"),
         (&["run.h5", "--path", "1"], 2, "the ensemble has 1 path\n"),
         (&["run.h5", "--only", "trade"], 2, "a file of `mc trade`"),
-        (&["run.h5", "--set", "friction.static=2"], 2, "says what was run"),
+        (&["run.h5", "--set", "friction.static=2"], 2, "is a finished run"),
         (&["scenarios/shaw.toml", "--only", "fan"], 2, "a file of `mc run`"),
         (&["scenarios/shaw.toml", "--until", "-1"], 2, "time.end"),
         (&["scenarios/absent.toml"], 2, "absent.toml"),
         (&["torn.h5"], 1, "torn.h5"),
         (&["never.h5", "--only", "sticks"], 1, "no stick"),
         (&["never.h5", "--only", "sub-phases"], 1, "no slip"),
-        (&["run.h5", "-o", "absent/a.svg"], 2, "no directory absent"),
+        (&["run.h5", "-o", "absent/a.svg"], 2, "the directory absent"),
     ] {
         let output = mc(path, &[&["plot"], arguments].concat());
         let error = String::from_utf8_lossy(&output.stderr);

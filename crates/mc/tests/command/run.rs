@@ -112,7 +112,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     // The warning with the measured bias replaces the estimate before the run.
     let (out, err) = (text(&reported.stdout), text(&reported.stderr));
     assert!(out.contains("corrected") && out.contains("of the step"), "{out}");
-    assert!(out.contains("of the step exceeds") && !err.contains("as a guide"), "{out}{err}");
+    assert!(out.contains("of the step exceeds") && !err.contains("by roughly"), "{out}{err}");
     // Without a table, it is a warning.
     let quiet = run(&["--paths", "10000", "--quiet"]);
     assert!(text(&quiet.stderr).contains("warning: bias of the step exceeds"));
@@ -121,20 +121,20 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
     assert_eq!(text(&shown.stdout).lines().nth(3), out.lines().nth(3), "the same headings");
     let few = run(&["--paths", "300"]);
     assert!(text(&few.stdout).contains("not estimated: at least 768 paths are needed"), "{}", text(&few.stdout));
-    assert!(text(&few.stderr).contains("as a guide"));
+    assert!(text(&few.stderr).contains("by roughly"));
     // 800 paths of 600 steps, with two rows, do not pay for 32 event-driven paths.
     let little = ["--paths", "800", "--step", "0.1", "--set", "time.output_step=60", "--scheme", "corrected-vi"];
     let few = mc(&here, &[&["run", RHO025, "--force"], &little[..]].concat());
     assert!(text(&few.stdout).contains("not estimated: the error of corrected-vi"), "{}", text(&few.stdout));
     let reported = run(&["--paths", "10000", "--scheme", "corrected-vi"]);
     assert!(text(&reported.stdout).contains("of the step"), "{}", text(&reported.stdout));
-    assert!(!text(&reported.stderr).contains("as a guide"), "{}", text(&reported.stderr));
+    assert!(!text(&reported.stderr).contains("by roughly"), "{}", text(&reported.stderr));
     let unbroken = |printed: &[u8]| text(printed).split_whitespace().collect::<Vec<_>>().join(" ");
     let reasons = [
         (
             "event-driven",
-            "not estimated: this scheme has no step; its tolerance keeps the discretisation error of every \
-             statistic that has a limit below 0.001 of it",
+            "not estimated: this scheme has no time step; its tolerance keeps the relative discretisation error of \
+             every statistic that has a limit below 0.001",
         ),
         ("quasi-static", "not estimated: this scheme takes the forcing as constant during a slip"),
     ];
@@ -145,7 +145,7 @@ fn a_run_tells_how_much_of_a_number_is_the_step_or_why_it_does_not() {
         assert!(unbroken(&shown.stdout).contains(reason), "{}", text(&shown.stdout));
     }
     let without = run(&["--paths", "400", "--no-bias"]);
-    assert!(text(&without.stderr).contains("as a guide") && !text(&without.stdout).contains("bias"));
+    assert!(text(&without.stderr).contains("by roughly") && !text(&without.stdout).contains("bias"));
 }
 
 #[test]
@@ -343,7 +343,7 @@ fn verbose_and_warnings_name_the_resolution() {
     let equal = concat!(env!("CARGO_MANIFEST_DIR"), "/../../scenarios/equal-friction.toml");
     let output = mc(&here, &["run", equal, "--scheme", "event-driven", "--paths", "2", "--until", "3", "--verbose"]);
     let said = text(&output.stderr);
-    for part in ["shortest slip resolved", "warning: f_s and f_d meet", "lanes, cell by cell"] {
+    for part in ["shortest slip resolved", "warning: f_s and f_d are equal", "lanes, cell by cell"] {
         assert!(said.contains(part), "{part}\n{said}");
     }
 }
@@ -476,14 +476,14 @@ fn an_accuracy_that_is_none_or_is_decided_twice_is_refused() {
         (&["--accuracy", "2"][..], "from 1e-6 to 0.5"),
         (&["--accuracy", "-1%"], "from 1e-6 to 0.5"),
         (&["--accuracy", "fine"], "from 1e-6 to 0.5"),
-        (&["--accuracy", "1%", "--paths", "5"], "--paths 5 does so as well"),
-        (&["--accuracy", "1%", "--scheme", "event-driven"], "--scheme event-driven does so as well"),
-        (&["--accuracy", "1%", "--set", "time.step=0.01"], "--set time.step=0.01 does so as well"),
-        (&["--accuracy", "1%", "--set", "scheme={kind=\"event-driven\"}"], "does so as well"),
-        (&["--accuracy", "1%", "--until", "jump_mean < 1%"], "both decide the number of paths"),
+        (&["--accuracy", "1%", "--paths", "5"], "which --paths 5 also sets"),
+        (&["--accuracy", "1%", "--scheme", "event-driven"], "which --scheme event-driven also sets"),
+        (&["--accuracy", "1%", "--set", "time.step=0.01"], "which --set time.step=0.01 also sets"),
+        (&["--accuracy", "1%", "--set", "scheme={kind=\"event-driven\"}"], "also sets"),
+        (&["--accuracy", "1%", "--until", "jump_mean < 1%"], "both set the number of paths"),
         (&["--accuracy", "1%", "--statistic", "sticks"], "one of stick_duration_mean"),
         (&["--statistic", "jump_mean"], "--accuracy"),
-        (&["--max-time", "-1"], "not a time above zero"),
+        (&["--max-time", "-1"], "must be a positive duration"),
     ] {
         let output = mc(&here, &[&["run", RHO025], wrong].concat());
         let said = text(&output.stderr);
@@ -504,7 +504,7 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     for part in [
         "of 15 statistics:",
         "--paths 1\n",
-        "nothing is random",
+        "the scenario is deterministic",
         "no accuracy is guaranteed for",
         "displacement_end_sd",
     ] {
@@ -515,8 +515,8 @@ fn accuracy_without_noise_takes_one_path_and_says_what_it_leaves_out() {
     assert!((first / 2.574_004_435_173_1 - 1.0).abs() <= 1e-3, "{first}");
     for (more, says) in [
         (&["--statistic", "displacement_end_sd"][..], "displacement_end_sd: exactly zero"),
-        (&["--statistic", "drift_velocity", "--until", "20"], "drift_velocity: does not exist in this scene"),
-        (&["--until", "0"], "`time.end` is 0"),
+        (&["--statistic", "drift_velocity", "--until", "20"], "drift_velocity: does not exist in this scenario"),
+        (&["--until", "0"], "`time.end` = 0"),
     ] {
         let output = run(more);
         let said = text(&output.stderr);
@@ -532,7 +532,7 @@ fn an_interrupted_pilot_runs_nothing() {
     let here = folder();
     let (code, _, said) = interrupted(&here, &["run", RHO025, "--accuracy", "1%"], 0);
     assert_eq!(code, Some(130));
-    assert!(said.contains("nothing was run, nothing is written"), "{said}");
+    assert!(said.contains("nothing was written"), "{said}");
     assert_eq!(std::fs::read_dir(here.path()).expect("there").count(), 0);
 }
 
@@ -543,7 +543,7 @@ fn an_interrupted_trade_prints_what_it_has() {
     let here = folder();
     let (code, table, said) = interrupted(&here, &["trade", RHO025, "--budget", "10m", "-o", "trade.h5"], 1);
     assert_eq!(code, Some(130), "{said}");
-    for part in ["RMSE 1 %", "not run discrete-vi: the measuring ended", "event-driven, tolerance"] {
+    for part in ["RMSE 1 %", "not run discrete-vi: the measurement ended", "event-driven, tolerance"] {
         assert!(table.contains(part), "{part} in\n{table}");
     }
     for file in ["trade.h5", "trade.svg", "trade.png"] {

@@ -77,7 +77,7 @@ fn a_sweep_that_was_interrupted_and_killed_goes_on_to_the_same_numbers() {
     first.interrupt();
     let output = first.end();
     assert_eq!(output.status.code(), Some(130), "{}", err(&output));
-    assert!(err(&output).contains("the same command continues"), "{}", err(&output));
+    assert!(err(&output).contains("run the same command again"), "{}", err(&output));
     let after_interrupt = completed_points(&partial);
     assert!((1..6).contains(&after_interrupt) && !here.join("parts.h5").exists());
     assert_eq!(text(&partial, "status"), "running");
@@ -106,13 +106,13 @@ fn a_finished_sweep_is_not_simulated_again_and_another_one_is_refused_with_the_d
     let written = std::fs::read(here.join("s.h5")).expect("a file");
     let again = sweep(here, &["-o", "s.h5"]);
     done(&again);
-    assert!(err(&again).contains("holds this sweep already") && out(&again).contains("stick_duration_mean"));
+    assert!(err(&again).contains("already contains this sweep") && out(&again).contains("stick_duration_mean"));
     let cases: [(&[&str], &str); 5] = [
-        (&["--set", "friction.static=1.3"], "`static = 1.2`, and this sweep `static = 1.3`"),
+        (&["--set", "friction.static=1.3"], "`static = 1.2`, but this sweep has `static = 1.3`"),
         (&["--vary", "friction.static=1.2,1.3"], "f_s = friction.static at [1.2, 1.3]"),
-        (&["--independent"], "`common seeds`, and this sweep `independent seeds`"),
+        (&["--independent"], "`common seeds`, but this sweep has `independent seeds`"),
         (&["--no-bias"], "leaves out the bias"),
-        (&["--seed", "7"], "`seed = 1`, and this sweep `seed = 7`"),
+        (&["--seed", "7"], "`seed = 1`, but this sweep has `seed = 7`"),
     ];
     for (more, said) in cases {
         let refused = sweep(here, &[more, &["-o", "s.h5"]].concat());
@@ -296,7 +296,7 @@ fn two_processes_do_not_write_one_sweep() {
     first.until("it has its name", || here.join("s.h5.lock").exists());
     let second = mc(here, &long);
     assert_eq!(second.status.code(), Some(2));
-    assert!(err(&second).contains("another process is making this file"), "{}", err(&second));
+    assert!(err(&second).contains("another process is writing this file"), "{}", err(&second));
 }
 
 #[test]
@@ -312,7 +312,7 @@ fn a_mistake_is_shown_with_its_place_and_a_remedy() {
         (&["friction.static=1.2,0.8"], "--vary friction.static=1.2,0.8, at 0.8"),
         (&["friction.static=1.2", "f_s=friction.dynamic=1"], "called `f_s`"),
         (&["friction.static=1.2,1.3", "x=friction.static=1"], "`friction.static` is varied twice"),
-        (&["estimate=friction.static=1.2"], "a name of the file"),
+        (&["estimate=friction.static=1.2"], "the name is reserved"),
         (&["friction.static=1:2:1000", "friction.dynamic=0:1:1000"], "1000000 points"),
     ];
     for (expressions, said) in cases {
@@ -327,7 +327,7 @@ fn a_mistake_is_shown_with_its_place_and_a_remedy() {
     assert!(err(&zip).contains("`f_s` has 2 values and `f_d` 1"), "{}", err(&zip));
     for (keys, said) in [
         ("friction.sttic", "--elasticity friction.sttic, tried at 1: unknown key `sttic`; did you mean `static`?"),
-        ("oscillator.damping", "a share of 0 is 0"),
+        ("oscillator.damping", "no relative change"),
         ("friction.static,friction.static", "twice"),
         ("scheme.kind", "fix: "),
     ] {

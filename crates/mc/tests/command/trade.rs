@@ -325,8 +325,8 @@ fn the_command_refuses_before_it_measures() {
         (vec!["--statistic", "stick_duration"], "stick_duration_mean"),
         (vec!["-o", "old.h5"], "old.png exists"),
         (vec!["-o", "picture.svg"], "picture.svg is the name of a picture"),
-        (vec!["-o", "absent/trade.h5"], "no directory absent"),
-        (vec!["--set", "time.end=0"], "`time.end` is 0"),
+        (vec!["-o", "absent/trade.h5"], "the directory absent"),
+        (vec!["--set", "time.end=0"], "`time.end` = 0"),
         (vec!["--force"], "--output"),
     ] {
         let output = mc(folder.path(), &[vec!["trade", RHO025], arguments].concat());

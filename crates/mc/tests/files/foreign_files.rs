@@ -57,7 +57,7 @@ fn a_measured_series_that_a_scenario_reads_is_not_overwritten() {
     done(here, &["init", "--from", "bridge", "-o", "bridge.toml"]);
     let series: Vec<String> = everything(here).into_iter().map(|(name, _)| name).collect();
     let series = series.iter().find(|name| name.ends_with(".csv")).expect("the bridge has a measured temperature");
-    let is_input = ["is what the results are made from"];
+    let is_input = ["is an input of this command"];
     let vary = ["--vary", "friction.static=1e6,2e6"];
     refused_untouched(here, &["run", "bridge.toml", "-o", series, "--force"], &is_input);
     refused_untouched(here, &[&["sweep", "bridge.toml"], &vary[..], &["-o", series, "--force"]].concat(), &is_input);
@@ -238,8 +238,8 @@ fn what_could_not_be_removed_is_said() {
         let (output, _) = failing(&here, &run("a.h5", &[]), number, 5);
         let (is_left, message) = (fs::read_dir(&here).expect("a folder").count() > 1, text(&output.stderr));
         if output.status.success() && is_left {
-            said += u32::from(message.contains("warning") && message.contains("remove it yourself"));
-            silent.extend((!message.contains("remove it yourself")).then(|| line.clone()));
+            said += u32::from(message.contains("warning") && message.contains("remove it by hand"));
+            silent.extend((!message.contains("remove it by hand")).then(|| line.clone()));
         }
     }
     assert!(said >= 1 && silent.is_empty(), "{said} {silent:?}");
@@ -286,6 +286,6 @@ fn a_long_or_binary_line_is_shown_in_part_and_as_characters() {
 fn a_time_limit_before_the_first_block_says_how_long_that_takes() {
     let folder = folder();
     let long = ["run", RHO025, "--paths", "1000", "--step", "1e-6", "--quiet", "-o", "a.h5", "--max-time", "1s"];
-    refused(folder.path(), &long, 1, &["first 256 paths", "which take about", "--max-time", "nothing is written"]);
+    refused(folder.path(), &long, 1, &["first 256 paths", "which take about", "--max-time", "nothing was written"]);
     assert!(everything(folder.path()).is_empty());
 }

@@ -67,7 +67,7 @@ fn a_time_limit_and_an_interrupt_do_not_wait_for_a_block() {
             &here,
             &[scene, &["--max-time", "2s"]].concat(),
             1,
-            &["time was up before the first 256 paths", "--max-time"],
+            &["time limit was reached before the first 256 paths", "--max-time"],
         );
         assert!(start.elapsed() < Duration::from_secs(2) + late, "{:?}", start.elapsed());
         let mut running = Running::mc(here.path(), scene);
@@ -77,7 +77,7 @@ fn a_time_limit_and_an_interrupt_do_not_wait_for_a_block() {
         let output = running.end();
         assert!(start.elapsed() < late, "{:?}", start.elapsed());
         assert_eq!(output.status.code(), Some(130), "{}", text(&output.stderr));
-        assert!(text(&output.stderr).contains("nothing is written"), "{}", text(&output.stderr));
+        assert!(text(&output.stderr).contains("nothing was written"), "{}", text(&output.stderr));
         assert!(names(here.path()).is_empty());
     }
 }
@@ -99,7 +99,7 @@ fn a_force_of_fine_structure_keeps_nobody_waiting() {
         let run = [&["run", RHO025], &scene[..], &["--quiet", "-o", "a.h5"]].concat();
         let start = Instant::now();
         let limited = [&run[..], &["--max-time", "1s"]].concat();
-        assert_refused(&here, &limited, 1, &["time was up before the first 256 paths", "--max-time"]);
+        assert_refused(&here, &limited, 1, &["time limit was reached before the first 256 paths", "--max-time"]);
         assert!(start.elapsed() < Duration::from_secs(1) + late, "{:?}", start.elapsed());
         let mut running = Running::mc(here.path(), &run);
         running.until_it_answers();
@@ -121,7 +121,7 @@ fn only_regular_files_are_replaced_and_never_an_input() {
     fs::copy(RHO025, here.path().join("t.toml")).expect("copied");
     std::os::unix::fs::symlink("a.h5", here.path().join("link.h5")).expect("linked");
     assert!(shell(here.path(), "mkfifo pipe.h5").status.success());
-    let is_input = ["is what the results are made from"];
+    let is_input = ["is an input of this command"];
     assert_refused(&here, &["replay", "a.h5", "--path", "0", "-o", "a.h5", "--force"], 2, &is_input);
     assert_refused(&here, &["replay", "a.h5", "--path", "0", "-o", "./link.h5", "--force"], 2, &is_input);
     assert_refused(&here, &["trade", "t.toml", "-o", "t.toml", "--force"], 2, &is_input);
@@ -133,7 +133,7 @@ fn only_regular_files_are_replaced_and_never_an_input() {
         &is_input,
     );
     for name in ["pipe.h5", "/dev/null", "/dev/full"] {
-        assert_refused(&here, &["run", "t.toml", "-o", name, "--force"], 2, &["no regular file"]);
+        assert_refused(&here, &["run", "t.toml", "-o", name, "--force"], 2, &["not a regular file"]);
     }
     assert_refused(&here, &["run", "t.toml", "-o", "-"], 2, &["not to standard output"]);
     assert!(!here.path().join("-").exists());
@@ -201,11 +201,11 @@ fn sizes_are_looked_at_before_memory_is_asked_for() {
     let grid = "--paths 2000 --scheme event-driven --set time.output_step=0.01 --threads 4 --quiet -o b.h5";
     for (arguments, code, words) in [
         (format!("run {RHO025} --paths 1000000000000000000 -o b.h5"), 2, "out of range"),
-        (format!("run {RHO025} --paths 1000000000000 -o b.h5"), 1, "are needed and"),
+        (format!("run {RHO025} --paths 1000000000000 -o b.h5"), 1, "but only"),
         (
             format!("run {RHO025} --scheme event-driven --set time.output_step=1e-12 -o b.h5"),
             2,
-            "at most 100000 are kept",
+            "at most 100000 are supported",
         ),
         (format!("run {RHO025} {grid} --set record.trajectories=2000"), 2, "of memory"),
         ("run large.toml -o b.h5".into(), 2, "larger than 1 MiB"),
@@ -267,7 +267,7 @@ fn a_replay_of_a_file_that_was_edited_is_refused() {
             &here,
             &["replay", "a.h5", "--path", "7", "-o", "s.h5"],
             1,
-            &["another one than the file holds"],
+            &["differs from the one in the file"],
         );
         // The file is reported as changed by every verb.
         let shown = mc(&here, &["show", "a.h5"]);
@@ -286,7 +286,7 @@ fn a_file_without_what_a_table_needs_is_damaged() {
         let here = folder();
         run(&here, &[]);
         edited(&here, |file| file.unlink(name).expect("there"));
-        assert_refused(&here, &["show", "a.h5"], 1, &["a.h5", "is missing; another program left it out"]);
+        assert_refused(&here, &["show", "a.h5"], 1, &["a.h5", "is missing; another program removed"]);
     }
     // A variable of another shape, and one of another type.
     for wrong in 0..2 {
@@ -309,7 +309,7 @@ fn a_file_without_what_a_table_needs_is_damaged() {
         let huge = file.new_dataset::<f64>().chunk(1024).shape(1_usize << 47).create("displacement_mean");
         drop(huge.expect("made"));
     });
-    assert_refused(&here, &["show", "a.h5"], 1, &["displacement_mean has another shape"]);
+    assert_refused(&here, &["show", "a.h5"], 1, &["shape of displacement_mean differs"]);
 }
 
 /// Every variable that a reader asks for is taken out of a file, one at a time. It is named, or the

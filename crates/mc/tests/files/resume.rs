@@ -509,7 +509,7 @@ fn of_many_runs_to_one_file_one_makes_it() {
         assert!(ends.iter().any(|end| end.status.success()));
         for end in ends.iter().filter(|end| !end.status.success()) {
             assert_eq!(end.status.code(), Some(2), "{}", text(&end.stderr));
-            assert!(text(&end.stderr).contains("another process is making this file"), "{}", text(&end.stderr));
+            assert!(text(&end.stderr).contains("another process is writing this file"), "{}", text(&end.stderr));
         }
         assert_finished(here.path(), &SHORT_FILE, "twelve at once");
     }

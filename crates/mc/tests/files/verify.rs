@@ -101,7 +101,7 @@ fn the_report_says_how_much_was_checked() {
     let none = ["--set", "record.paths=false", "--set", "record.events=false", "--set", "record.trajectories=0"];
     let here = made(&[SCENE, &none].concat());
     let said = line(&verify(&here, &["--blocks", "3"]));
-    assert!(said.contains("simulated nothing: the file keeps no rows"), "{said}");
+    assert!(said.contains("simulated nothing: the file has no rows"), "{said}");
     let all = verified(&here, &["--blocks", "all"]);
     assert_eq!((&all["statistics_checked"], &all["paths_checked"]), (&true.into(), &2900.into()));
 }

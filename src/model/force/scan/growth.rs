@@ -76,7 +76,7 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f
             // In proportion to the distance; growth that is faster is a doubt of its own.
             if outward.iter().all(|excess| *excess > 0.5 * outward[0] && *excess < 2.0 * outward[0]) {
                 let place = probe.words(at(probe, direction, TIMES[0], *instant));
-                return Some(format!("[force] pushes outward more than the spring holds, as at {place}"));
+                return Some(format!("[force] pushes outward more than the spring pulls back, as at {place}"));
             }
         }
     }
@@ -91,7 +91,7 @@ pub(super) fn beyond_hold(probe: &mut Probe, body: &Oscillator, dynamic_force: f
     });
     always.then(|| {
         let place = probe.words(at(probe, [0.0, 1.0], TIMES[0], instants[0]));
-        format!("[force] adds more energy than damping and friction take, as at {place}")
+        format!("[force] adds more energy than damping and friction dissipate, as at {place}")
     })
 }
 

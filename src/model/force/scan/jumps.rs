@@ -217,5 +217,5 @@ fn beside(probe: &mut Probe, track: &Track, part: f64, largest: f64, can_be_stee
     if gaps[2] > 0.5 * gaps[0] && gaps[2] > 0.5 * gaps[1] && gaps[2] > 1e-9 * largest && gaps[2].is_finite() {
         return Some(format!("the force jumps by {} at {place}", short(gaps[2])));
     }
-    (can_be_steep && [0, 1].into_iter().any(steep)).then(|| format!("the slope of the force has no bound at {place}"))
+    (can_be_steep && [0, 1].into_iter().any(steep)).then(|| format!("the slope of the force is unbounded at {place}"))
 }

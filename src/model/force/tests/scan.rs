@@ -63,7 +63,7 @@ fn what_has_no_bound_or_no_value_is_found() {
     assert_eq!(found("1/(x - 0.3)^2"), ["1/(x - 0.3)^2: the force grows without bound at x = 0.3"]);
     assert_eq!(found("tan(x)"), ["tan(x): the force grows without bound at x = -1.571"]);
     assert_eq!(found("sqrt(x)"), ["sqrt(x): the force has no value at x = -2"]);
-    assert_eq!(found("sqrt(abs(x))*sign(x)"), ["sqrt(abs(x)): the slope of the force has no bound at x = 0"]);
+    assert_eq!(found("sqrt(abs(x))*sign(x)"), ["sqrt(abs(x)): the slope of the force is unbounded at x = 0"]);
     assert_eq!(found("log(x + 1)"), ["log(x + 1): the force has no value at x = -2"]);
     assert_eq!(found("sqrt(1.5 - x)"), ["sqrt(1.5 - x): the force has no value at x = 1.562"]);
     assert_eq!(found("sqrt(10-t)"), ["sqrt(10-t): the force has no value at t = 24.9"]);
@@ -109,8 +109,8 @@ fn a_force_that_nothing_holds_is_found() {
     let body = Oscillator { mass: 1.0, stiffness: 1.0, damping: 0.1, drive };
     let scales = Scales { displacement: 2.0, velocity: 2.0, end: 30.0 };
     let found = |text: &str| beyond_hold(&expression(text), scales, &body, 0.5);
-    let outward = "[force] pushes outward more than the spring holds, as at";
-    let energy = "[force] adds more energy than damping and friction take, as at";
+    let outward = "[force] pushes outward more than the spring pulls back, as at";
+    let energy = "[force] adds more energy than damping and friction dissipate, as at";
     assert_eq!(found("2*x"), Some(format!("{outward} x = 20")));
     assert_eq!(found("x*t"), Some(format!("{outward} x = 20, t = 3.9")));
     assert_eq!(found("0.3*xdot - 1e-9*x^3"), Some(format!("{energy} x = 0, xdot = 20")));

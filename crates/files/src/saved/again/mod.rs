@@ -62,7 +62,7 @@ impl Difference {
     /// The difference as a sentence, of a `file` or a `data set`.
     pub fn of(&self, what: &str) -> String {
         let Difference { stored, computed, .. } = self;
-        format!("{self} is {stored} in the {what}, and {computed} when it is computed again")
+        format!("{self} is {stored} in the {what}, but {computed} when computed again")
     }
 }
 

@@ -132,7 +132,7 @@ impl<'a> Verification<'a> {
             self.against.difference.get_or_insert(Difference { variable, ..difference });
         }
         if state.header().scenario_text != expected.header.scenario_text {
-            self.against.differs(name, None, (None, "another scenario".into(), "that of the file".into()));
+            self.against.differs(name, None, (None, "another scenario".into(), "the one in the file".into()));
         }
         Ok(())
     }

@@ -22,14 +22,14 @@ const UNASKED: Duration = Duration::from_secs(5);
 #[derive(Debug, clap::Args)]
 #[command(after_help = include_str!("../help/verify.txt"))]
 pub struct Arguments {
-    /// A file of results: of a run or a part of one, a sweep, a trade or a calibration
+    /// File of results: a run or a part of one, a sweep, a trade or a calibration
     file: PathBuf,
-    /// Number of blocks to simulate again, or `all` [default: all, or 8 where all take long]
+    /// Number of blocks to simulate again, or `all` [default: all, or 8 if that takes long]
     #[arg(long, value_name = "N|all", value_parser = sample)]
     blocks: Option<BlocksAgain>,
     #[command(flatten)]
     threads: Threads,
-    /// Print one JSON object on standard output, and nothing else there
+    /// Print only one JSON object to standard output
     #[arg(long)]
     json: bool,
 }
@@ -79,8 +79,8 @@ impl Arguments {
         }
         let Some(difference) = &checked.found.difference else { return Ok(()) };
         let remedy = match &checked.other_program {
-            Some(_) => "verify it with the program that wrote it, because another version may compute other numbers",
-            None => "take the file as it was written; its scenario, its seed or its numbers were changed since",
+            Some(_) => "verify it with the program that wrote it; results of other versions may differ",
+            None => "use the unmodified file; its scenario, seed or numbers were changed",
         };
         Err(Failure::run_of(&self.file, difference.of("file"), remedy))
     }
@@ -94,14 +94,14 @@ impl Arguments {
     fn report(&self, checked: &Checked, Sealed { bytes, has_checksum }: Sealed) -> String {
         let Checked { simulated, compared, not_compared, found, .. } = checked;
         let checksum = match has_checksum {
-            true => format!("that of its {} bytes is right", grouped(bytes)),
+            true => format!("correct for its {} bytes", grouped(bytes)),
             false => "none: another program changed the file, or an earlier version of mc wrote it".into(),
         };
         let compared = format!("{compared}: {} values", grouped(found.values));
         let mut remarks = vec![("checksum", checksum), ("simulated", simulated.clone()), ("compared", compared)];
         if found.difference.is_none() {
             remarks.extend(not_compared.clone().map(|why| ("not compared", why)));
-            remarks.push(("result", "all of that is the same, bit for bit".into()));
+            remarks.push(("result", "all of this is identical, bit for bit".into()));
         }
         text(&Report { title: self.file.display().to_string(), remarks, ..Report::default() })
     }

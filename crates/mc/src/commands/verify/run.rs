@@ -26,7 +26,7 @@ fn checked(again: Again, stored: &Stored, record: &Record) -> Checked {
     let Again { blocks, simulated: numbers, paths: again_paths, has_statistics, values, difference } = again;
     let count = blocks.end - blocks.start;
     let simulated = match numbers.is_empty() {
-        true => "nothing: the file keeps no rows of single paths".into(),
+        true => "nothing: the file has no rows of single paths".into(),
         false => format!(
             "{} of {} blocks, {} of {} paths: {}",
             grouped(numbers.len() as u64),
@@ -48,8 +48,7 @@ fn checked(again: Again, stored: &Stored, record: &Record) -> Checked {
         compared: format!("{rows}{statistics}attributes, coordinates and units"),
         not_compared: (!has_statistics).then(|| {
             format!(
-                "statistics and intervals with a simulation: --blocks all simulates all {} blocks, and computes them \
-                 again",
+                "statistics and intervals against a simulation; --blocks all simulates all {} blocks",
                 grouped(count)
             )
         }),

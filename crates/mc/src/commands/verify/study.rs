@@ -38,7 +38,7 @@ impl Arguments {
             simulated: format!("{} of {} points", grouped(done.len() as u64), grouped(all)),
             compared: "statistics, comparisons between points, attributes, coordinates and units".into(),
             not_compared: (!is_whole)
-                .then(|| "the other points with a simulation: --blocks all simulates every point".to_string()),
+                .then(|| "the other points against a simulation; --blocks all simulates every point".to_string()),
             fields: json!({ "points": all, "points_checked": done, "statistics_checked": is_whole }),
             found: store::verify_whole(&self.file, &Dataset::of_sweep(&again))?,
             other_program: stored.other_program.clone(),
@@ -60,12 +60,11 @@ impl Arguments {
     /// Check a trade: everything that follows from its measurements is computed again.
     pub(super) fn trade(&self, stored: &StoredTrade) -> Result<Checked, Failure> {
         Ok(Checked {
-            simulated: "nothing: times cannot be measured twice, and estimates depend on the time that there was"
-                .into(),
-            compared: "every bias, order and prediction with the measurements that they follow from, attributes, \
+            simulated: "nothing: times cannot be reproduced, and estimates depend on them".into(),
+            compared: "every bias, order and prediction against the stored measurements, attributes, \
                        coordinates and units"
                 .into(),
-            not_compared: Some("the measurements with a simulation".into()),
+            not_compared: Some("the measurements against a simulation".into()),
             fields: json!({ "statistics_checked": false }),
             found: store::verify_whole(&self.file, &Dataset::of_trade(&stored.scenario, &stored.trade))?,
             other_program: stored.other_program.clone(),
