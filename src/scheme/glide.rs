@@ -110,6 +110,11 @@ fn value(of: &Polynomial, s: f64) -> f64 {
     of.iter().rev().fold(0.0, |sum, coefficient| sum * s + coefficient)
 }
 
+/// The value of a polynomial and its slope.
+fn value_and_slope(of: &Polynomial, s: f64) -> [f64; 2] {
+    of.iter().rev().fold([0.0; 2], |[value, slope], coefficient| [value * s + coefficient, slope * s + value])
+}
+
 fn derivative(of: &Polynomial) -> Polynomial {
     std::array::from_fn(|i| of.get(i + 1).map_or(0.0, |coefficient| (i + 1) as f64 * coefficient))
 }
@@ -119,23 +124,24 @@ fn derivative(of: &Polynomial) -> Polynomial {
 fn passes(of: &Polynomial, wanted: f64, [from, to]: [f64; 2]) -> f64 {
     let mut shifted = *of;
     shifted[0] -= wanted;
-    let slope = derivative(&shifted);
     let [first, last] = [from, to].map(|s| value(&shifted, s));
     let (mut low, mut high) = (from, to);
     let mut s = from + (to - from) * (first / (first - last)).clamp(0.0, 1.0);
     for _ in 0..HALVINGS {
-        let here = value(&shifted, s);
+        let [here, slope] = value_and_slope(&shifted, s);
         if (here < 0.0) == (last > first) {
             low = s
         } else {
             high = s
         }
-        let newton = s - here / value(&slope, s);
-        let next = if low < newton && newton < high { newton } else { 0.5 * (low + high) };
-        if (next - s).abs() <= f64::EPSILON {
+        let newton = s - here / slope;
+        let next = if low <= newton && newton <= high { newton } else { 0.5 * (low + high) };
+        let step = (next - s).abs();
+        s = next;
+        // The next step would be about its square.
+        if step < 1e-8 {
             break;
         }
-        s = next;
     }
     s.clamp(from, to)
 }
@@ -170,6 +176,14 @@ impl Course {
         let mut chain = [self.polynomials[1]; 4];
         (1..4).for_each(|i| chain[i] = derivative(&chain[i - 1]));
         let mut turns = Turns { places: [from; 9], count: 1 };
+        // Mostly neither turns: x'' lies between its four coefficients in Bernstein's form.
+        let [a, b, c, d, ..] = chain[1];
+        let hull = [a, a + b / 3.0, a + (2.0 * b + c) / 3.0, a + b + c + d];
+        let [start, end] = self.ends.map(|state| state[1]);
+        if start * end >= 0.0 && (hull.iter().all(|x| *x > 0.0) || hull.iter().all(|x| *x < 0.0)) {
+            turns.push(to);
+            return turns;
+        }
         for (order, of) in chain.iter().enumerate().rev() {
             let below = std::mem::replace(&mut turns, Turns { places: [from; 9], count: 1 });
             let mut left = from;

@@ -13,10 +13,11 @@
 use super::motion::counted_part;
 use super::{Densities, DensityCurve};
 use crate::model::{Event, EventKind, Phase};
-use crate::scheme::{Along, Course, Glide, Timeline};
+use crate::scheme::{Along, Glide, Timeline};
 use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::codec::sums;
+use crate::sums::dyadic::nearest;
 use crate::sums::grid::Grid;
 use ndarray::Array2;
 
@@ -92,14 +93,17 @@ impl DensityCounts {
     }
 }
 
-/// The tick of a time.
-fn tick(timeline: &Timeline, time: f64) -> u64 {
-    ((time - timeline.after) / timeline.counted() * TICKS).round() as u64
+/// The tick of a time after the burn-in, with `rate` ticks in a unit of time. A step that is counted may
+/// begin before the end of the burn-in, so that ticks begin earlier.
+fn tick(time: f64, rate: f64) -> u64 {
+    nearest((TICKS + time * rate).max(0.0)) as u64
 }
 
 /// Counts the times of one block of paths.
 pub(super) struct DensityFold {
     timeline: Timeline,
+    /// Ticks of a unit of time.
+    rate: f64,
     /// The batch of each lane, and where it is at rest since when, if it is.
     batches: Vec<usize>,
     rests: Vec<Option<(f64, f64)>>,
@@ -111,6 +115,7 @@ impl DensityFold {
     pub fn new(timeline: &Timeline, x0: f64, units: &[u64]) -> Self {
         DensityFold {
             timeline: *timeline,
+            rate: TICKS / timeline.counted(),
             batches: units.iter().map(|unit| batch_of(*unit)).collect(),
             rests: vec![Some((0.0, x0)); units.len()],
             counts: DensityCounts::default(),
@@ -129,7 +134,8 @@ impl DensityFold {
     /// The stick of a path, if it is in one, is over at this time.
     fn leave(&mut self, lane: usize, time: f64) {
         let Some((since, x)) = self.rests[lane].take() else { return };
-        let (ticks, batch) = ([since, time].map(|time| tick(&self.timeline, time)), self.batches[lane]);
+        let DensityFold { timeline: Timeline { after, .. }, rate, .. } = *self;
+        let (ticks, batch) = ([since.max(after), time].map(|time| tick(time - after, rate)), self.batches[lane]);
         if ticks[0] < ticks[1] {
             self.counts.at_rest[batch] += ticks[1] - ticks[0];
             self.counts.all[batch] += ticks[1] - ticks[0];
@@ -140,25 +146,36 @@ impl DensityFold {
     /// Add a piece of the motion: the time that it spends in each bin. A step is in the bin of its
     /// start.
     pub fn glide(&mut self, lane: usize, glide: &Glide) {
-        let (counted, course) = (counted_part(&self.timeline, glide), glide.course());
+        let counted = counted_part(&self.timeline, glide);
         if let Along::Step { .. } = glide.along {
-            self.pass(lane, glide, &course, counted, [course.at(0.0); 2]);
+            let state = [glide.displacement, glide.velocity[0]];
+            self.pass(lane, glide, counted, [state; 2], |_, _| 0.0);
         } else {
+            let course = glide.course();
             for part in course.turns(counted).pairs() {
-                self.pass(lane, glide, &course, part, part.map(|place| course.at(place)));
+                let ends = part.map(|place| course.at(place));
+                self.pass(lane, glide, part, ends, |variable, edge| course.passes(variable, edge, part));
             }
         }
     }
 
-    /// Count the time between two places of a glide, between which x and x' are monotone.
-    fn pass(&mut self, lane: usize, glide: &Glide, course: &Course, part: [f64; 2], ends: [[f64; 2]; 2]) {
-        let timeline = self.timeline;
-        let tick = |place: f64| tick(&timeline, glide.start + place * glide.length);
+    /// Count the time between two places of a glide, between which x and x' are monotone and pass
+    /// edges at `place`.
+    fn pass(
+        &mut self,
+        lane: usize,
+        glide: &Glide,
+        part: [f64; 2],
+        ends: [[f64; 2]; 2],
+        place: impl Fn(usize, f64) -> f64,
+    ) {
+        let (after, rate) = (self.timeline.after, self.rate);
+        let tick = |place: f64| tick(glide.start + place * glide.length - after, rate);
         let (ticks, batch) = (part.map(tick), self.batches[lane]);
         if ticks[0] >= ticks[1] {
             return;
         }
-        let crossing = |variable, edge| tick(course.passes(variable, edge, part));
+        let crossing = |variable, edge| tick(place(variable, edge));
         let one = |variable: usize| ends.map(|state| [state[variable], 0.0]);
         self.counts.all[batch] += ticks[1] - ticks[0];
         self.counts.displacement.pass(one(0), ticks, batch, |_, edge| crossing(0, edge));

@@ -93,7 +93,7 @@ impl MotionFold {
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
         let has_load = model.has_load();
-        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v) * way;
+        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v);
         let held = match glide.along {
             Along::Smooth { temperature, .. } => temperature,
             Along::Step { temperature } => {
@@ -102,22 +102,25 @@ impl MotionFold {
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
                 if has_load {
-                    works.friction += dry(start, displacement, v, way);
+                    works.friction += dry(start, displacement, v, way) * way;
                 }
                 return;
             }
         };
         let is_followed = held.is_none() && !model.temperature.is_random();
-        for [node, weight] in NODES {
-            let part = from + (to - from) * node;
+        // The integral from the start until `from` is taken off, so that parts add up to the whole also
+        // where Gauss's rule is not exact.
+        let integrals = [(to, 1.0), (from, -1.0)].into_iter().filter(|(until, _)| *until > 0.0);
+        for ((until, sign), [node, weight]) in integrals.flat_map(|integral| NODES.map(|node| (integral, node))) {
+            let part = until * node;
             let ([way, v, _], time) = (glide.at(part), glide.start + part * glide.length);
-            let weight = weight * (to - from) * glide.length * v;
+            let weight = sign * weight * until * glide.length * v;
             works.damping += 2.0 * body.damping * v * weight;
             if model.force.is_some() {
                 works.own_force += own(time, glide.displacement + way, v) * weight;
             }
             if has_load {
-                works.friction += dry(time, glide.displacement + way, v, weight);
+                works.friction += dry(time, glide.displacement + way, v, v) * weight;
             }
             if is_followed {
                 works.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;

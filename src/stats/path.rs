@@ -203,7 +203,8 @@ impl PathFold {
         match self.now {
             Now::FirstStick => Some(Censored::FirstStick),
             _ if !self.is_counted => None,
-            Now::Stick => Some(Censored::Stick(time - self.stick_entered)),
+            // A step may end after the end.
+            Now::Stick => Some(Censored::Stick((time - self.stick_entered).max(0.0))),
             Now::Slip => Some(Censored::Slip),
         }
     }

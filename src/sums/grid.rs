@@ -77,6 +77,11 @@ impl GridAxis {
         self.first + self.cells as i64
     }
 
+    /// Whether the axis stays as it is with a number in this cell.
+    fn has(self, cell: i64) -> bool {
+        self.first <= cell && cell < self.end() && cell.unsigned_abs() < 1 << INDEX_BITS
+    }
+
     /// The place among the cells of `coarser` of place `place` among these.
     fn place_in(self, coarser: GridAxis, place: usize) -> usize {
         let up = (coarser.level - self.level).min(63) as u32;
@@ -153,13 +158,20 @@ impl Grid {
         if !from.iter().chain(&to).all(|number| number.abs() <= FARTHEST) {
             return;
         }
-        self.rise_to(std::array::from_fn(|i| {
-            let needed = GridAxis::over([from[i].min(to[i]), from[i].max(to[i])], self.most[i]);
-            self.axes[i].with(needed, self.most[i])
-        }));
-        let axes = self.axes;
-        let cells = |pair: [f64; 2]| std::array::from_fn(|i| cell(pair[i], width(-axes[i].level)));
-        let (mut at, end): ([i64; 2], [i64; 2]) = (cells(from), cells(to));
+        // The cells of both ends along both axes.
+        let cells = |axes: [GridAxis; 2]| {
+            let inverse = axes.map(|axis| width(-axis.level));
+            [from, to].map(|pair| [cell(pair[0], inverse[0]), cell(pair[1], inverse[1])])
+        };
+        let mut ends = cells(self.axes);
+        if !ends.iter().all(|cells| self.axes[0].has(cells[0]) && self.axes[1].has(cells[1])) {
+            self.rise_to(std::array::from_fn(|i| {
+                let needed = GridAxis::over([from[i].min(to[i]), from[i].max(to[i])], self.most[i]);
+                self.axes[i].with(needed, self.most[i])
+            }));
+            ends = cells(self.axes);
+        }
+        let ([mut at, end], axes) = (ends, self.axes);
         // When the motion leaves the cell along an axis; never, if it ends there.
         let leaves = |i: usize, at: i64| match at.cmp(&end[i]) {
             Ordering::Less => crossing(i, (at + 1) as f64 * width(axes[i].level)),
