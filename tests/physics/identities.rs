@@ -1,0 +1,384 @@
+//! Identities that hold path by path: totals add up over time, dense output has no gaps, densities
+//! are exact times, and spectra are plain sums over rows.
+
+use super::measures::run;
+use stick_slip::dataset::{Column, Recorder};
+use stick_slip::engine::Run;
+use stick_slip::model::{Event, NamedSeries, Series};
+use stick_slip::scenario::Scenario;
+use stick_slip::scheme::{Along, Glide, Observer, Simulate as _};
+use stick_slip::stats::{BlockObserver, Densities, DensityCurve, Record, Statistic, Summary};
+use stick_slip::sums::Replicate;
+
+const NOISE: &str = "temperature.noise = { intensity = 0.5, relaxation_rate = 1, diffusion = 1 }";
+
+/// Lines of scenes for m = K = c = 1 and 2 alpha = 0.2. All but the first are beyond the quasi-static
+/// recursion.
+const SCENES: [(&str, &str); 7] = [
+    ("plain", "friction = { static = 1.2, dynamic = 1.0 }"),
+    ("load", "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\" }"),
+    ("load in time", "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.3*cos(0.7*t)\" }"),
+    (
+        "direction",
+        "friction = { static = { forward = 1.2, backward = 1.4 }, dynamic = { forward = 1.0, backward = 1.1 } }",
+    ),
+    (
+        "force",
+        "friction = { static = 1.0, dynamic = 0.8 }
+         force.expression = \"-0.1*x^3 - 0.3*direction*(1 + 0.5*sin(t))\"",
+    ),
+    (
+        "inputs",
+        "friction = { static = 1.2, dynamic = 1.0, load = \"1 + 0.1*s\" }
+         force.expression = \"0.3*s\"",
+    ),
+    (
+        "initial velocity",
+        "friction = { static = 1.2, dynamic = 1.0 }
+         initial.velocity = 2.5",
+    ),
+];
+
+const SCHEMES: [&str; 4] = ["event-driven", "discrete-vi", "corrected-vi", "quasi-static"];
+
+/// Every scene with and without noise in every scheme that suits it, as a name and lines.
+fn cases() -> Vec<(String, String)> {
+    let mut cases = Vec::new();
+    for scheme in SCHEMES {
+        for (name, lines) in SCENES {
+            for noise in ["", NOISE] {
+                // `corrected-vi` is for noise, and corrects friction without a load.
+                if scheme == "quasi-static" && name != "plain" {
+                    continue;
+                }
+                let step = if scheme.ends_with("vi") { "time.step = 0.01" } else { "" };
+                let lines = format!("{lines}\n{noise}\nscheme.kind = {scheme:?}\n{step}");
+                cases.push((format!("{name}, {scheme}, noise: {}", !noise.is_empty()), lines));
+            }
+        }
+    }
+    cases
+}
+
+/// A scenario of one path over this time, of which the part from `after` on counts.
+fn scene(name: &str, lines: &str, seed: u64, [after, end]: [f64; 2]) -> Scenario {
+    let initial = if lines.contains("initial.velocity") { "" } else { "initial.velocity = 0" };
+    let text = format!(
+        "oscillator = {{ mass = 1, stiffness = 1, damping = 0.1, force_per_temperature = 1 }}
+         initial.displacement = 0
+         {initial}
+         temperature.harmonics = [{{ amplitude = 3, angular_frequency = 0.5 }}]
+         ensemble = {{ paths = 1, seed = {seed} }}
+         record = {{ energy = true, density = true }}
+         time.end = {end:?}
+         time.output_step = 100
+         statistics.after = {after:?}
+         {lines}"
+    );
+    let times: Vec<f64> = (0..60).map(|i| 0.5 * f64::from(i)).collect();
+    let values = times.iter().map(|t| (3.0 * t).sin() + (1.3 * t).cos()).collect();
+    let series = Series::new(times, values).expect("a series").into();
+    let inputs = [NamedSeries { name: "input.s".into(), series }];
+    let inputs = if lines.contains('s') && lines.contains("*s\"") { &inputs[..] } else { &[] };
+    Scenario::parse_measured("test", &text, &[], inputs).unwrap_or_else(|error| panic!("{name}: {error}"))
+}
+
+/// The time below an edge.
+fn below(curve: &DensityCurve, edge: f64) -> f64 {
+    let bins = curve.edges.windows(2).zip(&curve.density);
+    bins.filter(|(pair, _)| pair[1] <= edge).map(|(pair, density)| density * (pair[1] - pair[0])).sum()
+}
+
+fn densities(summary: &Summary) -> &Densities {
+    summary.densities.as_ref().expect("asked for")
+}
+
+/// What is counted from a time on and what is counted until then are together what is counted in the
+/// whole time, of the same path: works, times at rest and the times below every edge of a bin. Neither
+/// time is a multiple of a step or of a cell. What is left of the balance is nothing without a step.
+#[test]
+fn totals_are_additive_over_time() {
+    let works = [
+        Statistic::FrictionWorkMean,
+        Statistic::TemperatureWorkMean,
+        Statistic::DampingWorkMean,
+        Statistic::OwnForceWorkMean,
+        Statistic::StoredEnergyMean,
+        Statistic::EnergyResidualMean,
+    ];
+    let end = 20.037;
+    for (name, lines) in cases() {
+        for (seed, between) in [(1, 10.113), (2, 6.7081), (3, 18.6)] {
+            let windows = [[0.0, end], [0.0, between], [between, end]];
+            let summaries = windows.map(|window| run(&scene(&name, &lines, seed, window)));
+            let friction = summaries[0].estimate(works[0]).estimate;
+            assert!(friction > 1.0, "{name}: {friction}");
+            let apart = |of: &dyn Fn(&Summary) -> f64| {
+                let [whole, first, second] = summaries.each_ref().map(of);
+                (whole - (first + second)).abs()
+            };
+            for statistic in works {
+                let off = apart(&|summary| summary.estimate(statistic).estimate) / friction;
+                assert!(off < 1e-12, "{name}, {between}: {} is off by {off:e}", statistic.name());
+            }
+            if !name.contains("vi") {
+                for summary in &summaries {
+                    let left = summary.estimate(Statistic::EnergyResidualMean).estimate / friction;
+                    assert!(left.abs() < 1e-9, "{name}, {between}: {left:e} is left of the balance");
+                }
+            }
+            let time = |of: &dyn Fn(&Summary) -> f64| {
+                let [whole, first, second] = [0, 1, 2].map(|i| of(&summaries[i]) * (windows[i][1] - windows[i][0]));
+                (whole - (first + second)).abs() / end
+            };
+            let off = time(&|summary| summary.estimate(Statistic::StickingFraction).estimate);
+            assert!(off < 1e-12, "{name}, {between}: the time at rest is off by {off:e}");
+            let curves: [fn(&Summary) -> &DensityCurve; 2] =
+                [|summary| &densities(summary).displacement, |summary| &densities(summary).velocity];
+            for curve in curves {
+                for edge in &curve(&summaries[0]).edges {
+                    let off = time(&|summary| below(curve(summary), *edge));
+                    assert!(off < 1e-9, "{name}, {between}: the time below {edge} is off by {off:e}");
+                }
+            }
+        }
+    }
+}
+
+/// Keeps the motion and the events of each path in the order in which they arrive.
+struct Kept(Vec<(Vec<Event>, Vec<Glide>)>);
+
+impl Observer for Kept {
+    fn event(&mut self, lane: usize, event: Event) {
+        self.0[lane].0.push(event);
+    }
+
+    fn follows(&self) -> bool {
+        true
+    }
+
+    fn glide(&mut self, lane: usize, glide: &Glide) {
+        self.0[lane].1.push(*glide);
+    }
+}
+
+/// The motion of a path leads from each event to the next without a gap, in time, x and x': it begins
+/// at an event at which the body moves off or turns, and ends at one at which it stops or turns, or
+/// beyond the end.
+#[test]
+fn dense_output_has_no_gaps() {
+    for (name, lines) in cases() {
+        let scenario = scene(&name, &lines, 1, [6.7081, 20.037]);
+        let mut kept = Kept(vec![Default::default(); 8]);
+        let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
+        assert!(simulation.simulate(1, &[0, 1, 2, 3, 4, 5, 6, 7], &mut kept).is_empty());
+        for (events, glides) in &kept.0 {
+            // (t, x, x') at which the motion may begin and end.
+            let at_event = |time: f64, x: f64| {
+                events.iter().any(|event| (event.time - time).abs() < 1e-9 && (event.displacement - x).abs() < 1e-9)
+            };
+            let is_stepping = glides.iter().any(|glide| matches!(glide.along, Along::Step { .. }));
+            let mut last: Option<[f64; 3]> = None;
+            for glide in glides.iter().filter(|glide| glide.start < 20.03) {
+                let from = [glide.start, glide.displacement, glide.velocity[0]];
+                let goes_on = last.is_some_and(|last| from.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-9));
+                let ends = last.is_none_or(|[t, x, _]| at_event(t, x));
+                assert!(goes_on || (ends && at_event(from[0], from[1])), "{name}: {last:?} {from:?}");
+                let end = [glide.end(), glide.displacement + glide.way, glide.velocity[1]];
+                assert!(is_stepping || glide.at(1.0)[0] == glide.way || glide.length > 0.0);
+                last = Some(end);
+            }
+            let [t, x, _] = last.expect("the body moves");
+            assert!(t >= 20.03 || at_event(t, x), "{name}: {last:?}");
+            let moving =
+                events.last().is_some_and(|event| matches!(event.kind.phase(), stick_slip::model::Phase::Slip(_)));
+            assert!(!moving || t >= 20.03, "{name}: the last slip is followed until {t}");
+        }
+    }
+}
+
+/// The largest difference between the share of time below each edge and a function of the edge.
+fn off(curve: &DensityCurve, rest: f64, share: impl Fn(f64) -> f64) -> f64 {
+    let ends = curve.edges.iter().map(|edge| (below(curve, *edge) - share(*edge) + rest).abs());
+    ends.fold(0.0, f64::max)
+}
+
+/// A body without a spring that friction stops: x = 6 t - t^2/2 and x' = 6 - t until t = 6, of which
+/// the time from t = 0.37 on counts. Then it rests at 18 until t = 9.5.
+#[test]
+fn densities_of_a_free_flight_are_its_closed_form() {
+    let text = "oscillator = { mass = 1, stiffness = 0, damping = 0, force_per_temperature = 1 }
+         friction = { static = 1, dynamic = 1 }
+         initial = { displacement = 0, velocity = 6 }
+         time = { end = 9.5, output_step = 10 }
+         statistics.after = 0.37
+         record.density = true
+         ensemble.paths = 3
+         scheme.kind = \"event-driven\"";
+    let summary = run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
+    let found = densities(&summary);
+    let counted = 9.5 - 0.37;
+    let flight = |t: f64| (t.clamp(0.37, 6.0) - 0.37) / counted;
+    let arrives = |x: f64| 6.0 - (36.0 - 2.0 * x).max(0.0).sqrt();
+    let at_x = |x: f64| if x > 18.0 { 1.0 } else { flight(arrives(x)) };
+    assert!(off(&found.displacement, 0.0, at_x) < 1e-9, "{}", off(&found.displacement, 0.0, at_x));
+    let at_v = |v: f64| flight(6.0) - flight(6.0 - v);
+    assert!(off(&found.velocity, 0.0, at_v) < 1e-9, "{}", off(&found.velocity, 0.0, at_v));
+    assert!((found.at_rest - 3.5 / counted).abs() < 1e-9);
+    for ((i, j), density) in found.joint.indexed_iter() {
+        let [[a, b], [low, high]] = [(0, i), (1, j)].map(|(axis, k)| [0, 1].map(|n| found.joint_edges[axis][k + n]));
+        let (from, to) = (arrives(a).max(6.0 - high), arrives(b).min(6.0 - low));
+        let expected = (flight(to) - flight(from)).max(0.0);
+        assert!((density * (b - a) * (high - low) - expected).abs() < 1e-9, "{a} {low}: {density}, not {expected}");
+    }
+}
+
+/// x = 2 cos t, without friction: the time below x from any time to any other is a sum of arc cosines,
+/// which turning points at edges of bins, as here at -2 and 2, do not disturb.
+#[test]
+fn densities_of_a_sine_are_its_closed_form() {
+    let text = "oscillator = { mass = 1, stiffness = 1, damping = 0, force_per_temperature = 1 }
+         friction = { static = 0, dynamic = 0 }
+         initial.displacement = 2
+         time = { end = 17.3, output_step = 20 }
+         statistics.after = 1.234
+         record.density = true
+         ensemble.paths = 1
+         scheme.kind = \"event-driven\"";
+    let summary = run(&Scenario::parse("test", text, &[]).unwrap_or_else(|error| panic!("{error}")));
+    let found = densities(&summary);
+    // The time until t during which cos is below a share.
+    let below = |share: f64, t: f64| {
+        let (turns, rest) = ((t / std::f64::consts::TAU).floor(), t.rem_euclid(std::f64::consts::TAU));
+        let first = share.clamp(-1.0, 1.0).acos();
+        let length = std::f64::consts::TAU - 2.0 * first;
+        turns * length + (rest - first).clamp(0.0, length)
+    };
+    let quarter = 0.5 * std::f64::consts::PI;
+    let at_x = |x: f64| (below(x / 2.0, 17.3) - below(x / 2.0, 1.234)) / (17.3 - 1.234);
+    // x' = -2 sin t = 2 cos(t + pi/2).
+    let at_v = |v: f64| (below(v / 2.0, 17.3 + quarter) - below(v / 2.0, 1.234 + quarter)) / (17.3 - 1.234);
+    let [x, v] = [off(&found.displacement, 0.0, at_x), off(&found.velocity, 0.0, at_v)];
+    assert!(x < 1e-9 && v < 1e-9, "{x} {v}");
+}
+
+/// A step of a scheme with a step is its state, held for the step: the density is that of the rows at
+/// all steps, and so are its mean and variance.
+#[test]
+fn densities_of_a_stepping_scheme_are_those_of_its_steps() {
+    for scheme in ["discrete-vi", "corrected-vi"] {
+        let lines = format!("{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01", SCENES[0].1);
+        let mut scenario = scene(scheme, &lines, 4, [5.0, 20.0]);
+        (scenario.time.output_step, scenario.record.trajectories) = (0.01, 1);
+        let (summary, column) = recorded(&scenario);
+        let (x, v, held) = (column("displacement"), column("velocity"), 500..2000);
+        let resting: Vec<bool> = column("static").iter().map(|is| *is > 0.0).collect();
+        let found = densities(&summary);
+        let count = |of: &dyn Fn(usize) -> bool| held.clone().filter(|n| of(*n)).count() as f64 / 1500.0;
+        let at_x = off(&found.displacement, 0.0, |edge| count(&|n| x[n] < edge));
+        let at_v = off(&found.velocity, 0.0, |edge| count(&|n| !resting[n] && v[n] < edge));
+        assert!(at_x < 1e-9 && at_v < 1e-9, "{scheme}: {at_x} {at_v}");
+        assert!((found.at_rest - count(&|n| resting[n])).abs() < 1e-9, "{scheme}");
+    }
+}
+
+/// Under noise the time in a bin is that of the motion between events, here of 200 states in each of its
+/// segments, and its mean and variance are those of the motion but for the width of a bin.
+#[test]
+fn densities_under_noise_are_those_of_many_states_of_the_same_paths() {
+    let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", SCENES[1].1);
+    let scenario = scene("noise", &lines, 4, [6.7081, 20.037]);
+    let (timeline, paths) = (scenario.timeline(), [0, 1, 2, 3]);
+    let record = Record { density: true, ..Record::NOTHING };
+    let block = BlockObserver::new(&scenario.model, &timeline, &record, &paths, Replicate::Path);
+    let mut both = (Kept(vec![Default::default(); 4]), block);
+    assert!(scenario.scheme.simulation(&scenario.model, &timeline).simulate(4, &paths, &mut both).is_empty());
+    let summary = both.1.finish(0, 4, Vec::new()).totals.summary();
+    let found = densities(&summary);
+    let mut states = Vec::new();
+    for glide in both.0.0.iter().flat_map(|path| &path.1) {
+        for i in 0..200 {
+            let part = (f64::from(i) + 0.5) / 200.0;
+            let [way, v, _] = glide.at(part);
+            let time = glide.start + part * glide.length;
+            if timeline.after < time && time < timeline.end {
+                states.push(([glide.displacement + way, v], glide.length / 200.0 / (4.0 * timeline.counted())));
+            }
+        }
+    }
+    let share = |of: &dyn Fn([f64; 2]) -> bool| -> f64 { states.iter().filter(|s| of(s.0)).map(|s| s.1).sum() };
+    let at_v = off(&found.velocity, 0.0, |edge| share(&|[_, v]| v < edge));
+    assert!(at_v < 2e-5, "{at_v}");
+    let [rows, columns] = &found.joint_edges;
+    for ((i, j), density) in found.joint.indexed_iter() {
+        let expected = share(&|[x, v]| rows[i] <= x && x < rows[i + 1] && columns[j] <= v && v < columns[j + 1]);
+        let found = density * (rows[i + 1] - rows[i]) * (columns[j + 1] - columns[j]);
+        assert!((found - expected).abs() < 2e-5, "{i} {j}: {found} {expected}");
+    }
+}
+
+/// A run of a scenario, and the rows of its paths, one path after the other.
+fn recorded(scenario: &Scenario) -> (Summary, impl Fn(&str) -> Vec<f64>) {
+    let mut recorder = Recorder::default();
+    let outcome = Run::of(scenario).without_bias().into_sink(&mut recorder).simulate().expect("no sink fails");
+    let dataset = recorder.into_dataset();
+    let column = move |name: &str| match &dataset.entry(&format!("trajectory_{name}")).expect("recorded").column {
+        Column::F64(values) => values.clone(),
+        Column::I8(values) => values.iter().map(|value| f64::from(*value)).collect(),
+        other => panic!("{other:?}"),
+    };
+    (outcome.summary, column)
+}
+
+/// The definitions of autocovariance and spectrum, summed row by row, at lags up to half a segment and
+/// at frequencies up to the highest.
+#[test]
+fn autocovariance_and_spectrum_are_plain_sums_over_the_rows() {
+    let paths = 6;
+    let lines = format!("{}\n{NOISE}\nscheme.kind = \"event-driven\"", SCENES[0].1);
+    let mut scenario = scene("spectrum", &lines, 5, [10.1, 310.0]);
+    (scenario.ensemble.paths, scenario.time.output_step, scenario.record.trajectories) =
+        (paths as u64, 0.2, paths as u64);
+    scenario.record = Record { spectrum: true, energy: false, density: false, ..scenario.record };
+    let (summary, column) = recorded(&scenario);
+    let (rows, first) = (1551, 51);
+    // The counted rows are in two segments of L = 1000 that overlap by half.
+    let length = 1000;
+    let spectrum = summary.spectrum.as_ref().expect("asked for");
+    assert_eq!((spectrum.segments, spectrum.lag.len()), (2, length / 2));
+    let taper: Vec<f64> =
+        (0..length).map(|n| 0.5 - 0.5 * (std::f64::consts::TAU * (n as f64 + 0.5) / length as f64).cos()).collect();
+    for (values, found) in [(column("displacement"), &spectrum.displacement), (column("velocity"), &spectrum.velocity)]
+    {
+        let at = |path: usize, row: usize| values[path * rows + row];
+        let mean: Vec<f64> = (0..rows).map(|row| (0..paths).map(|p| at(p, row)).sum::<f64>() / paths as f64).collect();
+        let mut segments = Vec::new();
+        for path in 0..paths {
+            for start in [first, first + length / 2] {
+                let tapered = (0..length).map(|n| taper[n] * (at(path, start + n) - mean[start + n]));
+                segments.push(tapered.collect::<Vec<f64>>());
+            }
+        }
+        let weight = 2.0 * (paths as f64 - 1.0);
+        let product = |a: &[f64], lag: usize| a.iter().zip(&a[lag..]).map(|(a, b)| a * b).sum::<f64>();
+        let variance = found.autocovariance[0];
+        for lag in [0, 1, length / 4, length / 2 - 1] {
+            let sum: f64 = segments.iter().map(|segment| product(segment, lag)).sum();
+            let expected = sum / weight / product(&taper, lag);
+            let off = (found.autocovariance[lag] - expected).abs() / variance;
+            assert!(off < 1e-12, "lag {lag}: {} {expected}", found.autocovariance[lag]);
+        }
+        for k in [0, 1, 37, spectrum.frequency.len() - 1] {
+            let turn = spectrum.frequency[k] * 0.2;
+            let power = |segment: &Vec<f64>| {
+                let part = |wave: fn(f64) -> f64| -> f64 {
+                    segment.iter().enumerate().map(|(n, y)| y * wave(turn * n as f64)).sum()
+                };
+                part(f64::cos).powi(2) + part(f64::sin).powi(2)
+            };
+            let expected = 0.2 * segments.iter().map(power).sum::<f64>() / weight / product(&taper, 0);
+            let off = (found.spectrum[k] - expected).abs() / (found.spectrum[k] + 1e-12 * variance);
+            assert!(off < 1e-9, "frequency {k}: {} {expected}", found.spectrum[k]);
+        }
+    }
+}
