@@ -107,6 +107,7 @@ impl MotionFold {
                 return;
             }
         };
+        let mut more = Works::default();
         let is_followed = held.is_none() && !model.temperature.is_random();
         // The integral from the start until `from` is taken off, so that parts add up to the whole also
         // where Gauss's rule is not exact.
@@ -115,21 +116,25 @@ impl MotionFold {
             let part = until * node;
             let ([way, v, _], time) = (glide.at(part), glide.start + part * glide.length);
             let weight = sign * weight * until * glide.length * v;
-            works.damping += 2.0 * body.damping * v * weight;
+            more.damping += 2.0 * body.damping * v * weight;
             if model.force.is_some() {
-                works.own_force += own(time, glide.displacement + way, v) * weight;
+                more.own_force += own(time, glide.displacement + way, v) * weight;
             }
             if has_load {
-                works.friction += dry(time, glide.displacement + way, v, v) * weight;
+                more.friction += dry(time, glide.displacement + way, v, v) * weight;
             }
             if is_followed {
-                works.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;
+                more.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;
             }
         }
         if let Some(temperature) = held {
             let [start, end] = [from, to].map(|part| glide.at(part)[0]);
-            works.temperature += body.force_per_temperature() * temperature * (end - start);
+            more.temperature += body.force_per_temperature() * temperature * (end - start);
         }
+        works.temperature += more.temperature;
+        works.own_force += more.own_force;
+        works.damping += more.damping;
+        works.friction += more.friction;
         self.is_balanced |= held.is_none() && !is_followed;
     }
 

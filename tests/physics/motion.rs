@@ -84,11 +84,13 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
             {
                 let more = "temperature = { harmonics = [{ amplitude = 3, angular_frequency = 0.5 }], noise = { intensity = 0.3 } }
                      record = { energy = true, paths = false }
-                     statistics.levels = [1]
                      ensemble = { paths = 8 }
                      scheme = { kind = \"event-driven\" }";
                 let text = body([1.0, 0.1], [1.2, 1.0], [60.0, 0.0, 20.0], more);
-                scenario(&text.replace("dynamic = 1.0", "dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\""))
+                let mut scene =
+                    scenario(&text.replace("dynamic = 1.0", "dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\""));
+                scene.record.levels = PassageLevels::of(&[1.0]);
+                scene
             },
             [1e-4, 1e-4, 5e-3],
         ),
