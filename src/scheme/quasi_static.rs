@@ -309,10 +309,11 @@ impl Stretches for NoiselessRecursion {
         })
     }
 
-    fn glides(&self, part: &Part, duration: f64, tell: impl FnMut(Glide)) -> Resolved<()> {
+    /// The whole slip, so that its pieces do not depend on the end of the run.
+    fn glides(&self, part: &Part, _: f64, tell: impl FnMut(Glide)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
-            let until = duration.min(self.slip.response.duration);
-            self.slip.glides(part.start.value(), x, direction, excess, [0.0, until], tell);
+            let whole = [0.0, self.slip.response.duration];
+            self.slip.glides(part.start.value(), x, direction, excess, whole, tell);
         }
         Ok(())
     }

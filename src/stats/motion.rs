@@ -85,7 +85,9 @@ impl MotionFold {
     /// Add a piece of the motion, as far as it lies on the timeline.
     pub fn glide(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
         let [from, to] = counted_part(timeline, glide);
-        self.largest[1] = self.largest[1].max(glide.largest_speed(to));
+        if glide.start < timeline.end {
+            self.largest[1] = self.largest[1].max(glide.largest_speed(to));
+        }
         let is_counted = if let Along::Step { .. } = glide.along { self.is_counted } else { from < to };
         if !is_counted {
             return;

@@ -87,8 +87,7 @@ fn works_and_extremes_under_noise_are_those_of_the_finest_rows() {
                      ensemble = { paths = 8 }
                      scheme = { kind = \"event-driven\" }";
                 let text = body([1.0, 0.1], [1.2, 1.0], [60.0, 0.0, 20.0], more);
-                let mut scene =
-                    scenario(&text.replace("dynamic = 1.0", "dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\""));
+                let mut scene = scenario(&text.replace("dynamic = 1.0", "dynamic = 1.0, load = \"1 + 0.3*sin(2*x)\""));
                 scene.record.levels = PassageLevels::of(&[1.0]);
                 scene
             },
