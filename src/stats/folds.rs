@@ -67,7 +67,7 @@ impl PathFolds {
         for (lane, (path, &x)) in self.paths.iter_mut().zip(seen.displacement).enumerate() {
             match instant {
                 Instant::Counting => path.count_from_here(x),
-                Instant::End => end(lane, path.end(self.timeline.end, x)),
+                Instant::End => end(lane, path.end(seen.time, x)),
                 Instant::Output(_) | Instant::Period(_) => return,
             }
             path.friction_work = self.model.friction.dynamic_force * path.travel;

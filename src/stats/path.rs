@@ -203,8 +203,7 @@ impl PathFold {
         match self.now {
             Now::FirstStick => Some(Censored::FirstStick),
             _ if !self.is_counted => None,
-            // A step may end after the end.
-            Now::Stick => Some(Censored::Stick((time - self.stick_entered).max(0.0))),
+            Now::Stick => Some(Censored::Stick(time - self.stick_entered)),
             Now::Slip => Some(Censored::Slip),
         }
     }
