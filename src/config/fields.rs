@@ -50,9 +50,9 @@ impl ValueAt<'_> {
         let Some(value) = value else { return Err(self.wrong_kind(allowed, remedy)) };
         let problem = match value {
             x if x.is_nan() => "is not a number".to_string(),
-            x if x.is_infinite() => "is not finite".to_string(),
+            x if x.is_infinite() && (x < 0.0 || key.range != Allowed::StaticThreshold) => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
-            x if x.abs() > LARGEST && key.range != Allowed::Threshold => {
+            x if x.abs() > LARGEST && !matches!(key.range, Allowed::Threshold | Allowed::StaticThreshold) => {
                 let problem = format!("is above {LARGEST:e}, too large to compute with");
                 return Err(self.fault(problem, format!("choose units in which it is closer to 1, or {remedy}")));
             }
