@@ -19,6 +19,7 @@ use super::super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, w
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
 use super::super::stretch::{End, Stretch, Stretches};
+use super::collocation::Collocation;
 use super::forces::{Forces, LocalTemperature};
 use super::slip_motion::{Kinematics, SlipMotion};
 use super::slip_search::first_stop;
@@ -62,6 +63,10 @@ pub struct GeneralNoiseless {
     longest: f64,
     /// The fastest time scale that is known.
     span: f64,
+    /// The rules for a body that is damped strongly.
+    collocation: Option<Collocation>,
+    /// The fastest time scale, that of a strong damping apart.
+    span_of_forces: f64,
     pub tolerance: f64,
     /// The number of evaluations that the path may make.
     pub work_limit: u64,
@@ -87,8 +92,11 @@ impl GeneralNoiseless {
         let rate = forces.fastest_rate(timeline.end);
         let longest = if rate > 0.0 { FIRST / rate } else { f64::INFINITY }.min(timeline.end / FEWEST);
         let forces = forces.with_kinks(timeline.end, longest);
-        let fastest = rate.max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
-        let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
+        let damping_rate = 2.0 * oscillator.damping / oscillator.mass;
+        let collocation = Collocation::for_rates(damping_rate, rate.max(own), timeline.end);
+        let span_of = |rate: f64| if rate > 0.0 { 1.0 / rate } else { timeline.end.max(f64::MIN_POSITIVE) };
+        let span = span_of(rate.max(own).max(damping_rate.abs()));
+        let span_of_forces = if collocation.is_some() { span_of(rate.max(own)) } else { span };
         let is_searched = forces.own.depends_on_time() || forces.own.has_load() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
             let mut undamped = model.clone();
@@ -102,6 +110,8 @@ impl GeneralNoiseless {
             sticks,
             longest,
             span,
+            collocation,
+            span_of_forces,
             tolerance: TOLERANCE,
             work_limit: work_limit(WITHOUT_NOISE),
         }
@@ -197,7 +207,8 @@ impl GeneralNoiseless {
     /// The equation of motion of a sub-phase that begins at x.
     fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign, x: f64) -> SlipMotion<'a> {
         let start = temperature.start.value();
-        let rounding = if self.forces.own.depends_on_time() { ROUNDING_OF_TIME * start / self.span } else { 0.0 };
+        let rounding =
+            if self.forces.own.depends_on_time() { ROUNDING_OF_TIME * start / self.span_of_forces } else { 0.0 };
         let mut motion = SlipMotion {
             forces: &self.forces,
             temperature,
@@ -206,6 +217,7 @@ impl GeneralNoiseless {
             mass: self.model.oscillator.mass,
             tolerance: self.tolerance.max(rounding),
             shortest: SHORTEST * self.span,
+            collocation: self.collocation.as_ref(),
         };
         let of_inputs = self.forces.rounding_of_inputs(x, start);
         if of_inputs > 0.0 {
