@@ -140,6 +140,7 @@ fn scenes() -> Vec<(String, Model, f64)> {
         m.initial_displacement = 5.0;
     });
     add("no dynamic friction", &|m| m.friction.dynamic_force = 0.0);
+    add("strong damping", &|m| m.oscillator.damping = 5000.0);
     add("starts outside", &|m| m.initial_displacement = 12.0);
     add("a phase, a constant and a mean that relaxes", &|m| {
         m.temperature.harmonics[0].phase = 0.7;
