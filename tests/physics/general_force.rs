@@ -129,6 +129,10 @@ fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
         println!("{event:?}: off by {:e} {:e}", event.time - time, event.displacement - x);
         assert!((event.time - time).abs() < 1e-7 && (event.displacement - x).abs() < 1e-10, "{event:?}");
     }
+    let noisy = text.replace("dilatation = 0", "force_per_temperature = 1");
+    let noisy = scenario(&noisy.replace("[force]", "temperature.noise.intensity = 1\n[force]"));
+    let warns = |of: &Scenario| of.warnings().iter().any(|warning| warning.name() == "stiff-damping");
+    assert!(warns(&noisy) && !warns(&scenario(text)));
 }
 
 /// Negative damping and friction: from below A = (f_d/K) (q + 1)/(q - 1), q = exp(-pi z/sqrt(1 -

@@ -35,6 +35,9 @@ const TOLERANCE: f64 = 1e-13;
 /// size does not converge.
 const ROUNDING_OF_TIME: f64 = 8.0 * f64::EPSILON;
 
+/// The stairs of inputs, as a fraction of the time.
+const STAIRS: f64 = 4.0 * f64::EPSILON;
+
 /// The shortest step of a slip, as a fraction of the fastest time scale that is known.
 const SHORTEST: f64 = 1e-12;
 
@@ -217,12 +220,15 @@ impl GeneralNoiseless {
             mass: self.model.oscillator.mass,
             tolerance: self.tolerance.max(rounding),
             shortest: SHORTEST * self.span,
+            stairs: 0.0,
             collocation: self.collocation.as_ref(),
         };
         let of_inputs = self.forces.rounding_of_inputs(x, start);
         if of_inputs > 0.0 {
             let rest = Kinematics { after: 0.0, displacement: x, velocity: 0.0, acceleration: 0.0 };
             motion.tolerance = motion.tolerance.max(of_inputs / (motion.mass * motion.size(&rest)));
+            motion.stairs = STAIRS * start;
+            motion.shortest = motion.shortest.max(motion.stairs);
         }
         motion
     }

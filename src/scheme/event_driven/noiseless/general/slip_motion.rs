@@ -42,6 +42,9 @@ pub struct SlipMotion<'a> {
     pub tolerance: f64,
     /// The shortest step.
     pub shortest: f64,
+    /// The rounding of the time of inputs, which change in stairs of this length; 0 where there are
+    /// none.
+    pub stairs: f64,
     /// The rules for a body that is damped strongly.
     pub collocation: Option<&'a Collocation>,
 }
