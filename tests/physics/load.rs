@@ -320,11 +320,9 @@ fn every_event_is_that_of_a_plain_integrator_on_the_same_noise() {
     const SPACING: f64 = 2e-5;
     for written in &WRITTEN {
         let name = [written.name, written.more][usize::from(!written.more.is_empty())];
-        let text = format!(
-            "temperature.noise.intensity = 0.3\nscheme.tolerance = 1e-6\ntime.end = 10\nrecord.energy = true
-             time.output_step = {SPACING:e}\nensemble.paths = 1\nensemble.seed = 5"
-        );
-        let scenario = written.scenario(&text);
+        let text = "temperature.noise.intensity = 0.3\nscheme.tolerance = 1e-6\ntime.end = 10\nrecord.energy = true
+             ensemble.paths = 1\nensemble.seed = 5";
+        let scenario = written.scenario(text);
         let mut keep = Keep::lanes(1);
         let simulation = scenario.scheme.simulation(&scenario.model, &timeline(10.0, SPACING));
         assert_eq!(simulation.simulate(5, &[0], &mut keep), Vec::<usize>::new());
@@ -403,7 +401,7 @@ fn a_threshold_out_of_reach_takes_no_digits_off_the_other_one() {
     let noise = "temperature.noise.intensity = 0.3\ntime.end = 20";
     for sign in [1.0, -1.0] {
         let wanted = events(&scene("30", sign, noise));
-        assert!(wanted.len() > 20 && wanted.iter().all(|event| event.kind != far_slip(sign)), "{wanted:?}");
+        assert!(wanted.len() > 4 && wanted.iter().all(|event| event.kind != far_slip(sign)), "{wanted:?}");
         for far in ["820", "1e4", "1e9", "inf"] {
             for scheme in [
                 Scheme::from(EventDriven { tolerance: 1e-3 }),
