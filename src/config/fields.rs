@@ -48,11 +48,14 @@ impl ValueAt<'_> {
         }
         let value = self.node.number().or(named.ok().flatten());
         let Some(value) = value else { return Err(self.wrong_kind(allowed, remedy)) };
+        // 1e999 is a mistake.
+        let is_word = matches!(&self.node.value, Value::Float(text) if text.ends_with("inf"));
+        let is_never = is_word && key.range == Allowed::StaticThreshold;
         let problem = match value {
             x if x.is_nan() => "is not a number".to_string(),
-            x if x.is_infinite() => "is not finite".to_string(),
+            x if x.is_infinite() && !(x > 0.0 && is_never) => "is not finite".to_string(),
             x if !key.range.holds(x) => format!("is out of range: it must be {allowed}"),
-            x if x.abs() > LARGEST && key.range != Allowed::Threshold => {
+            x if x.abs() > LARGEST && !matches!(key.range, Allowed::Threshold | Allowed::StaticThreshold) => {
                 let problem = format!("must not exceed {LARGEST:e}");
                 return Err(self.fault(problem, format!("choose units in which it is closer to 1, or {remedy}")));
             }

@@ -71,7 +71,8 @@ pub(super) fn force(
     let oscillator = absorbed.unwrap_or(oscillator);
     let own = own.filter(|_| absorbed.is_none());
     let is_sided = own.as_ref().is_some_and(|own| own.reversed().is_some());
-    let force = if load.is_some() || is_sided || friction[0] != friction[1] {
+    let is_plain = friction[0] == friction[1] && friction[0].static_force.is_finite();
+    let force = if load.is_some() || is_sided || !is_plain {
         let [own, load] = [own, load].map(|given| given.map(by_direction));
         Some(Force::with_friction(own.unwrap_or_else(|| [0; 2].map(|_| Force::none())), load, friction))
     } else {

@@ -2,9 +2,9 @@
 
 use crate::scenario::MAX_PHASE;
 use crate::scheme::TOLERANCES;
-use Allowed::{Any, NonNegative, Phase, Positive, Threshold, Tolerance};
+use Allowed::{Any, NonNegative, Phase, Positive, StaticThreshold, Threshold, Tolerance};
 
-/// The range of numbers that a key accepts. Infinities and NaN are never accepted.
+/// The range of numbers that a key accepts. NaN is never accepted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) enum Allowed {
     /// The key holds no number.
@@ -15,6 +15,8 @@ pub(super) enum Allowed {
     /// A friction threshold, at least 0. It has no upper limit, because a threshold that no force
     /// reaches does not enter the computation.
     Threshold,
+    /// A friction threshold that is infinite where it is never reached.
+    StaticThreshold,
     /// A phase in radians that has not lost its digits.
     Phase,
     Tolerance,
@@ -26,7 +28,7 @@ impl Allowed {
             Allowed::None => false,
             Any => true,
             Positive => x > 0.0,
-            NonNegative | Threshold => x >= 0.0,
+            NonNegative | Threshold | StaticThreshold => x >= 0.0,
             Phase => x.abs() <= MAX_PHASE,
             Tolerance => TOLERANCES.contains(&x),
         }
@@ -47,6 +49,7 @@ impl Allowed {
             Any => "a finite number",
             Positive => "a finite number above 0",
             NonNegative | Threshold => "a finite number, 0 or above",
+            StaticThreshold => "a number, 0 or above, or inf for a threshold that is never reached",
             Phase => "a phase from -1e13 to 1e13, the limit of double precision",
             Tolerance => "a number from 1e-9 to 0.1",
         }
@@ -115,7 +118,7 @@ keys! {
             "force_per_temperature", "c", "force c T on the body, instead of a dilatation", Any);
     }
     "friction" {
-        STATIC = number("static", "f_s", "the body sticks while |b| <= f_s", Threshold);
+        STATIC = number("static", "f_s", "the body sticks while |b| <= f_s", StaticThreshold);
         DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
         LOAD = other("load", "expression that multiplies f_s and f_d, at least 0");
         LOAD_PARAMETERS = table("parameters");

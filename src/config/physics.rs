@@ -71,7 +71,7 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         force(sources, root, oscillator, friction, &inputs);
     measured.extend(inputs.into_iter().map(|(input, _)| input));
     let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
-    let [friction, _] = friction;
+    let friction = Friction::weaker(friction);
     let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
     Physics { model, measured, is_balanced, white_noise, written_force, unused }
 }

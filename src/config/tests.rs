@@ -323,7 +323,9 @@ fn numbers_that_are_not_finite_are_refused_everywhere() {
         "time.step",
         "time.output_step",
     ] {
-        for value in ["nan", "-nan", "inf", "-inf", "1e999"] {
+        let values = ["nan", "-nan", "inf", "-inf", "1e999"];
+        // A body that never slides has an infinite threshold.
+        for value in values.into_iter().filter(|value| (key, *value) != ("friction.static", "inf")) {
             let fault = fault(base(&[&format!("{key}={value}")]));
             assert_eq!(fault.key.as_deref(), Some(key), "{key}={value}: {fault}");
             assert!(fault.problem.starts_with("is not "), "{key}={value}: {fault}");

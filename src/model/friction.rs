@@ -1,5 +1,7 @@
 //! Coulomb friction with two thresholds, and the proximal map that solves one discrete step of it.
 
+use super::Sign;
+
 /// The two thresholds f_s and f_d, with 0 <= f_d <= f_s.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Friction {
@@ -7,6 +9,30 @@ pub struct Friction {
     pub static_force: f64,
     /// f_d, a force: |F| while x' != 0.
     pub dynamic_force: f64,
+}
+
+impl Friction {
+    /// The threshold that stands for an infinite one: out of reach, and its fourth power is finite.
+    pub const NEVER: f64 = 1e70;
+
+    /// Of friction forwards and backwards, that with the smaller f_s, which is made finite.
+    pub fn weaker([forwards, backwards]: [Friction; 2]) -> Friction {
+        let weaker = if backwards.static_force < forwards.static_force { backwards } else { forwards };
+        let static_force = if weaker.static_force.is_finite() { weaker.static_force } else { Friction::NEVER };
+        Friction { static_force, ..weaker }
+    }
+}
+
+/// The direction in which a body at rest is let go, where the force b exceeds a limit, up or down.
+#[inline(always)]
+pub fn let_go(b: f64, [up, down]: [f64; 2]) -> Option<Sign> {
+    if b > up {
+        Some(Sign::Positive)
+    } else if -b > down {
+        Some(Sign::Negative)
+    } else {
+        None
+    }
 }
 
 /// The soft threshold: the unique V with

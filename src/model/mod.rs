@@ -40,7 +40,7 @@ pub use force::{
     Doubt, Expression, ExpressionError, Force, ForceLaw, Hold, Linear, Scales, Sides, Steepest, beyond_hold, doubts,
     steepest,
 };
-pub use friction::{Friction, prox};
+pub use friction::{Friction, let_go, prox};
 #[doc(hidden)]
 pub use harmonic_clock::HarmonicClock;
 #[doc(hidden)]
@@ -82,14 +82,13 @@ impl Model {
         self.own_force(time, displacement, velocity).map_or(linear, |own| linear + own)
     }
 
-    /// What friction holds in a stick at x, where the temperature has this value: b and its limit,
-    /// so that the stick lasts while |b| is at most that. Where the limit depends on the direction, b
-    /// is less the middle of both limits.
-    pub fn held(&self, time: f64, temperature: f64, displacement: f64) -> [f64; 2] {
+    /// The direction in which a body at rest at x is let go, where the temperature has this value;
+    /// none where friction holds it.
+    pub fn let_go(&self, time: f64, temperature: f64, displacement: f64) -> Option<Sign> {
         let linear = self.oscillator.force(temperature, displacement, 0.0);
         let hold = self.force.as_ref().map(|force| force.hold(InstructionSet::detect(), displacement, time));
         let Hold { pull, excess } = hold.unwrap_or_default();
-        [linear + pull, self.friction.static_force + excess]
+        let_go(linear + pull, excess.map(|excess| self.friction.static_force + excess))
     }
 
     /// The force of friction in a slip in this direction.

@@ -4,9 +4,14 @@
 use super::limits::MAX_PHASE;
 use super::time::check_end;
 use super::{Ensemble, Scenario, Statistics, WrittenForce};
-use crate::model::{Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Temperature, can_be_computed_with};
+use crate::model::{
+    Drive, Friction, Harmonic, InitialNoise, LARGEST, Model, Noise, Series, Temperature, can_be_computed_with,
+};
 use crate::scheme::{Misfit, Scheme, divergence_bound};
 use stickslip_data::numbers::short;
+
+/// Samples this close, as a share of the whole series, are two values at the same time.
+const CLOSEST: f64 = 1e-12;
 
 impl Scenario {
     /// Check that the values go together. Each of them must already be in its own range.
@@ -39,13 +44,21 @@ impl Scenario {
         found.into_iter().map(|misfit| self.as_written(misfit)).collect()
     }
 
-    /// A measured temperature and every input has samples up to t_end.
+    /// A measured temperature and every input has samples up to t_end, which are not too close.
     fn series(&self) -> Option<Misfit> {
         let end = self.time.end;
         let temperature =
             self.model.temperature.series.iter().map(|series| ("the measured temperature".into(), series));
         let inputs = self.measured.iter().filter_map(|of| Some((format!("the input `{}`", of.input()?), &of.series)));
-        let (what, series) = temperature.chain(inputs).find(|(_, series)| end > series.end())?;
+        let all: Vec<(String, _)> = temperature.chain(inputs).collect();
+        let close =
+            |series: &Series| Some(series.times().windows(2).find(|t| t[1] - t[0] < CLOSEST * series.end())?[1]);
+        if let Some((what, time)) = all.iter().find_map(|(what, series)| Some((what, close(series)?))) {
+            let problem =
+                format!("{what} has a sample at {time:e} that is within {CLOSEST:e} of its length from the one before");
+            return Some(Misfit::new(&[], problem, "remove one of these samples, or move them apart"));
+        }
+        let (what, series) = all.into_iter().find(|(_, series)| end > series.end())?;
         let problem = format!("`time.end` = {end:?} is beyond the last sample of {what}, at {:?}", series.end());
         let remedy = "lower `time.end`, or leave it out to end with the series";
         Some(Misfit::new(&[("time.end", end)], problem, remedy))

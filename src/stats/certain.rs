@@ -30,13 +30,13 @@ impl Certain {
         let is_thrown = *initial_velocity != 0.0;
         let start =
             is_thrown || oscillator.force_per_temperature() == 0.0 || temperature.effective_noises().all(is_given);
-        let [force, limit] = model.held(0.0, temperature.mean(0.0), *initial_displacement);
+        let is_let_go = model.let_go(0.0, temperature.mean(0.0), *initial_displacement).is_some();
         let has_load = model.has_load();
         let is_random = temperature.is_random() && oscillator.force_per_temperature() != 0.0;
         Certain {
             everything: !is_random || timeline.end == 0.0,
             start,
-            first_stick: is_thrown || start && force.abs() > limit,
+            first_stick: is_thrown || start && is_let_go,
             never_sticks: friction.static_force == 0.0 && !has_load,
             frictionless: friction.dynamic_force == 0.0 && !has_load,
             drift: model.long_run_drift(),

@@ -102,6 +102,39 @@ fn a_forced_body_settles_to_the_amplitude_of_den_hartog() {
     assert!((found - 4.303_857_833_795_083_5).abs() < 1e-9, "{found}");
 }
 
+/// A control valve, whose damping settles the velocity in 1/78125 s and which follows a force that
+/// takes 10 s, with friction that falls within vs = 0.5 mm/s. Its events are those of scipy's Radau
+/// with a tolerance of 1e-9.
+#[test]
+fn a_strongly_damped_body_follows_its_force_and_not_its_damping() {
+    let text = "oscillator = { mass = 1.6, stiffness = 210490, dilatation = 0, damping = 62500 }
+         friction = { static = 780, dynamic = 780 }
+         initial.displacement = 0
+         time.end = 40
+         scheme.kind = \"event-driven\"
+         [force]
+         expression = \"A*(p + q*(1 - cos(w*t))/2) - F + 80*(1 - exp(-(xdot/vs)^2))*sign(xdot)\"
+         parameters = { A = 0.0445, p = 41368, q = 138632, w = 0.628318530717958, F = 2550, vs = 5e-4 }";
+    let found = events(&scenario(text));
+    let wanted = [
+        (1.634_809_858_8, 0.0),
+        (5.453_816_479_3, 0.021_642_160_065),
+        (6.750_197_794_4, 0.021_642_160_065),
+        (10.453_346_928_7, 0.000_927_178_861_5),
+        (11.750_049_640_6, 0.000_927_178_861_5),
+        (15.453_347_606_2, 0.021_643_373_806),
+    ];
+    assert_eq!(found.len(), 15, "{found:?}");
+    for (event, (time, x)) in found.iter().zip(wanted) {
+        println!("{event:?}: off by {:e} {:e}", event.time - time, event.displacement - x);
+        assert!((event.time - time).abs() < 1e-7 && (event.displacement - x).abs() < 1e-10, "{event:?}");
+    }
+    let noisy = text.replace("dilatation = 0", "force_per_temperature = 1");
+    let noisy = scenario(&noisy.replace("[force]", "temperature.noise.intensity = 1\n[force]"));
+    let warns = |of: &Scenario| of.warnings().iter().any(|warning| warning.name() == "stiff-damping");
+    assert!(warns(&noisy) && !warns(&scenario(text)));
+}
+
 /// Negative damping and friction: from below A = (f_d/K) (q + 1)/(q - 1), q = exp(-pi z/sqrt(1 -
 /// z^2)), the body comes to rest, and from above it runs away.
 #[test]

@@ -22,13 +22,36 @@ fn mean_speed(strength: f64, friction: f64, damping: f64, theta: &str) -> [f64; 
 /// that is 2 times too large makes the mean larger by a half or more.
 #[test]
 fn a_body_in_white_noise_has_the_speed_of_its_stationary_law() {
-    for (strength, friction, damping) in [(0.5, 1.0, 0.0), (2.0, 1.5, 0.0), (0.5, 1.0, 0.25)] {
+    for (strength, friction, damping) in [(0.5, 1.0, 0.0), (0.5, 0.3, 1.0)] {
         let weight = |v: f64| (-(damping * v * v + friction * v) / strength).exp();
         let nodes = (0..400_000).map(|i| 1e-4 * (f64::from(i) + 0.5));
         let [mass, mean] = nodes.fold([0.0; 2], |[mass, mean], v| [mass + weight(v), mean + v * weight(v)]);
         let [found, error] = mean_speed(strength, friction, damping, "");
         println!("{found:.4} +- {error:.4}, {:.4}", mean / mass);
         assert!((found - mean / mass).abs() < 4.0 * error + 0.002 * found, "{found} +- {error}, {}", mean / mass);
+    }
+}
+
+/// What is simulated has the strength D = (rho sigma/theta)^2/2, and forgets in the tolerance, 0.001,
+/// of the shortest time in which the body does: by friction D/f^2, by the spring 1/w0, or by damping
+/// m/(2 alpha).
+#[test]
+fn white_noise_has_its_strength_and_forgets_far_faster_than_the_body() {
+    for (strength, friction, [stiffness, damping], memory) in [
+        (0.5, 1.0, [0.0, 0.25], 0.5),
+        (0.5, 0.3, [0.0, 1.0], 0.5),
+        (0.5, 0.3, [16.0, 0.5], 0.25),
+        (0.5, 0.0, [1.0, 2.5], 0.2),
+    ] {
+        let more = format!(
+            "temperature.noise = {{ kind = \"white\", strength = {strength:?} }}
+             scheme = {{ kind = \"event-driven\" }}"
+        );
+        let scene = scenario(&body([stiffness, damping], [friction; 2], [60.0, 10.0, 60.0], &more));
+        let noise = scene.model.temperature.noises[0];
+        let found = (noise.intensity * noise.diffusion / noise.relaxation_rate).powi(2) / 2.0;
+        assert!((found / strength - 1.0).abs() < 1e-12, "{noise:?}");
+        assert!((noise.relaxation_rate * memory / 1e3 - 1.0).abs() < 1e-12, "{noise:?}, {memory}");
     }
 }
 

@@ -3,6 +3,8 @@
 use super::case::Case;
 use super::steepness::{expression, scales};
 use crate::model::{Doubt, beyond_hold, doubts};
+use crate::numbers::short;
+use crate::scheme::Kind;
 
 /// The expression has a jump, or grows faster than linearly and does not confine. The paper's
 /// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most
@@ -25,4 +27,25 @@ pub(super) fn beyond_hold_of(case: &Case) -> Option<String> {
     let expression = expression(case.scenario)?;
     let model = &case.scenario.model;
     beyond_hold(expression, scales(case.scenario, &case.derived), &model.oscillator, model.friction.dynamic_force)
+}
+
+/// Slip steps of a path under noise that may be too many.
+const MANY_STEPS: f64 = 1e6;
+
+/// Under noise, slips under a force of the user's own are simulated in steps that resolve a damping
+/// which settles the velocity at once.
+pub(super) fn stiff_damping(case: &Case) -> Option<String> {
+    let (model, end) = (&case.scenario.model, case.scenario.time.end);
+    let rate = model.oscillator.damping_rate();
+    let is_noisy = model.temperature.is_random() && model.oscillator.force_per_temperature() != 0.0;
+    let is_general = case.scenario.scheme.kind() == Kind::EventDriven && model.force.is_some();
+    let steps = 2.0 * rate * end;
+    (is_noisy && is_general && steps > MANY_STEPS).then(|| {
+        format!(
+            "slip steps under noise resolve the damping, m/alpha = {}: up to {} steps of a path, which may be given up. \
+             Raise `oscillator.mass`, on which the motion does not depend while alpha/m is far above sqrt(K/m)",
+            short(1.0 / rate),
+            short(steps)
+        )
+    })
 }

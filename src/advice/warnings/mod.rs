@@ -85,6 +85,7 @@ const ALL: &[WarningRow] = &[
     row("forcing-during-slip", Class::Approximation, quasi_static::forcing_during_slip),
     row("creep", Class::Approximation, quasi_static::creep),
     rows("doubtful-force", Class::Other, force::doubtful),
+    row("stiff-damping", Class::Other, force::stiff_damping),
     row("never-slips", Class::Other, question::never_slips),
     row("identical-paths", Class::Other, question::identical_paths),
     row("no-dilatation", Class::Other, question::no_dilatation),

@@ -11,7 +11,9 @@
 //!         and downwards where b is below -f_s, with g + (f_s(-) L - f_s)
 //! ```
 //!
-//! A negative load is not a number, so that it ends a path like a force that has no value.
+//! f_s and f_d are those of the direction with the smaller f_s ([`Friction::weaker`]), so that a
+//! threshold that is never reached takes no digits off the one that is. A negative load is not a
+//! number, so that it ends a path like a force that has no value.
 
 use super::{AnyLaw, Force, ForceLaw};
 use crate::lanes::{InstructionSet, Lanes};
@@ -26,16 +28,17 @@ pub struct Sides {
     load: Option<[Force; 2]>,
     friction: [Friction; 2],
     slip: [Force; 2],
-    stick: [Force; 2],
+    stick: [Arc<Held>; 2],
+    stick_forces: [Force; 2],
 }
 
 /// The forces in a stick on which friction decides.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Hold {
-    /// What takes the place of g, so that both thresholds are at one distance.
+    /// g at rest; where it depends on the direction, the mean of both.
     pub pull: f64,
-    /// This distance, less f_s.
-    pub excess: f64,
+    /// How much the limits of b and of -b exceed f_s.
+    pub excess: [f64; 2],
 }
 
 impl Force {
@@ -48,18 +51,21 @@ impl Force {
         self.law.as_any().is::<Nothing>()
     }
 
-    /// A force `own` beside friction with a load, each forwards and backwards. The forward friction
-    /// must be that of the model.
+    /// A force `own` beside friction with a load, each forwards and backwards. The friction of the
+    /// model must be [`Friction::weaker`] of both.
     pub fn with_friction(own: [Force; 2], load: Option<[Force; 2]>, friction: [Friction; 2]) -> Self {
+        let weaker = Friction::weaker(friction);
         let held = |i: usize, of: fn(Friction) -> f64| {
-            let (sign, at_one, base) = ([1.0, -1.0][i], of(friction[i]), of(friction[0]));
+            let (sign, at_one, base) = ([1.0, -1.0][i], of(friction[i]), of(weaker));
             let load = load.as_ref().map(|load| load[i].clone());
-            Force::of(Arc::new(Held { own: own[i].clone(), load, sign, at_one, base }), None)
+            Arc::new(Held { own: own[i].clone(), load, sign, at_one, base })
         };
-        let slip = [0, 1].map(|i| held(i, |friction| friction.dynamic_force));
+        let force = |held: Arc<Held>| Force::of(held, None);
+        let slip = [0, 1].map(|i| force(held(i, |friction| friction.dynamic_force)));
         let stick = [0, 1].map(|i| held(i, |friction| friction.static_force));
+        let stick_forces = stick.clone().map(force);
         let law = Arc::new(Facing(own.clone()));
-        Force::of(law, Some(Arc::new(Sides { own, load, friction, slip, stick })))
+        Force::of(law, Some(Arc::new(Sides { own, load, friction, slip, stick, stick_forces })))
     }
 
     /// The forces by direction, if friction has a load, or the force a direction.
@@ -76,17 +82,22 @@ impl Force {
     /// What takes the place of g at the two thresholds of a stick.
     #[inline(always)]
     pub fn in_stick(&self) -> [&Force; 2] {
-        self.sides.as_ref().map_or([self; 2], |sides| sides.stick.each_ref())
+        self.sides.as_ref().map_or([self; 2], |sides| sides.stick_forces.each_ref())
     }
 
     /// The forces in a stick at x.
     #[inline(always)]
     pub fn hold(&self, instructions: InstructionSet, x: f64, time: f64) -> Hold {
-        if self.sides.is_none() {
-            return Hold { pull: self.at(instructions, x, 0.0, time), excess: 0.0 };
-        }
-        let [up, down] = self.in_stick().map(|force| force.at(instructions, x, 0.0, time));
-        Hold { pull: 0.5 * (up + down), excess: 0.5 * (down - up) }
+        let Some(sides) = &self.sides else {
+            return Hold { pull: self.at(instructions, x, 0.0, time), excess: [0.0; 2] };
+        };
+        let own = sides.own.each_ref().map(|force| force.at(instructions, x, 0.0, time));
+        let pull = 0.5 * (own[0] + own[1]);
+        let excess = [0, 1].map(|i| {
+            let held = &sides.stick[i];
+            held.excess(held.load(instructions, x, 0.0, time)) - held.sign * (own[i] - pull)
+        });
+        Hold { pull, excess }
     }
 }
 
@@ -154,15 +165,25 @@ impl Held {
     }
 
     #[inline(always)]
+    fn load(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
+        self.load.as_ref().map_or(1.0, |load| load.at(instructions, x, velocity, time))
+    }
+
+    /// How much friction exceeds its constant. An infinite threshold is infinite under any load.
+    #[inline(always)]
+    fn excess(&self, load: f64) -> f64 {
+        if load >= 0.0 { (self.at_one * load).min(Friction::NEVER) - self.base } else { f64::NAN }
+    }
+
+    #[inline(always)]
     fn value(&self, own: f64, load: f64) -> f64 {
-        if load < 0.0 { f64::NAN } else { own - self.sign * (self.at_one * load - self.base) }
+        own - self.sign * self.excess(load)
     }
 }
 
 impl AnyLaw for Held {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        let load = self.load.as_ref().map_or(1.0, |load| load.at(instructions, x, velocity, time));
-        self.value(self.own.at(instructions, x, velocity, time), load)
+        self.value(self.own.at(instructions, x, velocity, time), self.load(instructions, x, velocity, time))
     }
 
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8] {

@@ -35,10 +35,10 @@ impl GridReader {
             let at = state.point(lane);
             let force = kernel.force(&at, forcing, 0);
             let pulls = kernel.pulls(&State { v: 0.0, ..at }, forcing, 0);
-            if at.v == 0.0 && kernel.holds(pulls, kernel.coefficients.static_impulse) {
+            let let_go = kernel.let_go(pulls, kernel.coefficients.static_impulse);
+            let Some(sign) = (if at.v == 0.0 { let_go } else { Some(Sign::of(at.v)) }) else {
                 return Phase::Static;
-            }
-            let sign = Sign::of(if at.v == 0.0 { pulls[0] + pulls[1] } else { at.v });
+            };
             let event = Event { kind: EventKind::SlipStarted(sign), time: 0.0, displacement: at.x, force };
             if !force.is_finite() {
                 forceless.push(lane);
@@ -56,7 +56,7 @@ impl GridReader {
         let exit = kernel.coefficients.exit_impulse;
         self.phases.iter().enumerate().map(move |(lane, phase)| {
             let at = State { v: 0.0, ..state.point(lane) };
-            *phase == Phase::Static && kernel.holds(kernel.pulls(&at, forcing, n), exit)
+            *phase == Phase::Static && kernel.let_go(kernel.pulls(&at, forcing, n), exit).is_none()
         })
     }
 
@@ -76,7 +76,8 @@ impl GridReader {
             let at_rest = || {
                 let pulls = kernel.pulls(&turn.after, forcing[behind], n + behind as u64);
                 // A static phase here means V = 0 at the next step.
-                EventKind::at_rest(kernel.holds(pulls, kernel.coefficients.static_impulse), pulls[0] + pulls[1])
+                let let_go = kernel.let_go(pulls, kernel.coefficients.static_impulse);
+                let_go.map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary)
             };
             let Some(kind) = self::read(*phase, turn, at_rest) else { continue };
             *phase = kind.phase();

@@ -57,7 +57,7 @@ impl UserForce {
         }
     }
 
-    /// g(x, 0, t) in a stick, and how much the limit of b differs from f_s.
+    /// g(x, 0, t) in a stick, and how much the limits of b and -b differ from f_s.
     #[inline(always)]
     pub fn hold(&self, x: f64, time: f64) -> Hold {
         self.0.as_ref().map_or(Hold::default(), |(force, set)| force.hold(*set, x, time))

@@ -206,7 +206,11 @@ impl<'a> Sitting<'a> {
     /// The message where every path was lost.
     fn all_lost(&self, outcome: &Outcome) -> String {
         let Model { force, oscillator, .. } = &self.scenario.model;
+        let first = outcome.summary.diverged.first();
+        let why = first.and_then(|path| self.scenario.plan().why_lost(*path, self.stop));
+        let is_resolved = why.as_ref().is_none_or(|given_up| given_up.why == Unresolved::NoNumber);
         let cause = match force {
+            _ if !is_resolved => "",
             Some(force) if force.sides().is_some() => {
                 ". A possible cause is a negative `friction.load`; use `max(.., 0)`"
             }
@@ -219,8 +223,6 @@ impl<'a> Sitting<'a> {
             }
             None => "",
         };
-        let first = outcome.summary.diverged.first();
-        let why = first.and_then(|path| self.scenario.plan().why_lost(*path, self.stop));
         let lost = match &why {
             None => "every path diverged, so there are no statistics".to_string(),
             Some(why) => format!("every path was given up, so there are no statistics; of the first, {why}"),

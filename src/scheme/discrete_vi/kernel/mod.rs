@@ -4,7 +4,7 @@ mod forced;
 
 use super::corrected_exit;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
-use crate::model::{Force, Model, Temperature};
+use crate::model::{Force, Model, Sign, Temperature};
 use crate::noise::{LaneNormals, LaneStreams, Transition};
 use std::f64::consts::SQRT_2;
 
@@ -213,10 +213,14 @@ impl Kernel {
         self.own.as_ref().map_or([b; 2], |own| own.in_stick().map(|force| b + self.own_force(force, at, n)))
     }
 
-    /// Whether friction holds these pulls, up to an impulse. It is rounded as the step rounds it.
-    pub(super) fn holds(&self, [up, down]: [f64; 2], impulse: f64) -> bool {
+    /// The direction in which friction lets these pulls go, up to an impulse. It is rounded as the
+    /// step rounds it. Pulls that are no numbers are not held.
+    pub(super) fn let_go(&self, [up, down]: [f64; 2], impulse: f64) -> Option<Sign> {
         let h_over_m = self.coefficients.h_over_m;
-        h_over_m * up <= impulse && h_over_m * down >= -impulse
+        if h_over_m * up <= impulse && h_over_m * down >= -impulse {
+            return None;
+        }
+        Some(if h_over_m * down < -impulse { Sign::Negative } else { Sign::Positive })
     }
 
     /// b(X, V, t_n), rounded as in the lanes; `forcing` is K beta times the harmonics at t_n.

@@ -270,10 +270,10 @@ impl<L: Lanes> Crossing<'_, '_, L> {
             }
             let (drawn, is_accepted) = if kind == StickEnd::Kept {
                 let drawn = bridge.anywhere(draws.normal(self.paths.normals, 2 * attempt));
-                (drawn, piece.stays([f_s; 3], &halves, drawn.force, draws.uniform(2 * attempt + 1)))
+                (drawn, piece.stays([[f_s; 2]; 3], &halves, drawn.force, draws.uniform(2 * attempt + 1)))
             } else {
                 let drawn = bridge.before_exit(f_s, side, draws.three_normals(self.paths.normals, 3 * attempt));
-                (drawn, piece.misses_other([f_s; 3], &halves, drawn.force, draws.uniform(3 * attempt + 2)))
+                (drawn, piece.misses_other([[f_s; 2]; 3], &halves, drawn.force, draws.uniform(3 * attempt + 2)))
             };
             let accepted = L::and(is_left, is_accepted);
             stuck.noise = L::select(accepted, drawn.noise, stuck.noise);

@@ -100,7 +100,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
         let (corridor, scene) = (&self.paths.noisy.route.corridor, &self.paths.noisy.scene);
-        let reach = corridor.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limit());
+        let reach = corridor.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limits());
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
         self.queue(Task::Halve, rows, long);
@@ -148,7 +148,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let scene = &self.paths.noisy.scene;
         let step = piece.step(scene);
         let [up, down] =
-            step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right, scene.constant_limit()));
+            step.first_meeting_probabilities(scene, &ends(&piece.left, &piece.right, scene.constant_limits()));
         let u = piece.draws(self.cell.index).uniform(0);
         let one = L::splat(1.0);
         let is_up = u.lt(up);
@@ -171,7 +171,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     pub(super) fn leave(&mut self, rows: &RowNumbers, lanes: u32) {
         let piece = SearchedStick::<L>::get(&self.paths.jobs, rows);
         let scene = &self.paths.noisy.scene;
-        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right, scene.constant_limit()));
+        let (step, ends) = (piece.step(scene), ends(&piece.left, &piece.right, scene.constant_limits()));
         let SearchedStick { x, side, origin, key, count, .. } = piece;
         let draws = piece.draws(self.cell.index);
         let numbers = [draws.normal(self.paths.normals, 0), draws.uniform(1), draws.uniform(2)];

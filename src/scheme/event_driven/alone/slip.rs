@@ -13,7 +13,7 @@ use super::path::{Cascade, Path, Route};
 use super::step_flow::{FlowBuffers, StepFlow};
 use super::stop_search::{Passed, PendingIntervals};
 use super::watch::{Watch, WatchedPiece};
-use crate::model::{Complex, Event, EventKind, Phase, Sign};
+use crate::model::{Complex, Event, EventKind, Phase, Sign, let_go};
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
 use crate::scheme::{Along, Glide};
@@ -223,7 +223,7 @@ impl Slip<'_> {
         let force =
             scene.held(self.direction, self.friction() + scene.oscillator.mass * eps * stop.acceleration, x, time);
         path.noise = force - self.cell.forcing(path.after).value + scene.spring(x, time);
-        let kind = EventKind::at_rest(force.abs() <= scene.limit(x, time), force);
+        let kind = let_go(force, scene.limits(x, time)).map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
         Event { kind, time: self.cell.start + path.after, displacement: path.displacement, force }
     }
 

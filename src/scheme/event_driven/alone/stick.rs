@@ -1,8 +1,10 @@
 //! A stick of one path in a cell: whether and when b leaves the corridor |b| <= f_s, given n at the
-//! end of the cell ([`crate::scheme::event_driven::law::corridor`]). Where friction has a load, b and
-//! f_s are those of [`crate::model::Force::hold`].
+//! end of the cell ([`crate::scheme::event_driven::law::corridor`]). Where friction has a load, the
+//! limits are those of [`crate::model::Force::hold`].
 
-use super::super::law::{Cell, Corridor, Forcing, Limit, Node, Scene, StickEnd, StickStep, ends, stick_piece};
+use super::super::law::{
+    Cell, Corridor, Forcing, Limit, Limits, Node, Scene, StickEnd, StickStep, ends, stick_piece, width,
+};
 use super::super::work::{Resolved, Unresolved};
 use super::path::{Cascade, Path};
 use super::watch::Watch;
@@ -19,13 +21,13 @@ const OWN_SPACING: f64 = 1.0 / 64.0;
 /// The right ends of the pieces that remain, the nearest one last. It is kept from stick to stick,
 /// so that it need not be initialised again.
 #[derive(Clone, Debug)]
-pub struct PendingNodes([(Node, Limit); HALVINGS + 1]);
+pub struct PendingNodes([(Node, Limits); HALVINGS + 1]);
 
 impl PendingNodes {
     /// An empty stack.
     pub fn new() -> Self {
         let node = Node { after: 0.0, noise: 0.0, force: 0.0, curvature: 0.0 };
-        PendingNodes([(node, Limit { value: 0.0, curvature: 0.0 }); HALVINGS + 1])
+        PendingNodes([(node, [Limit { value: 0.0, curvature: 0.0 }; 2]); HALVINGS + 1])
     }
 }
 
@@ -41,8 +43,8 @@ pub(super) fn stick<C: Cascade>(
     watch: &mut impl Watch,
 ) -> Resolved<Option<Event>> {
     let (scene, displacement) = (cascade.scene(), path.displacement);
-    let slip = |force: f64, after: f64| Event {
-        kind: EventKind::SlipStarted(Sign::of(force)),
+    let slip = |direction: Sign, force: f64, after: f64| Event {
+        kind: EventKind::SlipStarted(direction),
         time: cell.start + after,
         displacement,
         force,
@@ -50,16 +52,18 @@ pub(super) fn stick<C: Cascade>(
     if scene.own.is_some() && !path.force.is_finite() {
         return Err(Unresolved::NoNumber);
     }
-    if path.force.abs() >= scene.limit(displacement, cell.start + path.after) {
-        return Ok(Some(slip(path.force, path.after)));
+    let [up, down] = scene.limits(displacement, cell.start + path.after);
+    if path.force >= up || -path.force >= down {
+        let direction = if path.force >= up { Sign::Positive } else { Sign::Negative };
+        return Ok(Some(slip(direction, path.force, path.after)));
     }
     let stick = Stick::new(scene, &cascade.route().corridor, cell, displacement, end_noise);
-    let Some(exit) = stick.exit(path, pending, watch)? else {
+    let Some((direction, exit)) = stick.exit(path, pending, watch)? else {
         path.force = stick.with_own(cell.last, cell.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() { Err(Unresolved::NoNumber) } else { Ok(None) };
     };
     (path.after, path.noise) = (exit.after, exit.noise);
-    Ok(Some(slip(exit.force, exit.after)))
+    Ok(Some(slip(direction, exit.force, exit.after)))
 }
 
 /// A stick in a cell, at whose end n is known.
@@ -72,8 +76,8 @@ struct Stick<'a> {
     spring: f64,
     /// Whether g(x, 0, t), or the limit of b, is not a constant.
     is_moved: bool,
-    /// The limit of b where it is a constant.
-    limit: f64,
+    /// The limits of b and -b where they are constants.
+    limits: [f64; 2],
     end_noise: f64,
 }
 
@@ -83,25 +87,28 @@ impl<'a> Stick<'a> {
         let is_moved = scene.own.depends_on_time();
         let spring =
             if is_moved { scene.oscillator.stiffness * displacement } else { scene.spring(displacement, cell.start) };
-        let limit = scene.limit(displacement, cell.start);
-        Stick { scene, corridor, cell, displacement, spring, is_moved, limit, end_noise }
+        let limits = scene.limits(displacement, cell.start);
+        Stick { scene, corridor, cell, displacement, spring, is_moved, limits, end_noise }
     }
 
     /// B, and what changes of g, with their second derivative, a time after the start of the cell
-    /// where B is `forcing`; and the limit of b.
+    /// where B is `forcing`; and the limits of b and -b.
     #[inline(always)]
-    fn with_own(&self, forcing: Forcing, after: f64) -> (Forcing, Limit) {
+    fn with_own(&self, forcing: Forcing, after: f64) -> (Forcing, Limits) {
         if !self.is_moved {
-            return (forcing, Limit { value: self.limit, curvature: 0.0 });
+            return (forcing, self.limits.map(|value| Limit { value, curvature: 0.0 }));
         }
         let spacing = self.cell.length * OWN_SPACING;
         let at = |after: f64| self.scene.own.hold(self.displacement, self.cell.start + after);
         let all = [at(after - spacing), at(after), at(after + spacing)];
         let curvature = |[before, here, behind]: [f64; 3]| (before - 2.0 * here + behind) / (spacing * spacing);
-        let [pulls, excesses] = [all.map(|hold| hold.pull), all.map(|hold| hold.excess)];
+        let pulls = all.map(|hold| hold.pull);
         let moved = Forcing { value: forcing.value + pulls[1], curvature: forcing.curvature + curvature(pulls) };
-        let value = self.scene.friction.static_force + excesses[1];
-        (moved, Limit { value, curvature: curvature(excesses) })
+        let limit = |i: usize| {
+            let excesses = all.map(|hold| hold.excess[i]);
+            Limit { value: self.scene.friction.static_force + excesses[1], curvature: curvature(excesses) }
+        };
+        (moved, [limit(0), limit(1)])
     }
 
     /// The exit of a path before the end of the cell; none if the path stays inside the corridor.
@@ -111,7 +118,7 @@ impl<'a> Stick<'a> {
         path: &mut Path<M>,
         PendingNodes(pending): &mut PendingNodes,
         watch: &mut impl Watch,
-    ) -> Resolved<Option<Node>> {
+    ) -> Resolved<Option<(Sign, Node)>> {
         let mut left = self.start(path);
         pending[0] = self.end();
         let mut top = 0;
@@ -127,10 +134,10 @@ impl<'a> Stick<'a> {
                 continue;
             }
             if reach.is_near
-                && let Some(exit) = self.exit_between(&left.0, &right.0, limits, &mut path.draws)
+                && let Some((direction, exit)) = self.exit_between(&left.0, &right.0, limits, &mut path.draws)
             {
                 watch.look(self.scene, || (stick_piece(&left.0, &exit, self.displacement), StickEnd::Exit));
-                return Ok(Some(exit));
+                return Ok(Some((direction, exit)));
             }
             let kind = if reach.is_near { StickEnd::Kept } else { StickEnd::Clear };
             watch.look(self.scene, || (stick_piece(&left.0, &right.0, self.displacement), kind));
@@ -144,14 +151,14 @@ impl<'a> Stick<'a> {
 
     /// The rules for a piece with these limits.
     #[inline(always)]
-    fn rules(&self, [first, last]: &[Limit; 2]) -> Corridor {
-        let width = first.value + last.value;
+    fn rules(&self, [first, last]: &[Limits; 2]) -> Corridor {
+        let width = 0.5 * (width(first) + width(last));
         if self.scene.own.has_load() { self.corridor.of_width(self.scene, width) } else { *self.corridor }
     }
 
     /// Where the path is.
     #[inline(always)]
-    fn start<M>(&self, &Path { after, noise, force, .. }: &Path<M>) -> (Node, Limit) {
+    fn start<M>(&self, &Path { after, noise, force, .. }: &Path<M>) -> (Node, Limits) {
         let forcing = if after == 0.0 { self.cell.first } else { self.cell.forcing(after) };
         let (forcing, limit) = self.with_own(forcing, after);
         (Node { after, noise, force, curvature: forcing.curvature }, limit)
@@ -159,7 +166,7 @@ impl<'a> Stick<'a> {
 
     /// The end of the cell.
     #[inline(always)]
-    fn end(&self) -> (Node, Limit) {
+    fn end(&self) -> (Node, Limits) {
         let ((last, limit), noise) = (self.with_own(self.cell.last, self.cell.length), self.end_noise);
         let force = last.value - self.spring + noise;
         (Node { after: self.cell.length, noise, force, curvature: last.curvature }, limit)
@@ -167,7 +174,7 @@ impl<'a> Stick<'a> {
 
     /// Draws n in the middle between two nodes.
     #[inline(always)]
-    fn middle(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> (Node, Limit) {
+    fn middle(&self, left: &Node, right: &Node, draws: &mut AddressedDraws) -> (Node, Limits) {
         let h = right.after - left.after;
         let (weight, sd) = bridge_middle(self.scene.relaxation_rate, self.scene.diffusion, h);
         let noise = weight * (left.noise + right.noise) + sd * draws.normal();
@@ -178,14 +185,20 @@ impl<'a> Stick<'a> {
 
     /// The exit between two nodes, if there is one.
     #[inline(always)]
-    fn exit_between(&self, left: &Node, right: &Node, limits: [Limit; 2], draws: &mut AddressedDraws) -> Option<Node> {
+    fn exit_between(
+        &self,
+        left: &Node,
+        right: &Node,
+        limits: [Limits; 2],
+        draws: &mut AddressedDraws,
+    ) -> Option<(Sign, Node)> {
         let step = StickStep::new(self.scene, right.after - left.after);
         let (sign, passed) = step.exit(self.scene, &ends(left, right, limits), draws)?;
         let after = left.after + passed;
-        let (forcing, limit) = self.with_own(self.cell.forcing(after), after);
-        let force = sign.value() * limit.value;
+        let (forcing, [up, down]) = self.with_own(self.cell.forcing(after), after);
+        let force = if sign == Sign::Positive { up.value } else { -down.value };
         let noise = force - forcing.value + self.spring;
-        Some(Node { after, noise, force, curvature: 0.0 })
+        Some((sign, Node { after, noise, force, curvature: 0.0 }))
     }
 }
 
@@ -224,7 +237,7 @@ mod tests {
                     path.force = cell.first.value - spring_force + path.noise;
                     let stick = Stick::new(&scene, &corridor, &cell, path.displacement, end_noise);
                     match stick.exit(&mut path, &mut pending, &mut Nobody).expect("bounded work") {
-                        Some(exit) => return (cell.start + exit.after, Sign::of(exit.force)),
+                        Some((direction, exit)) => return (cell.start + exit.after, direction),
                         None => path.noise = end_noise,
                     }
                 }

@@ -195,7 +195,7 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
             let halves = [TimeChange::new(theta, sigma, before), TimeChange::new(theta, sigma, behind)];
             let cell_start = glance.at - glance.time;
             let limits = [piece.after.0, glance.time, piece.after.1]
-                .map(|after| scene.limit(piece.displacement, cell_start + after));
+                .map(|after| scene.limits(piece.displacement, cell_start + after));
             // This is a loop, because closures are not compiled for the instruction set.
             let mut tries = 0;
             loop {
@@ -203,7 +203,9 @@ fn stuck(piece: &StickPiece, kind: StickEnd, scene: &Scene, glance: Glance, draw
                     let drawn = bridge.anywhere(draws.normal());
                     (drawn, piece.stays(limits, &halves, drawn.force, draws.uniform()))
                 } else {
-                    let drawn = bridge.before_exit(limits[1], piece.exit_side(), draws.three_normals());
+                    let side = piece.exit_side();
+                    let limit = limits[1][usize::from(side < 0.0)];
+                    let drawn = bridge.before_exit(limit, side, draws.three_normals());
                     (drawn, piece.misses_other(limits, &halves, drawn.force, draws.uniform()))
                 };
                 if is_accepted {

@@ -50,12 +50,27 @@ pub struct Node<L = f64> {
     pub curvature: L,
 }
 
-/// The limit of |b| at one time: f_s, where friction has no load.
+/// The limit of b, or of -b, at one time: f_s, where friction has no load.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit<L = f64> {
     pub value: L,
     /// Its second derivative.
     pub curvature: L,
+}
+
+/// The limits of b and of -b at one time.
+pub type Limits<L = f64> = [Limit<L>; 2];
+
+/// The limit of b where the mask holds, that of -b elsewhere.
+#[inline(always)]
+pub fn on_side<L: Lanes>(is_up: L::Mask, [up, down]: &Limits<L>) -> Limit<L> {
+    Limit { value: L::select(is_up, up.value, down.value), curvature: L::select(is_up, up.curvature, down.curvature) }
+}
+
+/// The distance between the limits of b and of -b.
+#[inline(always)]
+pub fn width<L: Lanes>([up, down]: &Limits<L>) -> L {
+    up.value + down.value
 }
 
 /// One threshold over a piece.
@@ -99,16 +114,16 @@ impl Corridor {
         scene: &Scene,
         h: L,
         nodes: (&Node<L>, &Node<L>),
-        limits: &[Limit<L>; 2],
+        limits: &[Limits<L>; 2],
     ) -> Reach<L> {
         let (left, right) = nodes;
-        let (up, down) = (side(scene, 1.0, h, nodes, limits), side(scene, -1.0, h, nodes, limits));
+        let (up, down) = (side(scene, 0, h, nodes, limits), side(scene, 1, h, nodes, limits));
         let zero = L::splat(0.0);
         let reach = L::select(up.is_near, up.bend, zero).or_at_least(L::select(down.is_near, down.bend, zero));
         let is_bent = (reach * reach * h * h * h).gt(L::splat(self.most_bend));
-        let [first, last] = limits.map(|limit| limit.value);
-        let way = (right.force.or_at_most(last).or_at_least(-last) - left.force).abs();
-        let is_wide = h.gt((first + last - way) * self.widest);
+        let [first, last] = limits;
+        let way = (right.force.or_at_most(last[0].value).or_at_least(-last[1].value) - left.force).abs();
+        let is_wide = h.gt(((width(first) + width(last)) * 0.5 - way) * self.widest);
         Reach { is_near: L::or(up.is_near, down.is_near), is_long: L::or(is_wide, is_bent) }
     }
 }
@@ -126,7 +141,7 @@ pub fn stick_piece<L: Lanes>(left: &Node<L>, right: &Node<L>, displacement: L) -
 
 /// What [`StickStep`] needs to know of a piece between two nodes.
 #[inline(always)]
-pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>, limits: [Limit<L>; 2]) -> StickEnds<L> {
+pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>, limits: [Limits<L>; 2]) -> StickEnds<L> {
     StickEnds {
         limits,
         start: left.force,
@@ -136,16 +151,16 @@ pub fn ends<L: Lanes>(left: &Node<L>, right: &Node<L>, limits: [Limit<L>; 2]) ->
     }
 }
 
-/// One threshold (`side` = 1: upper, -1: lower) over a piece between two nodes.
+/// One threshold (0: upper, 1: lower) over a piece between two nodes.
 #[inline(always)]
 fn side<L: Lanes>(
     scene: &Scene,
-    side: f64,
+    i: usize,
     h: L,
     (left, right): (&Node<L>, &Node<L>),
-    [first, last]: &[Limit<L>; 2],
+    limits: &[Limits<L>; 2],
 ) -> Side<L> {
-    let theta = scene.relaxation_rate;
+    let (theta, side, [first, last]) = (scene.relaxation_rate, [1.0, -1.0][i], [&limits[0][i], &limits[1][i]]);
     let (d0, d1) = (first.value - left.force * side, last.value - right.force * side);
     let (bend0, bend1) = (bend(theta, side, left, first, d0), bend(theta, side, right, last, d1));
     let bend = bend0.or_at_least(bend1);

@@ -233,13 +233,13 @@ impl<L: Lanes> Bridge<L> {
     }
 
     /// A draw where the threshold on this side, 1 or -1, is met at the end of the piece for the
-    /// first time. `f_s` is that at the instant. The distance of b from it ends at zero, and is the
+    /// first time, and has this limit at the instant. The distance of b from it ends at zero, and is the
     /// length of a three-dimensional vector whose components are bridges.
     #[inline(always)]
-    pub fn before_exit(&self, f_s: L, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
-        let along = f_s - side * (self.rest + self.mean) + self.sd * one;
+    pub fn before_exit(&self, limit: L, side: L, [one, two, three]: [L; 3]) -> Stuck<L> {
+        let along = limit - side * (self.rest + self.mean) + self.sd * one;
         let distance = (along * along + self.sd * self.sd * (two * two + three * three)).sqrt();
-        let force = side * (f_s - distance);
+        let force = side * (limit - distance);
         Stuck { noise: force - self.rest, force }
     }
 }
@@ -247,9 +247,9 @@ impl<L: Lanes> Bridge<L> {
 impl<L: Lanes> StickPiece<L> {
     /// Whether a bridge through b inside the piece meets neither threshold, decided by a uniform
     /// number. `halves` are the time changes of the parts before and after the instant, and `limits`
-    /// f_s at the start, at the instant and at the end.
+    /// those of b and -b at the start, at the instant and at the end.
     #[inline(always)]
-    pub fn stays(&self, limits: [L; 3], halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
+    pub fn stays(&self, limits: [[L; 2]; 3], halves: &[TimeChange<L>; 2], force: L, uniform: L) -> L::Mask {
         let ([first, last], [start, here, end]) = (halves, limits);
         let before = stay([start, here], first, (self.force.0, force));
         uniform.lt(before * stay([here, end], last, (force, self.force.1)))
@@ -266,19 +266,23 @@ impl<L: Lanes> StickPiece<L> {
     #[inline(always)]
     pub fn misses_other(
         &self,
-        [start, here, end]: [L; 3],
+        [start, here, end]: [[L; 2]; 3],
         [first, last]: &[TimeChange<L>; 2],
         force: L,
         uniform: L,
     ) -> L::Mask {
         let one = L::splat(1.0);
-        let [this, other] = distances([start, here], self.exit_side(), (self.force.0, force));
+        let (is_up, [upper, lower]) =
+            (self.exit_side().gt(L::splat(0.0)), distances([start, here], (self.force.0, force)));
+        let this = (L::select(is_up, upper.0, lower.0), L::select(is_up, upper.1, lower.1));
+        let other = (L::select(is_up, lower.0, upper.0), L::select(is_up, lower.1, upper.1));
         let misses_this = one - meeting_probability(this, first.duration);
         let misses_both = no_meeting_probability(this, other, first.duration);
         // Where rounding leaves nothing of both, the other threshold is far away.
         let is_lost = misses_this.lt(L::splat(1e-9));
         let before = L::select(is_lost, one, misses_both / misses_this);
-        uniform.lt(before * misses_other(this.1, here + end, last.duration))
+        let width = (here[0] + here[1] + (end[0] + end[1])) * 0.5;
+        uniform.lt(before * misses_other(this.1, width, last.duration))
     }
 
     /// n and b at an instant, as drawn inside the piece, or those of an end on which it lies.
@@ -305,15 +309,15 @@ impl<L: Lanes> StickPiece<L> {
 
 /// The probability that a bridge between two values of b meets neither threshold.
 #[inline(always)]
-fn stay<L: Lanes>(limits: [L; 2], half: &TimeChange<L>, ends: (L, L)) -> L {
-    let [upper, lower] = distances(limits, L::splat(1.0), ends);
+fn stay<L: Lanes>(limits: [[L; 2]; 2], half: &TimeChange<L>, ends: (L, L)) -> L {
+    let [upper, lower] = distances(limits, ends);
     no_meeting_probability(upper, lower, half.duration)
 }
 
-/// The distances of two values of b from the threshold on this side, 1 or -1, and from the other.
+/// The distances of two values of b from the upper threshold and from the lower one.
 #[inline(always)]
-fn distances<L: Lanes>([first, last]: [L; 2], side: L, (from, to): (L, L)) -> [Distances<L>; 2] {
-    [(first - side * from, last - side * to), (first + side * from, last + side * to)]
+fn distances<L: Lanes>([first, last]: [[L; 2]; 2], (from, to): (L, L)) -> [Distances<L>; 2] {
+    [(first[0] - from, last[0] - to), (first[1] + from, last[1] + to)]
 }
 
 /// The number of attempts to draw a bridge that stays inside the corridor. An attempt takes up to

@@ -6,11 +6,11 @@
 //! x' - eps f_d + n.
 //!
 //! A force of the user's own, g(x, x', t), is added to b in both. Where friction has a load, or the
-//! force a direction, other forces take its place in slips, and b and its limit are those that make
-//! both thresholds of a stick equal ([`Force::hold`]); events tell the b of the model.
+//! force a direction, other forces take its place in slips, and each threshold of a stick has its
+//! own limit ([`Force::hold`]).
 
 use super::super::user_force::UserForce;
-use super::corridor::Limit;
+use super::corridor::{Limit, Limits};
 use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
@@ -120,17 +120,17 @@ impl Scene {
         }
     }
 
-    /// The limit of |b| in a stick.
+    /// The limits of b and of -b in a stick.
     #[inline(always)]
-    pub fn limit(&self, x: f64, time: f64) -> f64 {
+    pub fn limits(&self, x: f64, time: f64) -> [f64; 2] {
         let f_s = self.friction.static_force;
-        if self.own.has_load() { f_s + self.own.hold(x, time).excess } else { f_s }
+        if self.own.has_load() { self.own.hold(x, time).excess.map(|excess| f_s + excess) } else { [f_s; 2] }
     }
 
-    /// The limit of |b| where it is f_s at both ends of a piece.
+    /// The limits where they are f_s at both ends of a piece.
     #[inline(always)]
-    pub fn constant_limit<L: Lanes>(&self) -> [Limit<L>; 2] {
-        [Limit { value: L::splat(self.friction.static_force), curvature: L::splat(0.0) }; 2]
+    pub fn constant_limits<L: Lanes>(&self) -> [Limits<L>; 2] {
+        [[Limit { value: L::splat(self.friction.static_force), curvature: L::splat(0.0) }; 2]; 2]
     }
 
     /// b at rest in a slip in this direction, from b in a stick there.

@@ -15,7 +15,7 @@
 //! of the meeting is exact to first order in c h^2 / (8 s sqrt h). The lower threshold is treated
 //! symmetrically.
 
-use super::corridor::Limit;
+use super::corridor::{Limits, on_side, width};
 use super::scene::Scene;
 use crate::lanes::Lanes;
 use crate::model::Sign;
@@ -37,7 +37,7 @@ pub const ATTEMPTS: usize = 64;
 /// its middle.
 #[derive(Clone, Copy)]
 pub struct StickEnds<L> {
-    pub limits: [Limit<L>; 2],
+    pub limits: [Limits<L>; 2],
     pub start: L,
     pub end: L,
     pub bend: L,
@@ -80,7 +80,9 @@ impl<L: Lanes> StickStep<L> {
     /// The threshold on a side, 1 or -1, that may differ from lane to lane.
     #[inline(always)]
     fn threshold(&self, scene: &Scene, side: L, ends: &StickEnds<L>) -> BentThreshold<L> {
-        let ([first, last], theta) = (ends.limits, scene.relaxation_rate);
+        let theta = scene.relaxation_rate;
+        let is_up = side.gt(L::splat(0.0));
+        let [first, last] = [on_side(is_up, &ends.limits[0]), on_side(is_up, &ends.limits[1])];
         let (d0, d1) = (first.value - side * ends.start, last.value - side * ends.end);
         // Threshold = n + distance, on this side.
         let threshold = side * ends.mean_noise + (d0 + d1) * 0.5;
@@ -113,7 +115,8 @@ impl<L: Lanes> StickStep<L> {
         let threshold = self.threshold(scene, side, ends);
         let (place, chance) = threshold.proposed_place(normal, place);
         let [first, last] = ends.limits;
-        let misses_other = misses_other(threshold.distances.0, first.value + last.value, place * self.noise.duration);
+        let width = (width(&first) + width(&last)) * 0.5;
+        let misses_other = misses_other(threshold.distances.0, width, place * self.noise.duration);
         let after = self.noise.time_at(scene.relaxation_rate, place).or_at_most(self.length);
         (after, acceptance.lt(chance * misses_other))
     }
@@ -137,7 +140,7 @@ mod tests {
     fn first_touch(scene: &Scene, from: f64, to: f64, duration: f64, draws: &mut AddressedDraws) -> Option<f64> {
         let step = StickStep::new(scene, duration);
         let ends = StickEnds {
-            limits: scene.constant_limit(),
+            limits: scene.constant_limits(),
             start: F_S + from,
             end: F_S + to,
             bend: 0.0,
@@ -246,7 +249,7 @@ mod tests {
             let times = (0..20_000).map(|i| (f64::from(i) + 0.5) / 20_000.0);
             let (share, moment) = times.fold((0.0, 0.0), |(p, m), t| (p + density(t) / 2e4, m + t * density(t) / 2e4));
             let ends = StickEnds {
-                limits: scene.constant_limit(),
+                limits: scene.constant_limits(),
                 start: from,
                 end,
                 bend: 0.0,
@@ -278,7 +281,7 @@ mod tests {
             let step = StickStep::new(&scene, h);
             let bend = bent * sd / (h * h);
             let ends = StickEnds {
-                limits: scene.constant_limit(),
+                limits: scene.constant_limits(),
                 start: F_S - 0.1 * sd,
                 end: F_S - end * sd,
                 bend,

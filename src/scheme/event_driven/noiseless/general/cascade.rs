@@ -4,13 +4,12 @@
 //! - Slip: x and x' are integrated in steps that adapt to the force ([`SlipMotion`]). The state at
 //!   a time inside a step, an instant of the timeline or the end of the sub-phase, is that after a
 //!   shorter step. The sub-phase ends at the first zero of eps x' ([`first_stop`]).
-//! - Stick: the phase ends at the first zero of f_s - b or f_s + b. Where g does not depend on time
+//! - Stick: the phase ends where b, or -b, first exceeds its limit, f_s. Where g does not depend on time
 //!   and there is a spring, b(t) is that of a scene without g at another displacement, and
 //!   [`Noiseless::stick_exit`] never misses an exit. Otherwise the function b(t) is searched in
 //!   steps ([`first_exit`]).
 //!
-//! Where friction has a load, b and f_s in a stick are those of [`crate::model::Force::hold`], and
-//! the b of the model is told at events.
+//! Where friction has a load, the limits are those of [`crate::model::Force::hold`].
 //!
 //! Steps of slips and of searches end where the force has kinks in t: at the samples of a measured
 //! temperature, and of an input of g.
@@ -20,11 +19,12 @@ use super::super::super::work::{Resolved, Unresolved, WITHOUT_NOISE, WorkLeft, w
 use super::super::exact_time::ExactTime;
 use super::super::one_path::Noiseless;
 use super::super::stretch::{End, Stretch, Stretches};
+use super::collocation::Collocation;
 use super::forces::{Forces, LocalTemperature};
 use super::slip_motion::{Kinematics, SlipMotion};
 use super::slip_search::first_stop;
-use super::stick_search::{SearchSteps, first_exit};
-use crate::model::{Event, EventKind, Model, Phase, Sign};
+use super::stick_search::{Held, SearchSteps, first_exit};
+use crate::model::{Event, EventKind, Model, Phase, Sign, let_go};
 use crate::scheme::columns::Seen;
 use crate::scheme::{Along, Glide, Timeline};
 
@@ -34,6 +34,9 @@ const TOLERANCE: f64 = 1e-13;
 /// The tolerance where g depends on time, per unit of relative rounding of the time: noise of this
 /// size does not converge.
 const ROUNDING_OF_TIME: f64 = 8.0 * f64::EPSILON;
+
+/// The stairs of inputs, as a fraction of the time.
+const STAIRS: f64 = 4.0 * f64::EPSILON;
 
 /// The shortest step of a slip, as a fraction of the fastest time scale that is known.
 const SHORTEST: f64 = 1e-12;
@@ -63,6 +66,10 @@ pub struct GeneralNoiseless {
     longest: f64,
     /// The fastest time scale that is known.
     span: f64,
+    /// The rules for a body that is damped strongly.
+    collocation: Option<Collocation>,
+    /// The fastest time scale, that of a strong damping apart.
+    span_of_forces: f64,
     pub tolerance: f64,
     /// The number of evaluations that the path may make.
     pub work_limit: u64,
@@ -88,8 +95,11 @@ impl GeneralNoiseless {
         let rate = forces.fastest_rate(timeline.end);
         let longest = if rate > 0.0 { FIRST / rate } else { f64::INFINITY }.min(timeline.end / FEWEST);
         let forces = forces.with_kinks(timeline.end, longest);
-        let fastest = rate.max(own).max((2.0 * oscillator.damping / oscillator.mass).abs());
-        let span = if fastest > 0.0 { 1.0 / fastest } else { timeline.end.max(f64::MIN_POSITIVE) };
+        let damping_rate = 2.0 * oscillator.damping / oscillator.mass;
+        let collocation = Collocation::for_rates(damping_rate, rate.max(own), timeline.end);
+        let span_of = |rate: f64| if rate > 0.0 { 1.0 / rate } else { timeline.end.max(f64::MIN_POSITIVE) };
+        let span = span_of(rate.max(own).max(damping_rate.abs()));
+        let span_of_forces = if collocation.is_some() { span_of(rate.max(own)) } else { span };
         let is_searched = forces.own.depends_on_time() || forces.own.has_load() || oscillator.stiffness == 0.0;
         let sticks = (!is_searched && forces.depend_on_time()).then(|| {
             let mut undamped = model.clone();
@@ -103,20 +113,23 @@ impl GeneralNoiseless {
             sticks,
             longest,
             span,
+            collocation,
+            span_of_forces,
             tolerance: TOLERANCE,
             work_limit: work_limit(WITHOUT_NOISE),
         }
     }
 
-    /// b in a stick, and its limit.
-    fn held(&self, at: &LocalTemperature, displacement: f64, work: &mut WorkLeft) -> Resolved<[f64; 2]> {
+    /// b in a stick, and the limits of b and -b.
+    fn held(&self, at: &LocalTemperature, displacement: f64, work: &mut WorkLeft) -> Resolved<Held> {
         work.spend()?;
-        let [b, excess] = self.forces.held(at, displacement, 0.0);
-        let limit = self.model.friction.static_force + excess;
-        if b.is_finite() && limit.is_finite() { Ok([b, limit]) } else { Err(Unresolved::NoNumber) }
+        let (b, excess) = self.forces.held(at, displacement, 0.0);
+        let limits = excess.map(|excess| self.model.friction.static_force + excess);
+        let is_known = [b, limits[0], limits[1]].iter().all(|force| force.is_finite());
+        if is_known { Ok(Held { b, limits }) } else { Err(Unresolved::NoNumber) }
     }
 
-    /// A static phase and its exit, the first time at which |b| > f_s. `force` is b at the start,
+    /// A static phase and its exit, the first time at which b or -b exceeds its limit. `force` is b at the start,
     /// if it is known exactly.
     fn stick(
         &self,
@@ -127,38 +140,27 @@ impl GeneralNoiseless {
     ) -> Resolved<GeneralPart> {
         let (temperature, f_s, has_load) =
             (self.forces.near(start), self.model.friction.static_force, self.forces.own.has_load());
-        let [held, limit] = self.held(&temperature, displacement, work)?;
-        let force = force.filter(|_| !has_load).unwrap_or(held);
+        let held = self.held(&temperature, displacement, work)?;
+        let force = force.filter(|_| !has_load).unwrap_or(held.b);
         let exit = |r: f64, b: f64, direction: Sign| {
             let (kind, time) = (EventKind::SlipStarted(direction), start.after(r));
             let told = || self.forces.at(&self.forces.near(time), None, [displacement, 0.0], 0.0);
             let force = if has_load { told() } else { b };
             (r, End::Event(Event { kind, time: time.value(), displacement, force }))
         };
-        let end = if force.abs() > limit {
-            Some(exit(0.0, force, Sign::of(force)))
+        let end = if let Some(direction) = let_go(force, held.limits) {
+            Some(exit(0.0, force, direction))
         } else if let Some(sticks) = &self.sticks {
             // K (beta T - x) + g = K (beta T - (x - g/K)).
             let g = self.forces.own.hold(displacement, start.value()).pull;
             let found = sticks.stick_exit(start, displacement - g / self.model.oscillator.stiffness, work)?;
             found.map(|event| exit(start.until(event.time).max(0.0), event.force, Sign::of(event.force)))
         } else if self.forces.depend_on_time() {
-            // A limit that moves is made constant.
-            let mut b = |r: f64| {
-                let [b, limit] = self.held(&self.forces.near(start.after(r)), displacement, work)?;
-                Ok(if has_load { b / limit } else { b })
-            };
-            let threshold = if has_load { 1.0 } else { f_s };
+            let held = |r: f64| self.held(&self.forces.near(start.after(r)), displacement, work);
             let until_kink = |r: f64| self.forces.near(start.after(r)).until_kink;
             let horizon = start.until(self.timeline.end);
-            let found = first_exit(&mut b, threshold, horizon, self.search_steps(), until_kink)?;
-            match found {
-                Some(r) => {
-                    let direction = Sign::of(b(r)?);
-                    Some(exit(r, direction.value() * f_s, direction))
-                }
-                None => None,
-            }
+            let found = first_exit(held, horizon, self.search_steps(), until_kink)?;
+            found.map(|(r, direction)| exit(r, direction.value() * f_s, direction))
         } else {
             None
         };
@@ -191,9 +193,9 @@ impl GeneralNoiseless {
             match first_stop(&slip, direction.value(), from, to, work)? {
                 Some(stop) => {
                     let Kinematics { after, displacement, .. } = stop;
-                    let [held, excess] = self.forces.held(&temperature, displacement, after);
-                    let limit = self.model.friction.static_force + excess;
-                    let kind = EventKind::at_rest(held.abs() <= limit, held);
+                    let (held, excess) = self.forces.held(&temperature, displacement, after);
+                    let limits = excess.map(|excess| self.model.friction.static_force + excess);
+                    let kind = let_go(held, limits).map_or(EventKind::StickEntered, EventKind::SubPhaseBoundary);
                     let force = self.forces.at(&temperature, None, [displacement, 0.0], after);
                     let time = start.after(after).value();
                     Some((after, End::Event(Event { kind, time, displacement, force })))
@@ -208,7 +210,8 @@ impl GeneralNoiseless {
     /// The equation of motion of a sub-phase that begins at x.
     fn motion<'a>(&'a self, temperature: &'a LocalTemperature, direction: Sign, x: f64) -> SlipMotion<'a> {
         let start = temperature.start.value();
-        let rounding = if self.forces.own.depends_on_time() { ROUNDING_OF_TIME * start / self.span } else { 0.0 };
+        let rounding =
+            if self.forces.own.depends_on_time() { ROUNDING_OF_TIME * start / self.span_of_forces } else { 0.0 };
         let mut motion = SlipMotion {
             forces: &self.forces,
             temperature,
@@ -217,11 +220,15 @@ impl GeneralNoiseless {
             mass: self.model.oscillator.mass,
             tolerance: self.tolerance.max(rounding),
             shortest: SHORTEST * self.span,
+            stairs: 0.0,
+            collocation: self.collocation.as_ref(),
         };
         let of_inputs = self.forces.rounding_of_inputs(x, start);
         if of_inputs > 0.0 {
             let rest = Kinematics { after: 0.0, displacement: x, velocity: 0.0, acceleration: 0.0 };
             motion.tolerance = motion.tolerance.max(of_inputs / (motion.mass * motion.size(&rest)));
+            motion.stairs = STAIRS * start;
+            motion.shortest = motion.shortest.max(motion.stairs);
         }
         motion
     }

@@ -73,7 +73,8 @@ impl Forces {
         }
         let rounding = 2.0 * f64::EPSILON * t;
         let [before, after] = [t - rounding, t + rounding].map(|t| self.own.hold(x, t));
-        (after.pull - before.pull).abs() + (after.excess - before.excess).abs()
+        let of_limits = [0, 1].map(|i| (after.excess[i] - before.excess[i]).abs());
+        (after.pull - before.pull).abs() + of_limits[0].max(of_limits[1])
     }
 
     /// Whether b at a fixed x and x' changes with time.
@@ -110,10 +111,10 @@ impl Forces {
         self.oscillator.force(local.after(after), x, v) + self.own.at(direction, x, v, local.start.after(after).value())
     }
 
-    /// b in a stick at x, and its limit less f_s.
-    pub fn held(&self, local: &LocalTemperature, x: f64, after: f64) -> [f64; 2] {
+    /// b in a stick at x, and how much the limits of b and -b exceed f_s.
+    pub fn held(&self, local: &LocalTemperature, x: f64, after: f64) -> (f64, [f64; 2]) {
         let Hold { pull, excess } = self.own.hold(x, local.start.after(after).value());
-        [self.oscillator.force(local.after(after), x, 0.0) + pull, excess]
+        (self.oscillator.force(local.after(after), x, 0.0) + pull, excess)
     }
 
     /// The sizes of all terms of b together. b is known up to the rounding of these.

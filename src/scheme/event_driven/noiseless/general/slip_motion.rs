@@ -9,6 +9,7 @@
 //! shortest step is taken as it is; what happens in it is below the rounding of everything else.
 
 use super::super::super::work::{Resolved, Unresolved, WorkLeft};
+use super::collocation::Collocation;
 use super::forces::{Forces, LocalTemperature};
 use crate::model::Sign;
 
@@ -41,6 +42,11 @@ pub struct SlipMotion<'a> {
     pub tolerance: f64,
     /// The shortest step.
     pub shortest: f64,
+    /// The rounding of the time of inputs, which change in stairs of this length; 0 where there are
+    /// none.
+    pub stairs: f64,
+    /// The rules for a body that is damped strongly.
+    pub collocation: Option<&'a Collocation>,
 }
 
 /// The numbers of parts.
@@ -61,7 +67,7 @@ const APPROACH: (usize, f64) = (4, 0.2);
 
 impl SlipMotion<'_> {
     /// x'' for x and x' a time after the start.
-    fn acceleration(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Resolved<f64> {
+    pub fn acceleration(&self, x: f64, v: f64, after: f64, work: &mut WorkLeft) -> Resolved<f64> {
         work.spend()?;
         Ok((self.forces.at(self.temperature, Some(self.direction), [x, v], after) - self.friction) / self.mass)
     }
@@ -99,10 +105,19 @@ impl SlipMotion<'_> {
                 h = until - from.after;
             }
             let is_shortest = h <= self.shortest;
-            if let Some(([dx, dv], k)) = self.increments(&from, h, size, is_shortest, work)? {
+            let collocated = match self.collocation {
+                Some(rules) => rules.increments(self, &from, h, size, work)?,
+                None => None,
+            };
+            let found = if collocated.is_some() || (self.collocation.is_some() && !is_shortest) {
+                collocated
+            } else {
+                self.increments(&from, h, size, is_shortest, work)?.map(|(found, k)| (found, GROWTH[k]))
+            };
+            if let Some(([dx, dv], growth)) = found {
                 let after = if is_last { until } else { from.after + h };
                 let motion = self.with(from.displacement + dx, from.velocity + dv, after, work)?;
-                let next = h * GROWTH[k];
+                let next = h * growth;
                 // A step that was cut off at `until` says nothing against the length before.
                 return Ok((motion, if is_last { next.max(length.min(h / RETREAT)) } else { next }));
             }
@@ -150,8 +165,10 @@ impl SlipMotion<'_> {
     /// rounding cannot be undercut, and by the rounding of x'. Much more than that would come in
     /// where a short step passes a kink, and where many short steps follow each other. x may be
     /// wrong by the tolerance times the distance of the step.
-    fn error(&self, from: &Kinematics, h: f64, size: f64, [best, second]: [[f64; 2]; 2]) -> f64 {
-        let (v, change) = (from.velocity.abs(), best[1].abs() + size * h);
+    pub fn error(&self, from: &Kinematics, h: f64, size: f64, [best, second]: [[f64; 2]; 2]) -> f64 {
+        // The forces change x' only until the damping settles it.
+        let acting = self.collocation.map_or(h, |rules| h.min(rules.settling_time));
+        let (v, change) = (from.velocity.abs(), best[1].abs() + size * acting);
         let allowed = [h * self.tolerance * (v + change), self.tolerance * change + 0.5 * f64::EPSILON * v];
         // A sum, because a maximum would hide a NaN.
         (best[0] - second[0]).abs() / allowed[0] + (best[1] - second[1]).abs() / allowed[1]

@@ -17,6 +17,10 @@ const FINEST: f64 = 1.0 / (1u64 << 30) as f64;
 /// size 1 has a velocity above its rounding after such a time, and not much sooner.
 const FINEST_AT_REST: f64 = 1.0 / (1u64 << 24) as f64;
 
+/// The stairs of an input that pass before it has moved a body that begins at rest with x'' = 0, up
+/// to rounding.
+const STAIRS_AT_REST: f64 = 16.0;
+
 /// x'' below this fraction of the forces counts as zero.
 const BALANCED: f64 = 1e-7;
 
@@ -74,12 +78,13 @@ pub fn first_stop(
     let knot = |m: &Kinematics| Knot { after: m.after, velocity: eps * m.velocity, acceleration: eps * m.acceleration };
     let length = to.after - from.after;
     let mut left = knot(&from);
-    let is_balanced = left.velocity == 0.0 && left.acceleration <= BALANCED * slip.size(&from);
+    let is_balanced = left.velocity == 0.0 && left.acceleration <= BALANCED.max(slip.tolerance) * slip.size(&from);
     let mut ends = vec![knot(&to)];
     while let Some(&right) = ends.last() {
         let h = right.after - left.after;
-        let finest = if is_balanced && left.after == from.after { FINEST_AT_REST } else { FINEST };
-        if h <= finest * length {
+        let (finest, stairs) =
+            if is_balanced && left.after == from.after { (FINEST_AT_REST, STAIRS_AT_REST) } else { (FINEST, 1.0) };
+        if h <= (finest * length).max(stairs * slip.stairs) {
             if right.velocity <= 0.0 {
                 // A motion that does not leave its rest in this direction stops as soon as it can.
                 let is_at_rest = left.after == from.after && left.velocity == 0.0;

@@ -2,7 +2,10 @@ use super::super::{Noiseless, Stretches as _};
 use super::GeneralNoiseless;
 use crate::lanes::Lanes;
 use crate::model::tests::paper;
-use crate::model::{Event, EventKind, Force, ForceLaw, Friction, Harmonic, InitialNoise, Model, Noise, Series, Sign};
+use crate::model::{
+    Event, EventKind, Expression, Force, ForceLaw, Friction, Harmonic, InitialNoise, Model, NamedSeries, Noise, Series,
+    Sign,
+};
 use crate::scheme::{Instant, Observer, Snapshot, Timeline};
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::fmt;
@@ -140,6 +143,7 @@ fn scenes() -> Vec<(String, Model, f64)> {
         m.initial_displacement = 5.0;
     });
     add("no dynamic friction", &|m| m.friction.dynamic_force = 0.0);
+    add("strong damping", &|m| m.oscillator.damping = 5000.0);
     add("starts outside", &|m| m.initial_displacement = 12.0);
     add("a phase, a constant and a mean that relaxes", &|m| {
         m.temperature.harmonics[0].phase = 0.7;
@@ -350,5 +354,40 @@ fn a_body_in_balance_without_friction_follows_the_force() {
         // x'' + x = 6 cos t/4.
         let wanted = 6.4 * (0.25 * t).cos() - 0.4 * t.cos();
         assert!((x - wanted).abs() < 1e-6, "{x} {wanted}");
+    }
+}
+
+/// A load and a force that change for microseconds move a body at rest in the same way at any time,
+/// up to the rounding of the time, and take few evaluations.
+#[test]
+fn a_steep_pulse_moves_a_body_at_rest_in_the_same_way_at_any_time() {
+    for (width, fall, f_d) in [(3.572e-6, 1.0, 1.2), (3.367e-5, 0.7, 0.3), (1e-4, 0.9, 1.0)] {
+        let events = |at: f64| {
+            let pulse = |expression: &str| {
+                let times = vec![0.0, at - width, at, at + width, 2.0 * at];
+                let series = Series::new(times, vec![0.0, 0.0, 1.0, 0.0, 0.0]).expect("a series");
+                let input = NamedSeries { name: "a".into(), series: Arc::new(series) };
+                Force::new(Expression::with_inputs(expression, &[], &[input]).expect("an expression"))
+            };
+            let mut model = unforced(0.0, 1.2, f_d);
+            model.oscillator.damping = 0.3;
+            let [load, own] = [format!("max(0, 1 - {fall}*a)"), "30*a".into()].map(|text| pulse(&text));
+            let both = Force::with_friction([own.clone(), own], Some([load.clone(), load]), [model.friction; 2]);
+            let (found, evaluations) = path_at(&general(&model, at + 1.0, both));
+            println!("{width} at {at}: {evaluations} evaluations, {:?}", found.events);
+            assert!(evaluations < 200_000, "{evaluations}");
+            found.events
+        };
+        let wanted = events(1.0);
+        assert_eq!(wanted.len(), 2, "{wanted:?}");
+        for at in [1e3, 1e4, 3e4] {
+            let found = events(at);
+            assert_eq!(found.len(), 2, "{found:?}");
+            for (a, b) in found.iter().zip(&wanted) {
+                let off = (a.time - at) - (b.time - 1.0);
+                assert!(off.abs() < 1e-9 && a.kind == b.kind, "{a:?} {b:?}");
+                assert!((a.displacement - b.displacement).abs() <= 1e-4 * b.displacement.abs(), "{a:?} {b:?}");
+            }
+        }
     }
 }
