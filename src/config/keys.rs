@@ -177,6 +177,7 @@ keys! {
         FILE;
         SERIES_TIME;
         COLUMN = other("column", "its column of values");
+        SAMPLE_STEP = number("step", "", "time between the values of a file without times, in seconds", Positive);
         UNIT;
         ZONE;
         DATES;

@@ -2,7 +2,7 @@
 //! one.
 
 use super::limits::{MAX_ROWS, MAX_STEPS};
-use crate::numbers::tidy;
+use crate::numbers::{round_up, tidy};
 use crate::scheme::{Misfit, Scheme};
 
 /// Duration and output grid of a run.
@@ -21,7 +21,7 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
     let ratio = end / h;
     if ratio > MAX_STEPS {
         let problem = format!("makes t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
-        let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", tidy(end / MAX_STEPS * 1.001));
+        let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", round_up(end / MAX_STEPS));
         return Some(Misfit::new(&about, problem, remedy));
     }
     if whole_multiple(end, h).is_some() {
@@ -67,9 +67,9 @@ impl Time {
             return None;
         }
         let most = (MAX_ROWS - 1) as f64;
-        let least = scheme.step().map_or(end / most, |h| (end / h / most).ceil() * h);
+        let least = scheme.step().map_or(round_up(end / most), |h| tidy(round_up((end / h / most).ceil()) * h));
         let problem = format!("makes an output grid of {rows} rows, and at most {MAX_ROWS} are kept");
-        let remedy = format!("write `time.output_step` = {:?} or more, or lower `time.end`", tidy(least));
+        let remedy = format!("write `time.output_step` = {least:?} or more, or lower `time.end`");
         Some(Misfit::new(&[("time.output_step", output_step), ("time.end", end)], problem, remedy))
     }
 }
