@@ -80,11 +80,15 @@ impl Arguments {
         let set = self.set.list()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, input_files(&self.scenario, &set))?;
-        let of_drawn =
-            [("--start", self.start.is_some()), ("--duration", self.duration.is_some()), ("--every", self.every.is_some())];
+        let of_drawn = [
+            ("--start", self.start.is_some()),
+            ("--duration", self.duration.is_some()),
+            ("--every", self.every.is_some()),
+        ];
         let (start, air) = match (&scene.temperature_source.file, of_drawn.iter().find(|(_, is_given)| *is_given)) {
             (Some(_), Some((flag, _))) => {
-                let problem = format!("{flag} is given, and the measured temperature of the scenario has times of its own");
+                let problem =
+                    format!("{flag} is given, and the measured temperature of the scenario has times of its own");
                 let remedy = format!("leave {flag} out, or take [temperature.series] out of the scenario");
                 return Err(Failure::usage(problem, remedy));
             }

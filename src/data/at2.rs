@@ -55,12 +55,7 @@ fn wrong<T>(file: &str, line: usize, problem: String, remedy: &str) -> Result<T,
 
 /// What the header of an AT2 file says, if it is one: `NPTS= 4000, DT= .0050 SEC,`, or as it was
 /// before, `4000 0.0050 NPTS, DT`.
-fn at2<'a>(
-    file: &'a str,
-    third: &str,
-    fourth: &str,
-    wanted: &Wanted<'_>,
-) -> Option<Result<Sampling<'a>, DataError>> {
+fn at2<'a>(file: &'a str, third: &str, fourth: &str, wanted: &Wanted<'_>) -> Option<Result<Sampling<'a>, DataError>> {
     let words = |text: &str| -> Vec<String> { text.split_whitespace().map(str::to_string).collect() };
     let after = |key: &str| Some(words(fourth.split_once(key)?.1.trim_start().split(',').next()?));
     let older = words(&fourth.replace(',', " "));
@@ -73,7 +68,8 @@ fn at2<'a>(
     };
     let count = count.first().and_then(|count| count.parse().ok()).filter(|count| *count >= 2);
     let number = step.first().and_then(|step| step.parse().ok()).filter(|step: &f64| *step > 0.0 && step.is_finite());
-    let time = step.get(1).map_or(Some(InputUnit::AS_GIVEN), |name| unit::time(name.trim_matches(['.', ';', '(', ')'])));
+    let time =
+        step.get(1).map_or(Some(InputUnit::AS_GIVEN), |name| unit::time(name.trim_matches(['.', ';', '(', ')'])));
     let read = || {
         let (Some(count), Some(step), Some(time)) = (count, number, time) else {
             let problem = format!("is no header of a record: `{}`", fourth.trim());
@@ -106,12 +102,7 @@ fn unit_of(file: &str, wanted: &Wanted<'_>, said: &str) -> Result<InputUnit, Dat
 }
 
 /// Values of which the scenario gives the step, in seconds.
-fn stepped<'a>(
-    file: &'a str,
-    step: f64,
-    layout: &Layout,
-    wanted: &Wanted<'_>,
-) -> Result<Sampling<'a>, DataError> {
+fn stepped<'a>(file: &'a str, step: f64, layout: &Layout, wanted: &Wanted<'_>) -> Result<Sampling<'a>, DataError> {
     let column = match wanted.column {
         Name::Beginning(_) => None,
         Name::Exactly(name) => match name.parse().ok().filter(|number| *number >= 1) {

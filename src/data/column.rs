@@ -78,7 +78,7 @@ impl<'a> Column<'a> {
         let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
         let Some(unit) = self.wanted.quantity.unit(inside) else {
             let is_unknown = self.is_strict() && self.wanted.unit.is_none() && unit::is_claim(inside);
-            let remedy = || unit::unknown(self.wanted.quantity, &self.name, inside).1;
+            let remedy = || unit::unknown_unit(self.wanted.quantity, &self.name, inside).1;
             return if is_unknown { Err(("is a unit that is not known".into(), remedy())) } else { Ok(()) };
         };
         if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
@@ -113,11 +113,6 @@ impl<'a> Column<'a> {
                 ),
             )),
         }
-    }
-
-    /// The time of its last sample after the first; 0 without samples.
-    fn until(&self) -> f64 {
-        self.samples.last().map_or(0.0, |last| last.0 - self.samples[0].0)
     }
 
     /// Whether nothing of it may be repaired.
@@ -243,13 +238,13 @@ pub(super) fn sorted(
     let all = samples.len();
     samples.dedup_by(|later, before| later.0 == before.0);
     repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
-    let apart = samples.windows(2).find(|pair| is_too_close(pair[1].0 - pair[0].0, column.until()));
-    if let Some([before, here]) = apart {
+    let lasts = samples.last().map_or(0.0, |last| last.0 - samples[0].0);
+    if let Some([before, here]) = samples.windows(2).find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts)) {
         let problem = format!(
             "the time from line {} to this one is {}, too short beside a record of {}",
             line(before.2),
             lasting(here.0 - before.0, in_seconds),
-            lasting(column.until(), in_seconds)
+            lasting(lasts, in_seconds)
         );
         return Err(error(problem, "remove one of the two rows, or correct its time").line(line(here.2)));
     }

@@ -87,11 +87,31 @@ fn units_stand_in_the_names_of_columns() {
 fn an_input_is_converted_from_every_unit() {
     let (inch, gravity, pound) = (0.0254, 9.80665, 0.453_592_37);
     let units = [
-        ("m/s2", 1.0), ("m/s/s", 1.0), ("cm/s2", 0.01), ("CM/SEC/SEC", 0.01), ("mm/s^2", 1e-3), ("um/s2", 1e-6),
-        ("ft/s2", 12.0 * inch), ("in/s\u{b2}", inch), ("in/s2", inch), ("g", gravity), ("mg", 1e-3 * gravity),
-        ("gal", 0.01), ("mN", 1e-3), ("kN", 1e3), ("MN", 1e6), ("GN", 1e9), ("lbf", pound * gravity),
-        ("kip", 1e3 * pound * gravity), ("kgf", gravity), ("m", 1.0), ("cm", 0.01), ("mm", 1e-3), ("um", 1e-6),
-        ("ft", 12.0 * inch), ("none", 1.0),
+        ("m/s2", 1.0),
+        ("m/s/s", 1.0),
+        ("cm/s2", 0.01),
+        ("CM/SEC/SEC", 0.01),
+        ("mm/s^2", 1e-3),
+        ("um/s2", 1e-6),
+        ("ft/s2", 12.0 * inch),
+        ("in/s\u{b2}", inch),
+        ("in/s2", inch),
+        ("g", gravity),
+        ("mg", 1e-3 * gravity),
+        ("gal", 0.01),
+        ("mN", 1e-3),
+        ("kN", 1e3),
+        ("MN", 1e6),
+        ("GN", 1e9),
+        ("lbf", pound * gravity),
+        ("kip", 1e3 * pound * gravity),
+        ("kgf", gravity),
+        ("m", 1.0),
+        ("cm", 0.01),
+        ("mm", 1e-3),
+        ("um", 1e-6),
+        ("ft", 12.0 * inch),
+        ("none", 1.0),
     ];
     for (unit, factor) in units {
         for (name, given) in [(format!("a_{unit}"), None), (format!("a [{unit}]"), None), ("a".into(), Some(unit))] {
@@ -103,7 +123,7 @@ fn an_input_is_converted_from_every_unit() {
         }
     }
     // What else may be a name is none of a unit: N may be north, and in may be an input.
-    for name in ["ag", "ag_x", "acc_1", "ag_N", "ag_NS", "ag_ns", "acc_V", "temp_in", "a_filtered", "a_A", "a (avg)"] {
+    for name in ["ag", "ag_x", "acc_1", "ag_N", "ag_NS", "ag_ns", "acc_V", "a_in", "a_filtered", "a_A", "a (avg)"] {
         let table = input(&format!("t_s,{name}\n0,1\n1,-3\n"), None).unwrap_or_else(|error| panic!("{error}"));
         assert_eq!((&table.columns[0].values[..], table.columns[0].unit), (&[1.0, -3.0][..], ""), "{name}");
         let said = table.repairs.sentences();
@@ -161,7 +181,7 @@ fn records_with_a_constant_step_are_read_in_each_form() {
     }
     for (third, fourth, says) in [
         ("IN UNITS OF CM/SEC", "NPTS= 4, DT= .01", "unit that is not known, `CM/SEC`"),
-        ("IN FURLONGS", "NPTS= 4, DT= .01", "unit that is not known, `FURLONGS`"),
+        ("ACCELERATION IN FURLONGS", "NPTS= 4, DT= .01", "unit that is not known, `FURLONGS`"),
         (in_g, "NPTS= 4, DT= .01 FORTNIGHTS", "is no header of a record"),
         (in_g, "NPTS= 4, DT= 1E-300", "too short"),
     ] {
@@ -176,9 +196,13 @@ fn records_with_a_constant_step_are_read_in_each_form() {
     assert_eq!(read("1\n-2\n3\n", None), Ok(samples.clone()));
     assert_eq!(read("# a note\n1 -2\n3", None), Ok(samples.clone()));
     assert_eq!(read("0 1\n0.5 -2\n1.0, 3\n", Some("2")), Ok(samples.clone()));
-    for (text, column, says) in
-        [("1 2\n3\n", Some("2"), "`` is no number"), ("1 x\n", None, "`x` is no number"), ("1", None, "1 values"), ("1 2", Some("acc"), "by their numbers"), ("2020-01-01 2", None, "`2020-01-01` is no number")]
-    {
+    for (text, column, says) in [
+        ("1 2\n3\n", Some("2"), "`` is no number"),
+        ("1 x\n", None, "`x` is no number"),
+        ("1", None, "1 values"),
+        ("1 2", Some("acc"), "by their numbers"),
+        ("2020-01-01 2", None, "`2020-01-01` is no number"),
+    ] {
         assert!(read(text, column).is_err_and(|error| error.problem.contains(says)), "{text}");
     }
     // Columns that blanks separate.

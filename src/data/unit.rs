@@ -128,10 +128,7 @@ const LENGTHS: [UnitRow; 6] = [
     (&["m", "metre", "metres", "meter", "meters"], [1.0, 1.0]),
     (&["cm"], [1.0, 1e2]),
     (&["mm", "millimetre", "millimetres", "millimeter", "millimeters"], [1.0, 1e3]),
-    (
-        &["um", "\u{b5}m", "\u{3bc}m", "micron", "microns", "micrometre", "micrometer"],
-        [1.0, 1e6],
-    ),
+    (&["um", "\u{b5}m", "\u{3bc}m", "micron", "microns", "micrometre", "micrometer"], [1.0, 1e6]),
     (&["ft", "foot", "feet"], [3048.0, 1e4]),
     (&["in", "inch", "inches"], [254.0, 1e4]),
 ];
@@ -146,11 +143,8 @@ const PER_SECOND_SQUARED: [&str; 5] = ["s2", "ss", "s-2", "sec2", "secsec"];
 const GRAVITY: f64 = 9.80665;
 
 /// Other units of acceleration.
-const GRAVITIES: [UnitRow; 3] = [
-    (&["g", "g's", "gs"], [GRAVITY, 1.0]),
-    (&["mg"], [GRAVITY, 1e3]),
-    (&["gal", "gals"], [1.0, 1e2]),
-];
+const GRAVITIES: [UnitRow; 3] =
+    [(&["g", "g's", "gs"], [GRAVITY, 1.0]), (&["mg"], [GRAVITY, 1e3]), (&["gal", "gals"], [1.0, 1e2])];
 
 /// Units of force.
 const FORCES: [UnitRow; 8] = [
@@ -230,11 +224,13 @@ fn bracketed(name: &str) -> impl Iterator<Item = &str> {
 fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
     let is_input = quantity == ColumnQuantity::Input;
     let parts = parts(quantity, name);
-    let unit = |text: &str| quantity.unit(text).filter(|_| !(is_input && WORDS_OR_UNITS.iter().any(|word| word.eq_ignore_ascii_case(text))));
+    let unit = |text: &str| {
+        quantity.unit(text).filter(|_| !(is_input && WORDS_OR_UNITS.iter().any(|word| word.eq_ignore_ascii_case(text))))
+    };
     let mut found: Vec<InputUnit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
     // `a/g` and `acc/cm/s2`, as DIN 1313 writes the heading of a column.
-    let over = |part: &&str| is_input && part.contains('/');
-    found.extend(parts.first().filter(over).and_then(|part| unit(part.split_once('/')?.1)));
+    let of_noun = || unit(parts.first()?.split_once('/')?.1);
+    found.extend(is_input.then(of_noun).flatten());
     let mut at = 1;
     while at < parts.len() {
         let most = 3.min(parts.len() - at);
@@ -311,17 +307,17 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<I
         return Ok(found);
     }
     if let Some(unit) = unknown {
-        return Err(unknown(quantity, column, unit));
+        return Err(unknown_unit(quantity, column, unit));
     }
     let named = words(quantity, column);
     let claim = || parts(quantity, column).into_iter().skip(1).find(|part| is_claim(part));
     if let Some(unit) = claim().filter(|_| quantity == ColumnQuantity::Input && named.is_empty()) {
-        return Err(unknown(quantity, column, unit));
+        return Err(unknown_unit(quantity, column, unit));
     }
     if named.iter().any(|unit| *unit != named[0]) { Err(two(column)) } else { Ok(named.first().copied()) }
 }
 
-pub(super) fn unknown(quantity: ColumnQuantity, column: &str, unit: &str) -> ProblemAndRemedy {
+pub(super) fn unknown_unit(quantity: ColumnQuantity, column: &str, unit: &str) -> ProblemAndRemedy {
     (
         format!("column `{column}` has a unit that is not known, `{unit}`"),
         format!("convert it, and give as `unit` or in the name one of {}", quantity.units()),

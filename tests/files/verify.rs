@@ -371,8 +371,11 @@ fn a_calibration_is_compared_with_its_scenario() {
     fs::write(&short, data.lines().take(3000).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
     let make = ["calibrate", scene, &short, "--method", "slips", "--set", "friction.static=4.9e5"];
     assert_eq!(verify(&made(&make), &[]).status.code(), Some(0));
-    let changes =
-        [("title = \"", "title = \"Another ", "title is"), ("static=4.9e5", "static=4.5e5", "guess"), ("mass", "[mass", "")];
+    let changes = [
+        ("title = \"", "title = \"Another ", "title is"),
+        ("static=4.9e5", "static=4.5e5", "guess"),
+        ("mass", "[mass", ""),
+    ];
     for (from, to, named) in changes {
         let here = made(&make);
         forge(&here, true, |file| {

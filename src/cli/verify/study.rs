@@ -92,7 +92,8 @@ impl Arguments {
         let again = StoredCalibration::of(&scene.title, &stored.scenario_text, again);
         Ok(Checked {
             simulated: "the fit, with the record in the file".into(),
-            compared: "title, question, estimates, intervals, slips, the model, attributes, coordinates and units".into(),
+            compared: "title, question, estimates, intervals, slips, the model, attributes, coordinates and units"
+                .into(),
             not_compared: None,
             fields: json!({ "statistics_checked": true }),
             found: store::verify_whole(&self.file, &Dataset::of_calibration(&again))?,
