@@ -20,7 +20,7 @@ const EMPTY_BYTES: f64 = 65_536.0;
 
 /// Bytes of the program itself, and of the sums for one row of the output grid: some for any number
 /// of paths, and the most for those of a block or more. Measured: 253 MB with 10 001 rows on one
-/// thread; and with 20 001 rows 75 MB for 8 paths, 141 MB for 64 and 414 MB for 512 and more.
+/// thread; and with 20 001 rows 75 MB for 8 paths, 141 MB for 64 and 378 MB for 512 and more.
 const PROGRAM_BYTES: f64 = 50e6;
 const ROW_OF_ANY_BYTES: f64 = 2e3;
 const SUMS_ROW_BYTES: f64 = 8e3;

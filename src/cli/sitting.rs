@@ -192,7 +192,7 @@ impl<'a> Sitting<'a> {
             period: scenario.period(),
             steps_per_path: scenario.steps(),
             // A folder or a file that was deleted meanwhile holds nothing.
-            file: if file.exists() { file.display().to_string() } else { "none".into() },
+            file: if file.exists() { file.display().to_string() } else { RunInfo::NO_FILE.into() },
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
         }

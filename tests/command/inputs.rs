@@ -176,7 +176,7 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     file(row, "0.04,strong", &["quake.csv:4", "`acc (g)` = \"strong\" is not a number"]);
     file(row, "0.01,0.5", &["quake.csv:4", "= 0.5 is not later than", "in line 3", "put the rows in order"]);
     file(row, "0.02,0.5", &["quake.csv:4", "= 0.5 is not later than"]);
-    file("acc (g)", "acc (furlong)", &["unit that is not known, `furlong`", "m/s2, g, cm/s2"]);
+    file("acc (g)", "acc (furlong)", &["unit that is not known, `furlong`", "m/s2, cm/s2, mm/s2"]);
     file("acc (g)", "speed", &["no column is called `acc`"]);
     let here = block(&sound);
     let set = |set: &str, says: &[&str]| {

@@ -11,10 +11,10 @@ pub(super) fn many_rows(case: &Case) -> Option<String> {
     (rows > MANY_ROWS).then(|| {
         let [one, two] = [1, 2].map(|threads| case.scenario.run_bytes(case.scenario.ensemble.paths, threads));
         format!(
-            "the bands of {rows} rows take about {} of memory on one thread, and {} more on each other; a longer \
+            "the bands of {rows} rows take up to about {} of memory on one thread, and {} on two; a longer \
              `time.output_step` or fewer `--threads` take less",
             bytes(one),
-            bytes(two - one)
+            bytes(two)
         )
     })
 }
