@@ -218,6 +218,7 @@ fn what_is_no_record_is_refused_with_its_remedy() {
         ("t_s,a_g\n0,1\n1,strong\n", "is not a number\n  fix: give the cell its value"),
         ("t_s,a_g\n0,1\n1e-300,2\n2,3\n", "from line 2 to this one is 1e-300 s, too short beside a record of 2 s"),
         ("t_s,a_g\n0,1\n1e-300,2\n", "too short"),
+        ("t_s,a_g\n0,1\n1000000,2\n1000000.000000001,3\n", "from line 3 to this one"),
         ("Origin Time  2011/03/11 14:46:00\n", "a record in the format of K-NET and KiK-net\n  fix: convert it"),
         ("EVENT_NAME: X\n", "a record in the format of ESM"),
         ("Corrected acceleration (Format v01.20 with 13 text lines)\n", "a record in the format of COSMOS"),
