@@ -258,7 +258,9 @@ pub(super) fn sorted(
             format!("column `{name}` has {} value{}", samples.len(), if samples.len() == 1 { "" } else { "s" });
         return Err(error(problem, "give a column with two values or more, at different times"));
     }
-    column.look_for_means(in_seconds);
+    if !column.is_strict() {
+        column.look_for_means(in_seconds);
+    }
     let samples = &column.samples;
     let longest = column.wanted.max_gap.unwrap_or(f64::INFINITY);
     if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
