@@ -101,6 +101,7 @@ impl LaidOut {
             outliers: self.outliers,
             decimal: self.decimal.as_ref().map(mark).transpose()?,
             averaged: self.averaged.map(|seconds| seconds as u64),
+            step: None,
             wording: Wording::Argument,
         };
         Ok(layout.over(other))

@@ -1,7 +1,7 @@
 //! Quantities that follow from a scenario.
 
 use super::amplitude::expected_amplitude;
-use super::size::{output_bytes, thread_bytes};
+use super::size::output_bytes;
 use crate::model::{Model, Noise};
 use crate::scenario::{Period, Scenario};
 use crate::scheme::{Discretisation, Resolution, Stability, monitoring_shift};
@@ -51,8 +51,6 @@ pub struct Derived {
     pub path_steps: Option<f64>,
     /// Rows of the output grid.
     pub rows: usize,
-    /// Estimated memory that a thread needs for these rows, in bytes.
-    pub thread_bytes: f64,
     /// Estimated size of the output file in bytes, uncompressed.
     pub output_bytes: f64,
 }
@@ -78,7 +76,7 @@ impl From<Option<f64>> for DerivedQuantity {
 
 impl Derived {
     /// All quantities with their names.
-    pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 22] {
+    pub fn quantities(&self) -> [(&'static str, DerivedQuantity); 21] {
         let critical_amplitude = match self.stability {
             Some(Stability::Undamped { critical_amplitude } | Stability::Growing { critical_amplitude }) => {
                 Some(critical_amplitude)
@@ -106,7 +104,6 @@ impl Derived {
             ("steps", self.steps.map_or(DerivedQuantity::Unknown, DerivedQuantity::Count)),
             ("path_steps", self.path_steps.into()),
             ("rows", DerivedQuantity::Count(self.rows as u64)),
-            ("thread_bytes", DerivedQuantity::Real(self.thread_bytes)),
             ("output_bytes", DerivedQuantity::Real(self.output_bytes)),
         ]
     }
@@ -149,7 +146,6 @@ impl Scenario {
             steps,
             path_steps: steps.map(|steps| self.ensemble.paths as f64 * steps as f64),
             rows: self.timeline().rows(),
-            thread_bytes: thread_bytes(self),
             output_bytes: output_bytes(self),
         }
     }

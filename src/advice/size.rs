@@ -18,32 +18,26 @@ const SAMPLE_BYTES: f64 = 8.0 * 2.0;
 /// Bytes of a file without any data.
 const EMPTY_BYTES: f64 = 65_536.0;
 
-/// Bytes of the program itself, and of the sums for one row of the output grid. Measured: 253 MB
-/// with 10 001 rows on one thread.
+/// Bytes of the program itself, and of the sums for one row of the output grid: some for any number
+/// of paths, and the most for those of a block or more. Measured: 253 MB with 10 001 rows on one
+/// thread; and with 20 001 rows 75 MB for 8 paths, 141 MB for 64 and 378 MB for 512 and more.
 const PROGRAM_BYTES: f64 = 50e6;
-const SUMS_ROW_BYTES: f64 = 10e3;
-/// Bytes of a block for one row of the output grid, and of the tables of one thread. Measured with
-/// 1 to 256 threads: 5.8 kB and 3.6 MB.
+const ROW_OF_ANY_BYTES: f64 = 2e3;
+const SUMS_ROW_BYTES: f64 = 8e3;
+/// Bytes of a full block for one row of the output grid, and of the tables of one thread. Measured
+/// with 1 to 256 threads: 5.8 kB and 3.6 MB.
 const BLOCK_ROW_BYTES: f64 = 6e3;
 const TABLES_BYTES: f64 = 4e6;
-
-/// Bytes that a thread needs for one row of the output grid, at most: values of the paths of a
-/// block, sketches of their quantiles, and finished blocks that wait to be delivered in order.
-/// Measured are 12.5 kB with one thread, and 9 to 13 kB per thread with two and four.
-const THREAD_ROW_BYTES: f64 = 13e3;
-
-/// Estimated memory of one thread for the output grid, in bytes.
-pub(super) fn thread_bytes(scenario: &Scenario) -> f64 {
-    scenario.timeline().rows() as f64 * THREAD_ROW_BYTES
-}
 
 impl Scenario {
     /// Estimated memory of a run of so many paths on so many threads, in bytes.
     pub fn run_bytes(&self, paths: u64, threads: usize) -> f64 {
         let rows = self.timeline().rows() as f64;
-        let block = rows * BLOCK_ROW_BYTES + rows_bytes(self, BLOCK_SIZE.min(self.ensemble.paths) as f64);
+        let together = BLOCK_SIZE.min(paths) as f64;
+        let share = together / BLOCK_SIZE as f64;
+        let block = share * rows * BLOCK_ROW_BYTES + rows_bytes(self, together);
         PROGRAM_BYTES
-            + rows * SUMS_ROW_BYTES
+            + rows * (ROW_OF_ANY_BYTES + share * SUMS_ROW_BYTES)
             + threads as f64 * TABLES_BYTES
             + Plan { paths, ..self.plan() }.blocks_held(threads) as f64 * block
     }

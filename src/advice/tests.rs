@@ -16,6 +16,18 @@ fn base(overrides: &[&str]) -> Scenario {
     Scenario::parse("rho025.toml", BASE, &overrides).unwrap()
 }
 
+/// The largest resident set of `event-driven` with 20 001 rows on one thread, in MB.
+#[test]
+fn memory_is_estimated_as_it_was_measured() {
+    for (paths, measured) in [(8, 74.0), (64, 146.0), (512, 378.0), (2048, 378.0)] {
+        let set = ["scheme.kind=event-driven", "time.end=60", "time.output_step=0.003"].map(Override::set);
+        let set = set.map(|set| set.expect("well formed"));
+        let scenario = shipped("rho025").expect("shipped").parse(&set).expect("sound");
+        let ratio = scenario.run_bytes(paths, 1) / (1e6 * measured);
+        assert!((0.95..1.5).contains(&ratio), "{paths}: {ratio}");
+    }
+}
+
 #[test]
 fn the_expected_amplitude_is_large_where_the_body_is_moved_far() {
     // Here A_c = 127, and v(0) = 1e5 moves the body by beta rho v(0). At w h = 2 pi + 8e-4 the

@@ -180,6 +180,7 @@ keys! {
         FILE;
         SERIES_TIME;
         COLUMN = other("column", "value column");
+        SAMPLE_STEP = number("step", "", "time between the values of a file without times, in seconds", Positive);
         UNIT;
         ZONE;
         DATES;

@@ -65,6 +65,7 @@ pub(super) fn source(table: &Fields<'_>, value: Key, other: Option<&ColumnSource
         missing: table.marks(keys::MISSING),
         outliers: table.whole_if_present(keys::OUTLIERS, 1..=1_000_000),
         averaged: table.span_if_present(keys::AVERAGED).map(|seconds| seconds as u64),
+        step: table.number_if_present(keys::SAMPLE_STEP),
         ..Layout::default()
     };
     ColumnSource {
@@ -200,7 +201,7 @@ impl Reader<'_> {
         let Some(column) = columns.into_iter().next() else {
             return Err(fault(format!("has no {} column", self.quantity.word()), "name one".into()));
         };
-        if let Some((si, _)) = input_unit(column.unit) {
+        if let Some((si, _)) = input_unit(column.unit).filter(|(si, _)| !si.is_empty()) {
             let (key, base) = if si == "N" { (keys::FORCE_LABEL, "N") } else { (keys::LENGTH_LABEL, "m") };
             let unit = label(key);
             if !["", base].contains(&unit.as_str()) {

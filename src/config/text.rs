@@ -329,6 +329,7 @@ fn series_of(text: &mut Written, measured: &Measured, column: Key) {
     for (key, given) in [
         (keys::SERIES_TIME, layout.time.as_deref().map(string)),
         (column, Some(string(value)).filter(|_| !value.is_empty())),
+        (keys::SAMPLE_STEP, layout.step.map(|step| text.shown(keys::SAMPLE_STEP.name, step))),
         (keys::UNIT, unit.as_deref().map(string)),
         (keys::ZONE, layout.zone.as_deref().map(string)),
         (keys::DATES, layout.dates.map(|order| string(order.word()))),

@@ -245,10 +245,14 @@ impl Plan {
 
     /// How many blocks are in memory at a time, at most: those that are simulated, and finished
     /// ones that wait to be delivered in order. Where each thread has a processor, none waits for
-    /// long.
+    /// long, and where there is one thread, none waits.
     pub fn blocks_held(&self, threads: usize) -> u64 {
         let cores = std::thread::available_parallelism().map_or(1, usize::from);
-        let pieces = if threads > cores { PIECES_AHEAD } else { PIECES_AHEAD.min(5) };
+        let pieces = match threads {
+            1 => 1,
+            _ if threads > cores => PIECES_AHEAD,
+            _ => PIECES_AHEAD.min(5),
+        };
         let of_threads = (threads as u64).saturating_mul(pieces * self.blocks_in_flight(self.blocks(), threads));
         of_threads.min(self.blocks())
     }

@@ -1,7 +1,7 @@
 //! The samples of one column: checked, sorted and repaired.
 
 use super::error::{DataError, ProblemAndRemedy};
-use super::marks::Marks;
+use super::marks::{self, Marks};
 use super::outliers::{median, odd, spikes};
 use super::query::{Layout, Wanted, Wording};
 use super::repairs::{ColumnRepairs, Repairs};
@@ -44,6 +44,10 @@ pub fn absurd(times: &[f64], values: &[f64]) -> Option<(f64, f64)> {
     samples.find(|(time, value)| !(is_sound(*time) && is_sound(*value)))
 }
 
+/// What is said of an input without a unit, and of a cell of an input that is no number.
+pub(super) const AS_IT_IS: &str = "it is (`unit = \"g\"` converts it, `unit = \"none\"` does not)";
+pub(super) const NOT_REPAIRED: &str = "give the cell its value: nothing of an input is mended or left out";
+
 /// A column while it is read: its unit, and its samples so far.
 pub(super) struct Column<'a> {
     name: String,
@@ -75,7 +79,11 @@ impl<'a> Column<'a> {
     /// Take the unit from a row of units.
     pub fn take_unit(&mut self, cell: &str) -> Result<(), ProblemAndRemedy> {
         let inside = cell.trim().trim_start_matches(['[', '(']).trim_end_matches([']', ')']);
-        let Some(unit) = self.wanted.quantity.unit(inside) else { return Ok(()) };
+        let Some(unit) = self.wanted.quantity.unit(inside) else {
+            let is_unknown = self.is_strict() && self.wanted.unit.is_none() && unit::is_claim(inside);
+            let remedy = || unit::unknown_unit(self.wanted.quantity, &self.name, inside).1;
+            return if is_unknown { Err(("is a unit that is not known".into(), remedy())) } else { Ok(()) };
+        };
         if self.wanted.unit.is_none() && self.unit.is_some_and(|known| unit != known) {
             return Err(("contradicts the unit in the name of the column".into(), "give the same unit in both".into()));
         }
@@ -87,7 +95,10 @@ impl<'a> Column<'a> {
     pub fn settle_unit(&mut self, wording: Wording) -> Result<(), ProblemAndRemedy> {
         match self.wanted.quantity {
             _ if self.unit.is_some() => Ok(()),
-            ColumnQuantity::Input => Ok(()),
+            ColumnQuantity::Input => {
+                self.said.assumed_unit = Some(AS_IT_IS);
+                Ok(())
+            }
             ColumnQuantity::Temperature => {
                 self.said.assumed_unit = Some("degrees Celsius or kelvin");
                 Ok(())
@@ -105,14 +116,14 @@ impl<'a> Column<'a> {
     }
 
     /// Whether nothing of it may be repaired.
-    fn is_strict(&self) -> bool {
+    pub fn is_strict(&self) -> bool {
         self.wanted.quantity == ColumnQuantity::Input
     }
 
     /// Count a cell without a value.
     pub fn miss(&mut self) -> Result<(), (&'static str, &'static str)> {
         if self.is_strict() {
-            return Err(("is not a number", "fix the cell; values of an input are not repaired or left out"));
+            return Err(("is not a number", NOT_REPAIRED));
         }
         self.said.missing += 1;
         Ok(())
@@ -227,8 +238,19 @@ pub(super) fn sorted(
     let all = samples.len();
     samples.dedup_by(|later, before| later.0 == before.0);
     repairs.repeated = repairs.repeated.max((all - samples.len()) as u64);
-    if !column.is_strict() {
-        column.look_for_outliers(layout, line);
+    let lasts = samples.last().map_or(0.0, |last| last.0 - samples[0].0);
+    if let Some([before, here]) = samples.windows(2).find(|pair| is_too_close(pair[1].0 - pair[0].0, lasts)) {
+        let problem = format!(
+            "the time from line {} to this one is {}, too short beside a record of {}",
+            line(before.2),
+            lasting(here.0 - before.0, in_seconds),
+            lasting(lasts, in_seconds)
+        );
+        return Err(error(problem, "remove one of the two rows, or correct its time").line(line(here.2)));
+    }
+    match column.is_strict() {
+        true => column.said.odd = marks::likely(&name, column.samples.iter().map(|of| (of.1, line(of.2)))),
+        false => column.look_for_outliers(layout, line),
     }
     let samples = &column.samples;
     if samples.len() < 2 {
@@ -236,7 +258,9 @@ pub(super) fn sorted(
             format!("column `{name}` has {} value{}", samples.len(), if samples.len() == 1 { "" } else { "s" });
         return Err(error(problem, "give a column with two values or more, at different times"));
     }
-    column.look_for_means(in_seconds);
+    if !column.is_strict() {
+        column.look_for_means(in_seconds);
+    }
     let samples = &column.samples;
     let longest = column.wanted.max_gap.unwrap_or(f64::INFINITY);
     if let Some(pair) = samples.windows(2).find(|pair| pair[1].0 - pair[0].0 > longest) {
@@ -252,6 +276,15 @@ pub(super) fn sorted(
     }
     repairs.columns.push(std::mem::take(&mut column.said));
     Ok(())
+}
+
+/// The shortest time between two samples, as a share of the record and in all. At the end of a
+/// record a double resolves 2e-16 of it.
+const SHORTEST_SHARE: f64 = 1e-13;
+
+/// Whether two samples are too close to lie at two times of a record that lasts so long.
+pub(super) fn is_too_close(apart: f64, record: f64) -> bool {
+    apart < SHORTEST_SHARE * record || apart < 1.0 / LARGEST_MEASURED
 }
 
 /// Whether the name of a column says that its values are means.

@@ -257,12 +257,12 @@ impl Sought<'_> {
     fn value(&self, wanted: &Wanted<'_>) -> Result<usize, DataError> {
         let (name, names) = (wanted.column, self.names);
         let example = |of: &str| self.layout.wording.column(wanted.quantity, of);
-        let beginning = |start: &str| self.fields(|name| name.to_lowercase().starts_with(start));
+        let beginning = |start: &str| self.fields(|name| name.to_lowercase().starts_with(&start.to_lowercase()));
         let found = match name {
             Name::Exactly(name) => self.called(name),
             Name::Beginning(start) => {
                 let whole = beginning(start);
-                if whole.is_empty() { beginning(&start[..start.len().min(4)]) } else { whole }
+                if whole.is_empty() { beginning(&start.chars().take(4).collect::<String>()) } else { whole }
             }
         };
         match (&found[..], name) {

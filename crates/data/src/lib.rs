@@ -14,7 +14,7 @@
 //! column    the samples of one column, checked, sorted and repaired
 //! repairs   what was repaired and assumed, in sentences
 //! table     the rows in order of time: a Table
-//! at2       a record of ground acceleration as a Table
+//! at2       a record with a constant step as a Table: ground acceleration, or plain values
 //! arrays    measurements in memory, with the same checks and repairs
 //! pair      temperatures and displacements of a bearing on one time axis, from one file or two
 //! span      "6h" as seconds
@@ -125,9 +125,16 @@ pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -
     let Some((text, encoding)) = encoding::decoded(bytes) else {
         return Err(foreign("binary, or UTF-16 without a byte-order mark", "save it as CSV in UTF-8"));
     };
-    if let Some(record) = at2::record(name, &text, wanted) {
+    let is_input = wanted.iter().all(|one| one.quantity == ColumnQuantity::Input);
+    if let Some(format) = at2::other_format(&text).filter(|_| is_input && layout.step.is_none()) {
+        let remedy = "convert it to CSV; the page on records of the documentation has a line for each format";
+        return Err(foreign(&format!("a record in the format of {format}"), remedy));
+    }
+    if let Some(record) = at2::record(name, &text, layout, wanted) {
         return record;
     }
+    let is_numbered = is_input && layout.time.as_ref().is_some_and(|time| time.parse::<u32>().is_ok());
+    let text = if is_numbered { rows::with_tabs(text) } else { text };
     let (rows, header) = header::open(name, &text, layout, wanted)?;
     let mut table = table::table(name, &header, rows, layout, wanted)?;
     table.repairs.encoding = encoding;

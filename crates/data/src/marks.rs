@@ -2,6 +2,7 @@
 //! Other numbers are values, whatever they are.
 
 use super::query::Layout;
+use super::repairs::many;
 
 /// Words, in lower case, that mark a missing value; an empty cell and dashes mark one as well.
 const WORDS: [&str; 13] = [
@@ -33,6 +34,18 @@ const FILLS: [f64; 9] = [
     3.402_823_466_385_288_6e38,
     -3.402_823_466_385_288_6e38,
 ];
+
+/// Numbers that many files write, with either sign, where a value is missing. They may be values as
+/// well.
+const NINES: [f64; 4] = [999.0, 9_999.0, 99_999.0, 999_999.0];
+
+/// A warning about values, given with their lines, that may be marks and are taken as they are.
+pub(super) fn likely(name: &str, values: impl Iterator<Item = (f64, u64)>) -> Option<String> {
+    let mut found = values.filter(|(value, _)| NINES.contains(&value.abs()));
+    let (value, line) = found.next()?;
+    let more = many(found.count() as u64, ", as does 1 other", ", as do # others").unwrap_or_default();
+    Some(format!("kept `{name}` = {value} in line {line}, which often marks a missing value{more}"))
+}
 
 /// The marks of one file.
 pub(super) struct Marks {

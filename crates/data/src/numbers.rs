@@ -45,6 +45,12 @@ pub fn tidy(x: f64) -> f64 {
     format!("{x:.11e}").parse().unwrap_or(x)
 }
 
+/// A positive number rounded up to two significant digits, for a suggestion.
+pub fn round_up(x: f64) -> f64 {
+    let unit = 10_f64.powi(x.log10().floor() as i32 - 1);
+    rounded((x / unit - 1e-9).ceil() * unit, 2)
+}
+
 /// A whole number with its digits in groups of three: 60 000 000.
 pub fn grouped(n: u64) -> String {
     let digits = n.to_string();
@@ -61,6 +67,12 @@ pub fn grouped(n: u64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn suggestions_are_rounded_up_to_two_digits() {
+        let up = [0.300_003_000_03, 0.050_000_500_005, 0.3, 0.07, 1.0, 9.91, 123.0, 2.5e-7].map(round_up);
+        assert_eq!(up, [0.31, 0.051, 0.3, 0.07, 1.0, 10.0, 130.0, 2.5e-7]);
+    }
 
     #[test]
     fn digits_are_kept_to_the_number_asked_for() {

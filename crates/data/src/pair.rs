@@ -51,7 +51,7 @@ impl Origin<'_> {
 
 /// A column of a file: which file, which column, its unit, and how the file is laid out, as far as
 /// they are given.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct ColumnSource {
     /// The file.
     pub file: Option<String>,

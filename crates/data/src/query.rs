@@ -59,8 +59,8 @@ impl Wording {
     /// The option that names the column of a quantity.
     pub(super) fn column(self, quantity: ColumnQuantity, name: &str) -> String {
         match self {
-            Wording::Key if quantity == ColumnQuantity::Input => format!("`column = {}`", literal(name)),
-            Wording::Key => format!("`value = {}`", literal(name)),
+            Wording::Key if quantity == ColumnQuantity::Input => format!("`column = \"{name}\"`"),
+            Wording::Key => format!("`value = \"{name}\"`"),
             Wording::Argument => format!("`{}={}`", quantity.word(), literal(name)),
             _ => format!("`--{} {}`", quantity.word(), shell(name)),
         }
@@ -88,7 +88,7 @@ fn shell(value: &str) -> String {
 }
 
 /// How a file is laid out, as far as the file does not say so itself.
-#[derive(Clone, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub struct Layout {
     /// The name of the column of times, or those of dates and of times of day, or of years, days of
     /// the year and times of day, with commas between them. Without it, the column is found by usual names such as `time`,
@@ -114,6 +114,8 @@ pub struct Layout {
     /// The seconds before its time over which each value is a mean; 0 if it is that of an instant.
     /// Without it, the name of a column tells.
     pub averaged: Option<u64>,
+    /// The time between the values of an input that has no column of times, in seconds.
+    pub step: Option<f64>,
     /// In which words remedies name these options.
     pub wording: Wording,
 }
@@ -136,6 +138,7 @@ impl Layout {
             outliers: self.outliers.or(other.outliers),
             decimal: self.decimal.or(other.decimal),
             averaged: self.averaged.or(other.averaged),
+            step: self.step.or(other.step),
             wording: self.wording,
         }
     }

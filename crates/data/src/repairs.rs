@@ -46,7 +46,7 @@ pub struct ColumnRepairs {
     pub averaged: Option<String>,
 }
 
-fn many(count: u64, one: &str, more: &str) -> Option<String> {
+pub(super) fn many(count: u64, one: &str, more: &str) -> Option<String> {
     match count {
         0 => None,
         1 => Some(one.replace('#', "1")),

@@ -2,6 +2,7 @@
 
 use super::error::{DataError, quoted};
 use csv_core::{ReadRecordResult, Reader, ReaderBuilder};
+use std::borrow::Cow;
 
 /// Reads the rows of a CSV file one at a time, and holds the current row.
 pub(super) struct CsvRows<'a> {
@@ -143,6 +144,19 @@ impl<'a> CsvRows<'a> {
     pub fn line(&self, place: u32) -> u64 {
         line_at(self.bytes, row_start(self.bytes, place as usize))
     }
+}
+
+/// The text with tabs in place of blanks, if its last line has only blanks between cells.
+pub(super) fn with_tabs(text: Cow<'_, [u8]>) -> Cow<'_, [u8]> {
+    let last = text.trim_ascii().rsplit(|byte| *byte == b'\n').next().unwrap_or_default();
+    if last.iter().any(|byte| b",;\t".contains(byte)) {
+        return text;
+    }
+    let lines = text.split(|byte| *byte == b'\n').map(|line| {
+        let cells = line.split(u8::is_ascii_whitespace).filter(|cell| !cell.is_empty());
+        cells.collect::<Vec<_>>().join(&b'\t')
+    });
+    Cow::Owned(lines.collect::<Vec<_>>().join(&b'\n'))
 }
 
 /// The number of the line, from 1, that holds this byte.

@@ -1,7 +1,7 @@
 //! The rows of a file in order of time, checked and repaired.
 
 use super::clock::{Clock, Start};
-use super::column::{Column, DataColumn, sorted};
+use super::column::{Column, DataColumn, NOT_REPAIRED, sorted};
 use super::decimals::{Decimals, THOUSANDS};
 use super::error::{DataError, ProblemAndRemedy, quoted};
 use super::header::Header;
@@ -109,9 +109,11 @@ pub(super) fn table(
         }
         for (column, field) in columns.iter_mut().zip(&header.values) {
             let cell = rows.cell(*field);
+            let is_strict = column.is_strict();
             let wrong = |(problem, remedy): (&str, &str)| {
                 let mark = layout.wording.option("missing", &quoted(cell));
                 let decimal = layout.wording.option("decimal", ",");
+                let remedy = if is_strict && remedy.contains("MARK") { NOT_REPAIRED } else { remedy };
                 at(*field, (problem.into(), remedy.replace("MARK", &mark).replace("DECIMAL", &decimal)))
             };
             if marks.is_word(cell) {

@@ -81,6 +81,157 @@ fn units_stand_in_the_names_of_columns() {
     assert!(says(Wanted { unit: Some("inch"), ..given }).contains("unknown unit `inch`"));
 }
 
+/// Factors from the definitions of the units: 1 in = 25.4 mm, 1 ft = 12 in, g = 9.80665 m/s2, 1 lb =
+/// 0.45359237 kg.
+#[test]
+fn an_input_is_converted_from_every_unit() {
+    let (inch, gravity, pound) = (0.0254, 9.80665, 0.453_592_37);
+    let units = [
+        ("m/s2", 1.0),
+        ("m/s/s", 1.0),
+        ("cm/s2", 0.01),
+        ("CM/SEC/SEC", 0.01),
+        ("mm/s^2", 1e-3),
+        ("um/s2", 1e-6),
+        ("ft/s2", 12.0 * inch),
+        ("in/s\u{b2}", inch),
+        ("in/s2", inch),
+        ("g", gravity),
+        ("mg", 1e-3 * gravity),
+        ("gal", 0.01),
+        ("mN", 1e-3),
+        ("kN", 1e3),
+        ("MN", 1e6),
+        ("GN", 1e9),
+        ("lbf", pound * gravity),
+        ("kip", 1e3 * pound * gravity),
+        ("kgf", gravity),
+        ("m", 1.0),
+        ("cm", 0.01),
+        ("mm", 1e-3),
+        ("um", 1e-6),
+        ("ft", 12.0 * inch),
+        ("none", 1.0),
+    ];
+    for (unit, factor) in units {
+        for (name, given) in [(format!("a_{unit}"), None), (format!("a [{unit}]"), None), ("a".into(), Some(unit))] {
+            let table = input(&format!("t_s,{name}\n0,1\n1,-3\n"), given);
+            let column = &table.unwrap_or_else(|error| panic!("{name}: {error}")).columns[0];
+            assert!((column.values[0] - factor).abs() < 1e-15 * factor, "{name}: {:?}", column.values);
+            assert_eq!((column.values[1] / column.values[0]).round(), -3.0);
+            assert!(!column.unit.is_empty(), "{name}");
+        }
+    }
+    // What else may be a name is none of a unit: N may be north, and in may be an input.
+    for name in ["ag", "ag_x", "acc_1", "ag_N", "ag_NS", "ag_ns", "acc_V", "a_in", "a_filtered", "a_A", "a (avg)"] {
+        let table = input(&format!("t_s,{name}\n0,1\n1,-3\n"), None).unwrap_or_else(|error| panic!("{error}"));
+        assert_eq!((&table.columns[0].values[..], table.columns[0].unit), (&[1.0, -3.0][..], ""), "{name}");
+        let said = table.repairs.sentences();
+        assert!(said.len() == 1 && said[0].contains("because nothing says its unit"), "{name}: {said:?}");
+    }
+    assert_eq!(input("t_s,a [in]\n0,1\n1,2\n", None).unwrap().columns[0].values, [inch, 2.0 * inch]);
+    for unit in ["ft/s", "m/s", "mV", "kPa", "psi", "km", "%", "rad/s2", "m^3", "lbs"] {
+        for text in [format!("t_s,a_{unit}\n0,1\n1,2\n"), format!("t_s,a\ns,{unit}\n0,1\n1,2\n")] {
+            let error = input(&text, None).expect_err(unit);
+            assert!(error.problem.contains("unit that is not known"), "{error}");
+            assert_eq!(input(&text, Some("g")).unwrap().columns[0].values, [gravity, 2.0 * gravity]);
+        }
+    }
+    assert!(input("t_s,a_mn\n0,1\n1,2\n", None).is_ok_and(|table| table.columns[0].unit.is_empty()), "mN or MN");
+}
+
+/// Read the column of an input from a text.
+fn input(text: &str, unit: Option<&str>) -> Result<Table, DataError> {
+    stepping(text, None, None, unit)
+}
+
+/// Read an input that has a constant step, if it is given, from a column of this name.
+fn stepping(text: &str, step: Option<f64>, column: Option<&str>, unit: Option<&str>) -> Result<Table, DataError> {
+    let time = Some(if text.starts_with("t_s") { "t_s" } else { "1" }.into());
+    let wanted = Wanted::called(ColumnQuantity::Input, column, "A", unit);
+    parse("a.txt", text.as_bytes(), &Layout { step, time, ..Layout::default() }, &[wanted])
+}
+
+/// 0, 0.01 g, -0.02 g and 0.03 g, as the headers of the PEER database and its values may be written.
+#[test]
+fn records_with_a_constant_step_are_read_in_each_form() {
+    let body = "  0.0 .1000E-01-.2000E-01\n  .3000E-01\n";
+    let at2 = |third: &str, fourth: &str, body: &str, unit: Option<&str>| {
+        input(&format!("PEER\nPLACE, 1/1/1979\n{third}\n{fourth}\n{body}"), unit)
+    };
+    let in_g = "ACCELERATION TIME HISTORY IN UNITS OF G. FILTER POINTS: HP=0.1 Hz LP=40.0 Hz";
+    let plain = "ACCELERATION TIME SERIES";
+    let g = 9.80665;
+    for (third, fourth, unit, step, factor) in [
+        (in_g, "NPTS=  4, DT=   .0125 SEC,", None, 0.0125, g),
+        (in_g, "NPTS=4, DT= 10 MSEC", None, 0.01, g),
+        (in_g, "   4    0.0100    NPTS, DT", None, 0.01, g),
+        (in_g, "NPTS = 4, DT = .005 SEC", Some("cm/s2"), 0.005, 0.01),
+        (plain, "NPTS=  4, DT= .01", None, 0.01, g),
+        ("ACCELERATION TIME SERIES IN CM/SEC/SEC", "NPTS=  4, DT= .01", None, 0.01, 0.01),
+        ("ACCELERATION TIME SERIES IN UNITS OF CM/S/S", "NPTS=  4, DT= .01 SEC", None, 0.01, 0.01),
+        ("ACCELERATION IN (MM/S/S)", "NPTS=  4, DT= .01 SEC", None, 0.01, 1e-3),
+    ] {
+        let table = at2(third, fourth, body, unit).unwrap_or_else(|error| panic!("{fourth}: {error}"));
+        let wanted = [0.0, 0.01, -0.02, 0.03].map(|value| value * factor);
+        let near = |a: &[f64], b: &[f64]| a.len() == b.len() && a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-15);
+        assert!(near(&table.columns[0].values, &wanted), "{third}: {:?}", table.columns[0].values);
+        assert!(near(&table.columns[0].times, &[0.0, 1.0, 2.0, 3.0].map(|i| i * step)), "{fourth}");
+        assert_eq!((table.in_seconds, table.repairs.sentences().len()), (true, 0), "{fourth}");
+    }
+    for (third, fourth, says) in [
+        ("IN UNITS OF CM/SEC", "NPTS= 4, DT= .01", "unit that is not known, `CM/SEC`"),
+        ("ACCELERATION IN FURLONGS", "NPTS= 4, DT= .01", "unit that is not known, `FURLONGS`"),
+        (in_g, "NPTS= 4, DT= .01 FORTNIGHTS", "is no header of a record"),
+        (in_g, "NPTS= 4, DT= 1E-300", "too short"),
+    ] {
+        let error = at2(third, fourth, body, None).expect_err(fourth);
+        assert!(error.problem.contains(says), "{error}");
+    }
+    let marked = at2(in_g, "NPTS= 4, DT= .01", "0 1 -999 -999", None).unwrap().repairs.sentences();
+    assert_eq!(marked, ["kept `value` = -999 in line 5, which often marks a missing value, as does 1 other"]);
+    // Values of which the scenario gives the step: all numbers, or those of a column.
+    let read = |text: &str, column| stepping(text, Some(0.5), column, Some("cm/s2")).map(|table| samples(&table));
+    let samples = vec![(0.0, 0.01), (0.5, -0.02), (1.0, 0.03)];
+    assert_eq!(read("1\n-2\n3\n", None), Ok(samples.clone()));
+    assert_eq!(read("# a note\n1 -2\n3", None), Ok(samples.clone()));
+    assert_eq!(read("0 1\n0.5 -2\n1.0, 3\n", Some("2")), Ok(samples.clone()));
+    for (text, column, says) in [
+        ("1 2\n3\n", Some("2"), "`` is no number"),
+        ("1 x\n", None, "`x` is no number"),
+        ("1", None, "1 values"),
+        ("1 2", Some("acc"), "by their numbers"),
+        ("2020-01-01 2", None, "`2020-01-01` is no number"),
+    ] {
+        assert!(read(text, column).is_err_and(|error| error.problem.contains(says)), "{text}");
+    }
+    // Columns that blanks separate.
+    let text = "  0.0   1\n  0.5  -2\n  1.0   3\n";
+    let table = stepping(text, None, Some("2"), Some("cm/s2")).unwrap();
+    assert_eq!((self::samples(&table), table.in_seconds), (samples, false));
+}
+
+#[test]
+fn what_is_no_record_is_refused_with_its_remedy() {
+    for (text, says) in [
+        ("t_s,a_g\n0,1\n1,inf\n", "is not finite\n  fix: give the cell its value"),
+        ("t_s,a_g\n0,1\n1,strong\n", "is not a number\n  fix: give the cell its value"),
+        ("t_s,a_g\n0,1\n1e-300,2\n2,3\n", "from line 2 to this one is 1e-300 s, too short beside a record of 2 s"),
+        ("t_s,a_g\n0,1\n1e-300,2\n", "too short"),
+        ("t_s,a_g\n0,1\n1000000,2\n1000000.000000001,3\n", "from line 3 to this one"),
+        ("Origin Time  2011/03/11 14:46:00\n", "a record in the format of K-NET and KiK-net\n  fix: convert it"),
+        ("EVENT_NAME: X\n", "a record in the format of ESM"),
+        ("Corrected acceleration (Format v01.20 with 13 text lines)\n", "a record in the format of COSMOS"),
+    ] {
+        let error = input(text, None).expect_err(text).to_string();
+        assert!(error.contains(says), "{error}");
+    }
+    // A steep step is sound, and a number that may be a mark is kept with a warning.
+    assert!(input("t_s,a_g\n0,1\n1e-9,2\n1000,3\n", None).is_ok());
+    let said = input("t_s,a_g\n0,1\n1,-999\n2,3\n", None).unwrap().repairs.sentences();
+    assert_eq!(said, ["kept `a_g` = -999 in line 3, which often marks a missing value"]);
+}
+
 /// A cell without a displacement leaves out only the displacement of its row, not the temperature,
 /// and vice versa.
 #[test]

@@ -31,7 +31,9 @@ impl ColumnQuantity {
         match self {
             ColumnQuantity::Temperature => "degC, K, degF or degR",
             ColumnQuantity::Displacement => "m, cm, mm or um",
-            ColumnQuantity::Input => "m/s2, g, cm/s2, gal, N, kN, m, cm or mm",
+            ColumnQuantity::Input => {
+                "m/s2, cm/s2, mm/s2, ft/s2, in/s2, g, mg, gal, N, kN, MN, lbf, m, cm, mm, ft, in, or none for values as they are"
+            }
         }
     }
 
@@ -107,40 +109,80 @@ fn temperature(name: &str) -> Option<InputUnit> {
     Some(InputUnit { times, over, origin, least: least / of_scale, ..InputUnit::AS_GIVEN })
 }
 
-fn displacement(name: &str) -> Option<InputUnit> {
-    match name.to_lowercase().as_str() {
-        "m" | "metre" | "metres" | "meter" | "meters" => Some(InputUnit::AS_GIVEN),
-        "cm" => Some(InputUnit::smaller(1e2)),
-        "mm" | "millimetre" | "millimetres" | "millimeter" | "millimeters" => Some(InputUnit::smaller(1e3)),
-        "um" | "\u{b5}m" | "\u{3bc}m" | "micron" | "microns" | "micrometre" | "micrometer" => {
-            Some(InputUnit::smaller(1e6))
-        }
-        _ => None,
-    }
+/// A row of a table of units: what a unit is called, and its ratio to the SI unit.
+type UnitRow = (&'static [&'static str], [f64; 2]);
+
+/// The unit of a table that is called so, and what it is called there. Upper and lower case are the
+/// same unless two units differ in nothing else, as MN and mN do.
+fn in_table(table: &[UnitRow], name: &str) -> Option<(InputUnit, &'static str)> {
+    let has = |same: fn(&str, &str) -> bool| {
+        let mut rows = table.iter().filter(move |(names, _)| names.iter().any(|known| same(known, name)));
+        rows.next().filter(|_| rows.next().is_none())
+    };
+    let (names, [times, over]) = has(|a, b| a == b).or_else(|| has(str::eq_ignore_ascii_case))?;
+    Some((InputUnit { times: *times, over: *over, ..InputUnit::AS_GIVEN }, names[0]))
 }
+
+/// Units of length. Those of a displacement end with um.
+const LENGTHS: [UnitRow; 6] = [
+    (&["m", "metre", "metres", "meter", "meters"], [1.0, 1.0]),
+    (&["cm"], [1.0, 1e2]),
+    (&["mm", "millimetre", "millimetres", "millimeter", "millimeters"], [1.0, 1e3]),
+    (&["um", "\u{b5}m", "\u{3bc}m", "micron", "microns", "micrometre", "micrometer"], [1.0, 1e6]),
+    (&["ft", "foot", "feet"], [3048.0, 1e4]),
+    (&["in", "inch", "inches"], [254.0, 1e4]),
+];
+
+/// The units of acceleration that are a length over the square of a second, as `LENGTHS`.
+const ACCELERATIONS: [&str; 6] = ["m/s2", "cm/s2", "mm/s2", "um/s2", "ft/s2", "in/s2"];
+
+/// What stands behind the length in the name of such a unit, without blanks, slashes and carets.
+const PER_SECOND_SQUARED: [&str; 5] = ["s2", "ss", "s-2", "sec2", "secsec"];
 
 /// Standard gravity, in m/s2.
 const GRAVITY: f64 = 9.80665;
 
-/// The units of an input: what they are called, the SI unit, and the ratio of both.
-const INPUTS: [(&[&str], &str, [f64; 2]); 9] = [
-    (&["m/s2", "m/s/s", "ms2", "ms-2", "mss", "m/sec2", "m/sec/sec"], "m/s2", [1.0, 1.0]),
-    (&["g", "g's", "gs"], "m/s2", [GRAVITY, 1.0]),
-    (&["cm/s2", "cm/s/s", "cms2", "cms-2", "cmss", "cm/sec2", "cm/sec/sec"], "m/s2", [1.0, 1e2]),
-    (&["gal", "gals"], "m/s2", [1.0, 1e2]),
-    (&["N", "newton", "newtons"], "N", [1.0, 1.0]),
-    (&["kN"], "N", [1e3, 1.0]),
-    (&["m", "metre", "metres", "meter", "meters"], "m", [1.0, 1.0]),
-    (&["cm"], "m", [1.0, 1e2]),
-    (&["mm", "millimetre", "millimetres", "millimeter", "millimeters"], "m", [1.0, 1e3]),
+/// Other units of acceleration.
+const GRAVITIES: [UnitRow; 3] =
+    [(&["g", "g's", "gs"], [GRAVITY, 1.0]), (&["mg"], [GRAVITY, 1e3]), (&["gal", "gals"], [1.0, 1e2])];
+
+/// Units of force.
+const FORCES: [UnitRow; 8] = [
+    (&["N", "newton", "newtons"], [1.0, 1.0]),
+    (&["mN"], [1.0, 1e3]),
+    (&["kN"], [1e3, 1.0]),
+    (&["MN"], [1e6, 1.0]),
+    (&["GN"], [1e9, 1.0]),
+    (&["lbf"], [POUND_FORCE, 1.0]),
+    (&["kip", "kips"], [1e3 * POUND_FORCE, 1.0]),
+    (&["kgf"], [GRAVITY, 1.0]),
 ];
 
-/// A unit of an input, and the SI unit to which it is converted.
+/// 0.45359237 kg times standard gravity, in N.
+const POUND_FORCE: f64 = 4.448_221_615_260_5;
+
+/// What takes values as they are: in SI units, or in those of the scenario.
+const PLAIN: [UnitRow; 1] = [(&["none"], [1.0, 1.0])];
+
+fn displacement(name: &str) -> Option<InputUnit> {
+    in_table(&LENGTHS[..4], name).map(|(unit, _)| unit)
+}
+
+/// A unit of an input, and the SI unit to which it is converted; empty for `none`.
 fn input(name: &str) -> Option<(InputUnit, &'static str)> {
-    let bare: String = name.replace('\u{b2}', "2").chars().filter(|c| !" ^*\u{b7}".contains(*c)).collect();
-    let is_called = |names: &[&str]| names.iter().any(|known| known.eq_ignore_ascii_case(&bare));
-    let (names, si, [times, over]) = INPUTS.iter().find(|(names, ..)| is_called(names))?;
-    Some((InputUnit { times: *times, over: *over, name: names[0], ..InputUnit::AS_GIVEN }, si))
+    let bare: String = name.replace('\u{b2}', "2").chars().filter(|c| !" ^*\u{b7}/.".contains(*c)).collect();
+    let lower = bare.to_ascii_lowercase();
+    let length = PER_SECOND_SQUARED.iter().find_map(|end| in_table(&LENGTHS, lower.strip_suffix(end)?));
+    if let Some((unit, length)) = length {
+        let of_length = |called: &&&str| called.strip_suffix("/s2") == Some(length);
+        return Some((InputUnit { name: ACCELERATIONS.iter().find(of_length)?, ..unit }, "m/s2"));
+    }
+    if name.contains('/') {
+        return None;
+    }
+    let tables: [(&[UnitRow], _); 4] = [(&GRAVITIES, "m/s2"), (&FORCES, "N"), (&LENGTHS, "m"), (&PLAIN, "")];
+    let known = tables.into_iter().find_map(|(table, si)| Some((in_table(table, &bare)?, si)));
+    known.map(|((unit, name), si)| (InputUnit { name, ..unit }, si))
 }
 
 /// The unit of an input that is called so: the SI unit to which it is converted, and the value of one
@@ -150,6 +192,7 @@ fn input(name: &str) -> Option<(InputUnit, &'static str)> {
 /// use crate::input_unit;
 ///
 /// assert_eq!(input_unit("g"), Some(("m/s2", 9.80665)));
+/// assert_eq!(input_unit("mg"), Some(("m/s2", 9.80665e-3)));
 /// assert_eq!(input_unit("furlong"), None);
 /// ```
 pub fn input_unit(name: &str) -> Option<(&'static str, f64)> {
@@ -159,7 +202,7 @@ pub fn input_unit(name: &str) -> Option<(&'static str, f64)> {
 /// A unit of time, converted to seconds.
 pub(super) fn time(name: &str) -> Option<InputUnit> {
     match name.to_lowercase().as_str() {
-        "ms" => Some(InputUnit::smaller(1e3)),
+        "ms" | "msec" => Some(InputUnit::smaller(1e3)),
         "s" | "sec" | "second" | "seconds" => Some(InputUnit::AS_GIVEN),
         "min" | "minute" | "minutes" => Some(InputUnit::larger(60.0)),
         "h" | "hour" | "hours" => Some(InputUnit::larger(3600.0)),
@@ -178,17 +221,48 @@ fn bracketed(name: &str) -> impl Iterator<Item = &str> {
 /// three parts together as in `0.1 deg C`, or a capital at the end of a part as in `tempF` and
 /// `AirTC`. The first part is the noun, and no unit by itself.
 fn words(quantity: ColumnQuantity, name: &str) -> Vec<InputUnit> {
-    let parts: Vec<&str> =
-        name.split([' ', '_', ',', ';', '\t', '-', '/', '[', ']', '(', ')']).filter(|part| !part.is_empty()).collect();
+    let is_input = quantity == ColumnQuantity::Input;
+    let parts = parts(quantity, name);
+    let unit = |text: &str| {
+        quantity.unit(text).filter(|_| !(is_input && WORDS_OR_UNITS.iter().any(|word| word.eq_ignore_ascii_case(text))))
+    };
     let mut found: Vec<InputUnit> = parts.iter().filter_map(|part| quantity.unit(joined_to_noun(part)?)).collect();
+    // `a/g` and `acc/cm/s2`, as DIN 1313 writes the heading of a column.
+    let of_noun = || unit(parts.first()?.split_once('/')?.1);
+    found.extend(is_input.then(of_noun).flatten());
     let mut at = 1;
     while at < parts.len() {
         let most = 3.min(parts.len() - at);
-        let longest = (1..=most).rev().find_map(|n| Some((n, quantity.unit(&parts[at..at + n].concat())?)));
+        let longest = (1..=most).rev().find_map(|n| Some((n, unit(&parts[at..at + n].concat())?)));
         at += longest.map_or(1, |(n, _)| n);
         found.extend(longest.map(|(_, unit)| unit));
     }
     found
+}
+
+/// The parts of a name. A slash is within a unit of an input, and between words elsewhere.
+fn parts(quantity: ColumnQuantity, name: &str) -> Vec<&str> {
+    let is_between = |c: char| " _,;\t-[]()".contains(c) || c == '/' && quantity != ColumnQuantity::Input;
+    name.split(is_between).filter(|part| !part.is_empty()).collect()
+}
+
+/// Units that are words as well at the end of a name: north, and input or inside. They count in
+/// brackets only.
+const WORDS_OR_UNITS: [&str; 2] = ["N", "in"];
+
+/// Symbols that are units, though none of an input, besides those of a prefix and a unit.
+const FOREIGN: [&str; 12] = ["Pa", "bar", "psi", "ksi", "Hz", "rad", "deg", "degC", "lb", "lbs", "mph", "mA"];
+
+/// Whether a part of the name of an input can be nothing but a unit: it has a slash before a small
+/// letter, a square, a degree or a per cent sign, it is a prefix with a symbol (`mV`, `kPa`, `km`),
+/// or the symbol of a unit of something else. Words, single letters and numbers are names.
+pub(super) fn is_claim(part: &str) -> bool {
+    let prefixed = part.strip_prefix(['G', 'M', 'k', 'h', 'd', 'c', 'm', 'u', '\u{b5}', 'n']);
+    let is_over = |(_, under): (&str, &str)| under.starts_with(|c: char| c.is_ascii_lowercase());
+    part.split_once('/').is_some_and(is_over)
+        || part.contains(['^', '\u{b2}', '\u{b0}', '%'])
+        || prefixed.is_some_and(|symbol| ["m", "g", "N", "Pa", "V"].contains(&symbol))
+        || FOREIGN.contains(&part)
 }
 
 /// The end of a part that says the unit without a separator.
@@ -232,13 +306,21 @@ pub(super) fn of_name(quantity: ColumnQuantity, column: &str) -> Result<Option<I
         return Ok(found);
     }
     if let Some(unit) = unknown {
-        return Err((
-            format!("column `{column}` has the unknown unit `{unit}`"),
-            format!("convert it to one of {}, and change the name", quantity.units()),
-        ));
+        return Err(unknown_unit(quantity, column, unit));
     }
     let named = words(quantity, column);
+    let claim = || parts(quantity, column).into_iter().skip(1).find(|part| is_claim(part));
+    if let Some(unit) = claim().filter(|_| quantity == ColumnQuantity::Input && named.is_empty()) {
+        return Err(unknown_unit(quantity, column, unit));
+    }
     if named.iter().any(|unit| *unit != named[0]) { Err(two(column)) } else { Ok(named.first().copied()) }
+}
+
+pub(super) fn unknown_unit(quantity: ColumnQuantity, column: &str, unit: &str) -> ProblemAndRemedy {
+    (
+        format!("column `{column}` has the unknown unit `{unit}`"),
+        format!("convert it to one of {}, and give that in the name or as `unit`", quantity.units()),
+    )
 }
 
 fn two(column: &str) -> ProblemAndRemedy {

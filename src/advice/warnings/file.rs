@@ -9,10 +9,12 @@ const MANY_ROWS: usize = 10_000;
 pub(super) fn many_rows(case: &Case) -> Option<String> {
     let rows = case.derived.rows;
     (rows > MANY_ROWS).then(|| {
+        let [one, two] = [1, 2].map(|threads| case.scenario.run_bytes(case.scenario.ensemble.paths, threads));
         format!(
-            "the bands of {rows} rows take up to about {} of memory per thread; a longer `time.output_step` or \
-             fewer `--threads` take less",
-            bytes(case.derived.thread_bytes)
+            "the bands of {rows} rows take up to about {} of memory on one thread, and {} on two; a longer \
+             `time.output_step` or fewer `--threads` take less",
+            bytes(one),
+            bytes(two)
         )
     })
 }

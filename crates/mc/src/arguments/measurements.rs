@@ -184,6 +184,9 @@ impl Source {
         let mut scene = BridgeScene::read(&self.scenario, &all)?;
         all.extend(self.of_temperatures.overrides());
         scene.temperature_source = BridgeScene::read(&self.scenario, &all)?.temperature_source;
+        // The text that is stored holds the changes as well.
+        let changes = self.set.list()?.iter().map(|change| format!("{CHANGED}{change}\n")).collect::<String>();
+        scene.text = if changes.is_empty() { scene.text } else { format!("{}\n{changes}", scene.text) };
         scene.displacement_source.layout.wording = Wording::Flag;
         scene.temperature_source.layout.wording = Wording::TemperatureFlag;
         Ok(scene)
@@ -208,6 +211,15 @@ impl Source {
         measured.repairs.iter().for_each(|sentence| note(sentence));
         Ok(MeasuredRecord::from(&measured))
     }
+}
+
+/// What a line of a stored scenario begins with that holds a change of it.
+const CHANGED: &str = "# changed by ";
+
+/// The scenario of a study of measurements from its stored text.
+pub fn scene_again(name: &str, text: &str) -> Result<BridgeScene, ScenarioError> {
+    let changes = text.lines().filter_map(|line| line.strip_prefix(CHANGED)?.strip_prefix("--set "));
+    BridgeScene::parse(name, text, &changes.map(Override::set).collect::<Result<Vec<_>, _>>()?)
 }
 
 /// The files that a scenario names: that of the displacements, and that of the temperatures if it

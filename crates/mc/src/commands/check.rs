@@ -65,6 +65,7 @@ fn taken(measured: &Measured) -> String {
     let number = |x: f64| significant(x, DIGITS);
     let unit = match unit.as_ref().and_then(|unit| Some((unit, input_unit(unit)?))) {
         None => "unit not given; assuming SI".to_string(),
+        Some((_, ("", _))) => "as it is".to_string(),
         Some((_, (si, 1.0))) => format!("in {si}"),
         Some((unit, (si, ratio))) => format!("from {unit} to {si}, times {ratio}"),
     };
@@ -185,7 +186,8 @@ fn derived(scenario: &Scenario) -> Vec<(&'static str, String)> {
         say("path-steps in all", significant(steps, 3));
     }
     say("rows of the output grid", grouped(d.rows as u64));
-    say("memory per thread for them, about", bytes(d.thread_bytes));
+    let threads = crate::cores();
+    say("memory of the run, about", bytes(scenario.run_bytes(scenario.ensemble.paths, threads)));
     say("output file, about", bytes(d.output_bytes));
     lines
 }

@@ -48,7 +48,11 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let scene = self.source.scene()?;
-        for output in &self.output {
+        for (i, output) in self.output.iter().enumerate() {
+            let is_same = |other: &PathBuf| std::path::absolute(other).ok() == std::path::absolute(output).ok();
+            if self.output[..i].iter().any(is_same) {
+                return Err(Failure::usage(format!("-o {} is given twice", output.display()), "give it once"));
+            }
             if !is_page(output) && output.extension().is_none_or(|ending| ending != "csv") {
                 let problem = format!("-o {}: the ending does not tell what to write", output.display());
                 return Err(Failure::usage(problem, "write a name that ends in .csv or .html"));

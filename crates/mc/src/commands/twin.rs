@@ -53,12 +53,12 @@ pub struct Arguments {
     /// the scenario has no measured temperature
     #[arg(long, value_name = "DATE", value_parser = start)]
     start: Option<Start>,
-    /// Length of the record, if the scenario has no measured temperature
-    #[arg(long, value_name = "TIME", default_value = "300d", value_parser = parse_seconds)]
-    duration: f64,
-    /// Time between samples, if the scenario has no measured temperature
-    #[arg(long, value_name = "TIME", default_value = "10m", value_parser = parse_seconds)]
-    every: f64,
+    /// Length of the record; only if the scenario has no measured temperature [default: 300d]
+    #[arg(long, value_name = "TIME", value_parser = parse_seconds)]
+    duration: Option<f64>,
+    /// Time between samples; only if the scenario has no measured temperature [default: 10m]
+    #[arg(long, value_name = "TIME", value_parser = parse_seconds)]
+    every: Option<f64>,
     #[command(flatten)]
     set: Settings,
     /// Where to write the synthetic measurements
@@ -80,14 +80,21 @@ impl Arguments {
         let set = self.set.list()?;
         let scene = BridgeScene::read(&self.scenario, &set)?;
         writable(&self.output, self.force, input_files(&self.scenario, &set))?;
-        let (start, air) = match &scene.temperature_source.file {
-            Some(file) => measured(&self.scenario, file, &scene)?,
-            None => (self.start, self.drawn(&set)?),
+        let of_drawn = [
+            ("--start", self.start.is_some()),
+            ("--duration", self.duration.is_some()),
+            ("--every", self.every.is_some()),
+        ];
+        let (start, air) = match (&scene.temperature_source.file, of_drawn.iter().find(|(_, is_given)| *is_given)) {
+            (Some(_), Some((flag, _))) => {
+                let problem =
+                    format!("{flag} is given, and the measured temperature of the scenario has times of its own");
+                let remedy = format!("leave {flag} out, or take [temperature.series] out of the scenario");
+                return Err(Failure::usage(problem, remedy));
+            }
+            (Some(file), None) => measured(&self.scenario, file, &scene)?,
+            (None, _) => (self.start, self.drawn(&set)?),
         };
-        if scene.temperature_source.file.is_some() && self.start.is_some() {
-            let problem = "--start gives a date, and the measured temperature of the scenario has dates of its own";
-            return Err(Failure::usage(problem, "leave --start out, or take [temperature.series] out of the scenario"));
-        }
         let response = Response::of(&scene, air.temperatures[0]);
         let flaws = Flaws {
             scatter: self.scatter,
@@ -112,12 +119,13 @@ impl Arguments {
     /// A simulated temperature, for a scenario without a measured one.
     fn drawn(&self, set: &[Override]) -> Result<Air, Failure> {
         let scenario = Scenario::read(&self.scenario, set)?;
-        let count = self.duration / self.every;
+        let every = self.every.unwrap_or(600.0);
+        let count = self.duration.unwrap_or(300.0 * 86_400.0) / every;
         if !(2.0..=MOST).contains(&count) {
             let problem = format!("{count:.0} samples are not between 2 and 1e7");
             return Err(Failure::usage(problem, "choose other --duration and --every"));
         }
-        Ok(Air::drawn(&scenario.model.temperature, count as usize, self.every, self.seed))
+        Ok(Air::drawn(&scenario.model.temperature, count as usize, every, self.seed))
     }
 }
 

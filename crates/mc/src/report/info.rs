@@ -33,6 +33,9 @@ pub struct RunInfo {
 }
 
 impl RunInfo {
+    /// The file where there is none: it was deleted meanwhile, or never written.
+    pub const NO_FILE: &str = "none";
+
     /// What happened to a path that is in no statistic. A path diverges where the step is unstable.
     /// A scheme without a step gives up a path that takes more work than is allowed or meets a
     /// number that is not finite.

@@ -9,7 +9,11 @@ use stickslip::stats::{Dimension, Estimate, LimitCycle, Statistic, SubPhaseCount
 /// the rest is.
 pub fn remarks(summary: &Summary, info: &RunInfo, all: bool) -> Vec<(&'static str, String)> {
     let rest = |line: Option<String>| line.filter(|_| all);
-    let file = if all { info.file.clone() } else { format!("{0}; details: `mc show {0} --all --notes`", info.file) };
+    let file = if all || info.file == RunInfo::NO_FILE {
+        info.file.clone()
+    } else {
+        format!("{0}; details: `mc show {0} --all --notes`", info.file)
+    };
     let Provenance { program: Program { version, git_hash, generator, block_size }, seed, .. } = &info.provenance;
     let lines = [
         ("sticks", rest(Some(sticks(summary)))),

@@ -197,7 +197,8 @@ impl<'a> Sitting<'a> {
             no_bias: outcome.bias.absence.as_ref().map(|reason| reason.to_string()),
             period: scenario.period(),
             steps_per_path: scenario.steps(),
-            file: file.display().to_string(),
+            // A folder or a file that was deleted meanwhile holds nothing.
+            file: if file.exists() { file.display().to_string() } else { RunInfo::NO_FILE.into() },
             status: outcome.status,
             ended_by: outcome.ended_by.as_ref().map(EndedBy::to_string),
         }

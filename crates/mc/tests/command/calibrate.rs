@@ -51,6 +51,11 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     refused(path, &["show", "fit.h5", "--statistics", "jump_mean"], 2, &["fit.h5 is a calibration"]);
     done(path, &["plot", "fit.h5", "-o", "page.svg"]);
     refused(path, &["calibrate", SCENARIO, DATA, "--method", "slips", "-o", "fit.h5"], 2, &["--force"]);
+    // The measured temperature of a scenario has its own times.
+    for flag in [["--duration", "10d"], ["--every", "1h"], ["--start", "2024-06-01"]] {
+        let twin = [&["twin", SCENARIO, "-o", "twin.csv"], &flag[..]].concat();
+        refused(path, &twin, 2, &[flag[0], "has times of its own", "fix: "]);
+    }
 }
 
 /// Synthetic measurements are the same for the same seed and differ for another one. A calibration

@@ -207,6 +207,9 @@ fn a_forecast_says_what_can_be_known() {
     assert_eq!(csv.lines().count(), 1 + 4 * 3);
     assert!(csv.starts_with("draw,year,sliding_path_m,slips,"), "{csv}");
 
+    for other in ["a.csv", "./a.csv"] {
+        refused(path, &["forecast", BEARING, DATA, "-o", "a.csv", "-o", other], 2, &["is given twice", "fix: "]);
+    }
     let soft = fs::read_to_string(BEARING).expect("a bearing").replace("stiffness = 2.0e9\n", "");
     fs::write(path.join("soft.toml"), soft).expect("written");
     let without = ["forecast", "soft.toml", DATA, "--draws", "4", "--years", "3", "--json"];

@@ -1,7 +1,7 @@
 //! `mc` with measured inputs and numbers that name a parameter: what is read, said, stored and
 //! refused.
 
-use crate::command::{done, json, refused};
+use crate::command::{done, json, mc, refused, text};
 use crate::measured::slid;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -69,6 +69,50 @@ fn a_block_slides_as_far_as_a_record_in_any_unit_takes_it() {
     assert!((found - wanted).abs() < 1e-7, "{found} {wanted}");
 }
 
+/// A column without a unit is taken as it is, with a warning of the run; one in a unit that is not
+/// known, or of marks of missing values, is not taken silently either.
+#[test]
+fn a_run_warns_of_an_input_without_a_unit() {
+    let said = |names: &str, set: &[&str]| {
+        let here = block(&csv(names, &quiet_with_a_pulse()));
+        let output = mc(here.path(), &[&["run", "block.toml", "--paths", "1"], set].concat());
+        (output.status.code(), text(&output.stderr))
+    };
+    let warns = "because nothing says its";
+    let (code, stderr) = said("time_s,acc", &[]);
+    assert!(code == Some(0) && stderr.contains("warning: quake.csv") && stderr.contains(warns), "{stderr}");
+    for set in ["input.ag.unit=g", "input.ag.unit=none"] {
+        let (code, stderr) = said("time_s,acc", &["--set", set]);
+        assert!(code == Some(0) && !stderr.contains(warns), "{stderr}");
+    }
+    let (code, stderr) = said("time_s,acc_ft/s", &["--set", "input.ag.column=acc_ft/s"]);
+    assert!(code == Some(2) && stderr.contains("a unit that is not known, `ft/s`"), "{stderr}");
+    // The name of an input in capitals finds its column.
+    let here = block(&csv("time_s,AG_mg", &quiet_with_a_pulse()));
+    let capitals = BLOCK.replace("input.ag", "input.AG").replace("m*ag", "m*AG").replace("column = \"acc\"\n", "");
+    std::fs::write(here.path().join("capitals.toml"), capitals).expect("written");
+    let checked = done(here.path(), &["check", "capitals.toml"]);
+    assert!(checked.contains("from mg to m/s2, times 0.00980665"), "{checked}");
+}
+
+/// A file of values alone, with the step that the scenario gives, is the same record; what check
+/// prints can be run.
+#[test]
+fn values_with_a_step_are_the_same_as_in_csv() {
+    let samples = quiet_with_a_pulse();
+    let here = block(&csv("time_s,acc (g)", &samples));
+    let by_csv = run(here.path(), "block.toml", &[]);
+    let rows: Vec<String> = samples.iter().map(|a| format!("9 {a}\n")).collect();
+    std::fs::write(here.path().join("a.txt"), rows.concat()).expect("written");
+    let keys = "file = \"a.txt\"\nstep = 0.02\nunit = \"g\"\ncolumn = \"2\"";
+    let stepped = BLOCK.replace("file = \"quake.csv\"\ncolumn = \"acc\"", keys);
+    std::fs::write(here.path().join("step.toml"), &stepped).expect("written");
+    assert!((run(here.path(), "step.toml", &[]) - by_csv).abs() < 1e-12);
+    std::fs::write(here.path().join("checked.toml"), done(here.path(), &["check", "step.toml"])).expect("written");
+    assert!((run(here.path(), "checked.toml", &[]) - by_csv).abs() < 1e-12);
+    refused(here.path(), &["check", "step.toml", "--set", "input.ag.step=0"], 2, &["input.ag.step", "above 0"]);
+}
+
 /// A record in the format AT2 is the same numbers as in CSV, but for the rounding of the times.
 #[test]
 fn an_at2_file_is_the_same_numbers_as_in_csv() {
@@ -128,11 +172,11 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     };
     let row = sound.lines().nth(3).expect("a row");
     file(row, "0.04,", &["quake.csv:4", "`acc (g)` = \"\" is not a number", "not repaired"]);
-    file(row, "0.04,NaN", &["quake.csv:4", "`acc (g)` = \"NaN\" is no number"]);
+    file(row, "0.04,NaN", &["quake.csv:4", "`acc (g)` = \"NaN\" is not a number"]);
     file(row, "0.04,strong", &["quake.csv:4", "`acc (g)` = \"strong\" is not a number"]);
     file(row, "0.01,0.5", &["quake.csv:4", "= 0.5 is not later than", "in line 3", "sort the rows"]);
     file(row, "0.02,0.5", &["quake.csv:4", "= 0.5 is not later than"]);
-    file("acc (g)", "acc (furlong)", &["unknown unit `furlong`", "m/s2, g, cm/s2"]);
+    file("acc (g)", "acc (furlong)", &["unknown unit `furlong`", "m/s2, cm/s2, mm/s2"]);
     file("acc (g)", "speed", &["no column is called `acc`"]);
     let here = block(&sound);
     let set = |set: &str, says: &[&str]| {

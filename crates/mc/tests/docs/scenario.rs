@@ -74,15 +74,16 @@ fn every_key_is_listed_and_every_listed_key_exists() {
     let here = tempfile::tempdir().expect("a folder");
     let stamps = "time,N\n2020-01-01 00:00,1\n2020-01-01 00:10,2\n";
     std::fs::write(here.path().join("n.csv"), stamps).expect("written");
-    let given = [
+    std::fs::write(here.path().join("n.txt"), "1 2 3\n").expect("written");
+    for input in [
         "input.NAME={file=\"n.csv\", column=\"N\", unit=\"kN\", zone=\"UTC\", dates=\"ymd\", skip=0, decimal=\".\"}",
-        "force.expression=NAME",
-        "time.end=60",
-    ];
-    let given = given.map(|set| Override::set(set).expect("well formed"));
-    let name = here.path().join("input.toml").display().to_string();
-    let resolved = Scenario::parse(&name, shipped("belt").expect("shipped").text, &given).expect("sound").to_toml();
-    keys(&resolved.parse().expect("TOML"), "", &mut of_code);
+        "input.NAME={file=\"n.txt\", step=60}",
+    ] {
+        let given = [input, "force.expression=NAME", "time.end=60"].map(|set| Override::set(set).expect("well formed"));
+        let name = here.path().join("input.toml").display().to_string();
+        let resolved = Scenario::parse(&name, shipped("belt").expect("shipped").text, &given).expect("sound").to_toml();
+        keys(&resolved.parse().expect("TOML"), "", &mut of_code);
+    }
     // A run has no use for displacements, so its resolved scenario has none of their keys.
     let of_displacements =
         ["file", "value", "unit", "time", "zone", "dates", "skip", "missing", "outliers", "decimal", "averaged"];

@@ -216,7 +216,7 @@ fn a_folder_that_is_deleted_during_a_run_takes_the_paths_with_it() {
             "1000000",
             "--step",
             "0.02",
-            "--quiet",
+            "--json",
             "--set",
             "record.events=true",
             "-o",
@@ -228,6 +228,8 @@ fn a_folder_that_is_deleted_during_a_run_takes_the_paths_with_it() {
     fs::remove_dir_all(&partial).expect("removed");
     let output = running.end();
     assert_eq!(output.status.code(), Some(1), "{}", said(&output));
+    let printed = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert!(printed.contains("\"file\": \"none\""), "{printed}");
     let said = said(&output);
     assert!(said.contains("moved, deleted or replaced") && !said.contains("are saved"), "{said}");
 }

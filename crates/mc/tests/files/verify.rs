@@ -281,8 +281,8 @@ fn every_value_and_attribute_of_a_sweep_is_compared() {
     all_but_these_are_found(&star, &["a value of key_value", "a value of point_seconds"], tried);
 }
 
-/// What was measured and asked is believed, unless the fit does not follow from it. The search
-/// begins at the guess only where no slips are seen, and the last bit of one sample is too little.
+/// What was measured and asked is believed, unless the fit does not follow from it; the last bit of
+/// one sample is too little. A blank behind the scenario is none of its values.
 #[test]
 fn every_value_and_attribute_of_a_calibration_is_compared() {
     let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/bridge.toml");
@@ -292,11 +292,7 @@ fn every_value_and_attribute_of_a_calibration_is_compared() {
     fs::write(&short, data.lines().take(3000).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
     let missed = not_found(&["calibrate", scene, &short, "--starts", "2"], &mut BTreeSet::new());
     let believed = [
-        "attribute title",
         "attribute scenario",
-        "attribute guess_jump",
-        "attribute guess_reach",
-        "attribute guess_start",
         "attribute temperature_resolution",
         "a value of time",
         "a value of temperature",
@@ -363,6 +359,36 @@ fn whatever_was_changed_is_named_although_the_checksum_fits() {
     let output = verify(&here, &["--blocks", "1"]);
     assert_eq!(output.status.code(), Some(1), "{}", text(&output.stderr));
     assert!(text(&output.stderr).contains("path "), "{}", text(&output.stderr));
+}
+
+/// A scenario that was stored with a calibration asks for it, with what `--set` changed.
+#[test]
+fn a_calibration_is_compared_with_its_scenario() {
+    let scene = concat!(env!("CARGO_MANIFEST_DIR"), "/examples/bridge/bridge.toml");
+    let data = fs::read_to_string(scene.replace("bridge.toml", "twin.csv")).expect("there");
+    let rows = tempfile::tempdir().expect("a folder");
+    let short = rows.path().join("short.csv").display().to_string();
+    fs::write(&short, data.lines().take(3000).map(|line| format!("{line}\n")).collect::<String>()).expect("written");
+    let make = ["calibrate", scene, &short, "--method", "slips", "--set", "friction.static=4.9e5"];
+    assert_eq!(verify(&made(&make), &[]).status.code(), Some(0));
+    let changes = [
+        ("title = \"", "title = \"Another ", "title is"),
+        ("static=4.9e5", "static=4.5e5", "guess"),
+        ("mass", "[mass", ""),
+    ];
+    for (from, to, named) in changes {
+        let here = made(&make);
+        forge(&here, true, |file| {
+            let attribute = file.attr("scenario").expect("there");
+            let text: VarLenUnicode = attribute.read_scalar().expect("read");
+            let other = text.replace(from, to);
+            assert_ne!(text.as_str(), other);
+            attribute.write_scalar(&other.parse::<VarLenUnicode>().expect("a text")).expect("written");
+        });
+        let output = verify(&here, &[]);
+        let said = text(&output.stderr);
+        assert!(!output.status.success() && said.contains(named), "{to}: {said}");
+    }
 }
 
 /// The number of values in a row of the trajectories.

@@ -1,15 +1,17 @@
 //! Files of many runs, and of a fit.
 
 use super::{Arguments, Checked};
+use crate::arguments::measurements;
 use crate::commands::sweep;
 use crate::output::failure::Failure;
 use crate::output::numbers::grouped;
 use serde_json::json;
 use std::collections::{BTreeSet, HashSet};
+use std::fmt::Display;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 use stickslip::study::sweep::{Sweep, SweepSimulation};
-use stickslip_bearing::calibration::calibrate_again;
+use stickslip_bearing::calibration::{Calibration, CalibrationQuestion, Quantity, calibrate_again};
 use stickslip_files::dataset::Dataset;
 use stickslip_files::saved::{BlocksAgain, drawn};
 use stickslip_files::store::{self, StoreError, StoredCalibration, StoredSweep, StoredTrade};
@@ -71,14 +73,26 @@ impl Arguments {
         })
     }
 
-    /// Check a calibration: the fit is repeated with the record that is in the file.
+    /// Check a calibration: the question is read from the scenario again, and the fit is repeated
+    /// with the record that is in the file.
     pub(super) fn calibration(&self, stored: &StoredCalibration) -> Result<Checked, Failure> {
-        let again = calibrate_again(&stored.calibration, self.threads.number(), &AtomicBool::new(false));
-        let again = again.map_err(|error| Failure::Run(format!("{}: {error}", self.file.display())))?;
-        let again = StoredCalibration::of(&stored.title, &stored.scenario_text, again);
+        let wrong = |error: &dyn Display| Failure::Run(format!("{}: {error}", self.file.display()));
+        // A scenario without a title is called by the name of its file.
+        let scene = measurements::scene_again(&format!("{}.toml", stored.title), &stored.scenario_text)?;
+        let Calibration { question, record, .. } = &stored.calibration;
+        let CalibrationQuestion { guess, shear_stiffness, .. } = CalibrationQuestion::of(&scene, record);
+        let question = CalibrationQuestion { guess, shear_stiffness, held: Vec::new(), ..question.clone() };
+        let is_held = |quantity: &Quantity| stored.calibration.question.held.iter().any(|held| held.0 == *quantity);
+        let fitted: Vec<Quantity> = Quantity::FITTED.into_iter().filter(|quantity| !is_held(quantity)).collect();
+        let question = question.fitting(&fitted, &scene).map_err(|error| wrong(&error))?;
+        let asked = Calibration { question, ..stored.calibration.clone() };
+        let again = calibrate_again(&asked, self.threads.number(), &AtomicBool::new(false));
+        let again = again.map_err(|error| wrong(&error))?;
+        let again = StoredCalibration::of(&scene.title, &stored.scenario_text, again);
         Ok(Checked {
             simulated: "the fit, with the record in the file".into(),
-            compared: "estimates, intervals, slips, the model, attributes, coordinates and units".into(),
+            compared: "title, question, estimates, intervals, slips, the model, attributes, coordinates and units"
+                .into(),
             not_compared: None,
             fields: json!({ "statistics_checked": true }),
             found: store::verify_whole(&self.file, &Dataset::of_calibration(&again))?,
