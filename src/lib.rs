@@ -14,9 +14,9 @@
 //! # An estimate
 //!
 //! ```
-//! use crate::engine::Run;
-//! use crate::scenario::Scenario;
-//! use crate::stats::Statistic;
+//! use stickslip::engine::Run;
+//! use stickslip::scenario::Scenario;
+//! use stickslip::stats::Statistic;
 //!
 //! let mut scenario = Scenario::shipped("rho025")?;
 //! scenario.ensemble.paths = 1_000;
@@ -33,8 +33,8 @@
 //! A scene of your own is a TOML file, such as `mc init` writes, with changes of single keys:
 //!
 //! ```no_run
-//! # use crate::config::Override;
-//! # use crate::scenario::Scenario;
+//! # use stickslip::config::Override;
+//! # use stickslip::scenario::Scenario;
 //! let scenario = Scenario::read("mine.toml".as_ref(), &[Override::set("friction.static=1.3")?])?;
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```

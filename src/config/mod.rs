@@ -53,7 +53,7 @@ pub fn key_meant(word: &str) -> Option<String> {
 /// if the key has none.
 ///
 /// ```
-/// use crate::config::symbol_and_meaning;
+/// use stickslip::config::symbol_and_meaning;
 ///
 /// assert_eq!(symbol_and_meaning("temperature.noise.intensity"), Some(("rho", "weight of v in T")));
 /// assert_eq!(symbol_and_meaning("temperature.harmonics.0.amplitude").map(|key| key.0), Some("a"));
@@ -225,7 +225,7 @@ impl Scenario {
     /// The number at a dotted key of the resolved scenario, if there is one.
     ///
     /// ```
-    /// use crate::scenario::Scenario;
+    /// use stickslip::scenario::Scenario;
     ///
     /// let scenario = Scenario::shipped("rho025")?;
     /// assert_eq!(scenario.number_at("temperature.harmonics.0.angular_frequency"), Some(0.25));

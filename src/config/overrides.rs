@@ -12,8 +12,8 @@ const LONGEST_SHOWN: usize = 40;
 /// A key of a scenario, the value to set, and how the user wrote both.
 ///
 /// ```
-/// use crate::config::{Override, shipped};
-/// use crate::scenario::Scenario;
+/// use stickslip::config::{Override, shipped};
+/// use stickslip::scenario::Scenario;
 ///
 /// let text = shipped("rho025").expect("a shipped scenario").text;
 /// let stronger = Scenario::parse("mine.toml", text, &[Override::set("friction.static=1.3")?])?;

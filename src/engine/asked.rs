@@ -60,11 +60,11 @@ impl Asked {
 /// consecutive blocks.
 ///
 /// ```
-/// use crate::engine::Part;
+/// use stickslip::engine::Part;
 ///
 /// let part: Part = "3/16".parse()?;
 /// assert_eq!(part.blocks(160), 20..30);
-/// # Ok::<(), crate::engine::NoPart>(())
+/// # Ok::<(), stickslip::engine::NoPart>(())
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Part {

@@ -6,8 +6,8 @@ use crate::stats::{Estimate, Statistic};
 /// default of every method does nothing.
 ///
 /// ```
-/// use crate::engine::{Progress, Run};
-/// use crate::scenario::Scenario;
+/// use stickslip::engine::{Progress, Run};
+/// use stickslip::scenario::Scenario;
 ///
 /// struct Percent(u64);
 ///

@@ -10,8 +10,8 @@ use crate::stats::{BlockResult, Record};
 /// One path of an ensemble, simulated again.
 ///
 /// ```
-/// use crate::engine::Replay;
-/// use crate::scenario::Scenario;
+/// use stickslip::engine::Replay;
+/// use stickslip::scenario::Scenario;
 ///
 /// let replay = Replay::of(&Scenario::shipped("rho025")?, 4711);
 /// let rows = replay.block.rows;

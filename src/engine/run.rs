@@ -21,9 +21,9 @@ use std::time::{Duration, Instant};
 /// machine. They end a run after some block, and the outcome contains the number of its paths.
 ///
 /// ```
-/// use crate::engine::Run;
-/// use crate::scenario::Scenario;
-/// use crate::stats::Statistic;
+/// use stickslip::engine::Run;
+/// use stickslip::scenario::Scenario;
+/// use stickslip::stats::Statistic;
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 1_000;

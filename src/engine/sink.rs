@@ -13,9 +13,9 @@ pub type SinkError = Box<dyn std::error::Error + Send + Sync>;
 /// error ends the run.
 ///
 /// ```
-/// use crate::engine::{Run, Sink, SinkError};
-/// use crate::scenario::Scenario;
-/// use crate::stats::BlockResult;
+/// use stickslip::engine::{Run, Sink, SinkError};
+/// use stickslip::scenario::Scenario;
+/// use stickslip::stats::BlockResult;
 ///
 /// /// Prints how many paths of each block diverged.
 /// struct Divergence(Vec<usize>);
@@ -81,8 +81,8 @@ impl Moment<'_> {
 /// there are.
 ///
 /// ```
-/// use crate::engine::{Memory, Run};
-/// use crate::scenario::Scenario;
+/// use stickslip::engine::{Memory, Run};
+/// use stickslip::scenario::Scenario;
 ///
 /// let mut scenario = Scenario::shipped("shaw")?;
 /// scenario.record.events = true;

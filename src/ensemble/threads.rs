@@ -34,7 +34,7 @@ impl ThreadsError {
 /// limits of the user, of the container and of the memory may all be in the way.
 ///
 /// ```
-/// use crate::ensemble::{ThreadsError, check_threads};
+/// use stickslip::ensemble::{ThreadsError, check_threads};
 ///
 /// assert_eq!(check_threads(2), Ok(()));
 /// assert_eq!(check_threads(1 << 40), Err(ThreadsError::OutOfRange(1 << 40)));

@@ -29,11 +29,11 @@ impl Series {
     /// A series from times and values.
     ///
     /// ```
-    /// use crate::model::Series;
+    /// use stickslip::model::Series;
     ///
     /// let series = Series::new(vec![0.0, 10.0, 20.0], vec![15.0, 16.0, 14.0])?;
     /// assert_eq!([series.at(5.0), series.at(15.0), series.end()], [15.5, 15.0, 20.0]);
-    /// # Ok::<(), crate::model::NoSeries>(())
+    /// # Ok::<(), stickslip::model::NoSeries>(())
     /// ```
     pub fn new(times: Vec<f64>, values: Vec<f64>) -> Result<Self, NoSeries> {
         let is_finite = times.iter().chain(&values).all(|x| x.is_finite());

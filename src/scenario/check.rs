@@ -89,8 +89,8 @@ impl Scenario {
     /// scheme does not go with the rest.
     ///
     /// ```
-    /// use crate::scenario::Scenario;
-    /// use crate::scheme::{CorrectedVi, EventDriven, Kind};
+    /// use stickslip::scenario::Scenario;
+    /// use stickslip::scheme::{CorrectedVi, EventDriven, Kind};
     ///
     /// let scenario = Scenario::shipped("rho025")?;
     /// let exact = scenario.with_scheme(EventDriven { tolerance: 1e-3 })?;

@@ -2,8 +2,8 @@
 //! one.
 
 use super::limits::{MAX_ROWS, MAX_STEPS};
-use stickslip_data::numbers::{round_up, tidy};
 use crate::scheme::{Misfit, Scheme};
+use stickslip_data::numbers::{round_up, tidy};
 
 /// Duration and output grid of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,13 +20,8 @@ pub(crate) fn check_end(scheme: Scheme, end: f64) -> Option<Misfit> {
     let about = [("time.step", h), ("time.end", end)];
     let ratio = end / h;
     if ratio > MAX_STEPS {
-<<<<<<< HEAD
         let problem = format!("gives t_end / h = {ratio:.3e} steps; at most 2^53 = 9.0e15 are supported");
-        let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", tidy(end / MAX_STEPS * 1.001));
-=======
-        let problem = format!("makes t_end / h = {ratio:.3e} steps, and at most 2^53 = 9.0e15 can be counted");
         let remedy = format!("raise `time.step` to {:?} or more, or lower `time.end`", round_up(end / MAX_STEPS));
->>>>>>> inputs
         return Some(Misfit::new(&about, problem, remedy));
     }
     if whole_multiple(end, h).is_some() {
@@ -72,15 +67,9 @@ impl Time {
             return None;
         }
         let most = (MAX_ROWS - 1) as f64;
-<<<<<<< HEAD
-        let least = scheme.step().map_or(end / most, |h| (end / h / most).ceil() * h);
-        let problem = format!("gives an output grid of {rows} rows; at most {MAX_ROWS} are supported");
-        let remedy = format!("write `time.output_step` = {:?} or more, or lower `time.end`", tidy(least));
-=======
         let least = scheme.step().map_or(round_up(end / most), |h| tidy(round_up((end / h / most).ceil()) * h));
-        let problem = format!("makes an output grid of {rows} rows, and at most {MAX_ROWS} are kept");
+        let problem = format!("gives an output grid of {rows} rows; at most {MAX_ROWS} are supported");
         let remedy = format!("write `time.output_step` = {least:?} or more, or lower `time.end`");
->>>>>>> inputs
         Some(Misfit::new(&[("time.output_step", output_step), ("time.end", end)], problem, remedy))
     }
 }

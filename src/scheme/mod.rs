@@ -48,8 +48,8 @@ schemes! { DiscreteVi, CorrectedVi, EventDriven, QuasiStatic }
 /// list of paths that are simulated. What an observer does not implement, it ignores.
 ///
 /// ```
-/// use crate::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
-/// use crate::scheme::{EventDriven, Observer, Scheme, Simulate as _, Timeline};
+/// use stickslip::model::{Drive, Event, EventKind, Friction, Harmonic, Model, Oscillator, Temperature};
+/// use stickslip::scheme::{EventDriven, Observer, Scheme, Simulate as _, Timeline};
 ///
 /// /// When each path first slips.
 /// struct FirstSlip(Vec<Option<f64>>);

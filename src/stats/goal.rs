@@ -7,8 +7,8 @@ use std::str::FromStr;
 /// A bound on the standard error of one statistic, written `NAME < 0.5%` or `NAME < 0.01`.
 ///
 /// ```
-/// use crate::engine::{EndedBy, Run};
-/// use crate::scenario::Scenario;
+/// use stickslip::engine::{EndedBy, Run};
+/// use stickslip::scenario::Scenario;
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 1 << 20;

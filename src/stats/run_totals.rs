@@ -24,8 +24,8 @@ const VERSION: u64 = 5;
 /// `X` are sums of a user's own ([`super::Tally`]), which are folded along the same tree.
 ///
 /// ```
-/// use crate::scenario::Scenario;
-/// use crate::stats::{RunTotals, Statistic};
+/// use stickslip::scenario::Scenario;
+/// use stickslip::stats::{RunTotals, Statistic};
 ///
 /// let mut scenario = Scenario::shipped("rho025")?;
 /// scenario.ensemble.paths = 4 * 256;

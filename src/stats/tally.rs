@@ -52,12 +52,12 @@ impl PathState {
 /// so itself.
 ///
 /// ```
-/// use crate::engine::Run;
-/// use crate::model::{Event, EventKind};
-/// use crate::noise::AddressedDraws;
-/// use crate::scenario::Scenario;
-/// use crate::stats::{PathMeans, PathState, Tally};
-/// use crate::sums::Measurement;
+/// use stickslip::engine::Run;
+/// use stickslip::model::{Event, EventKind};
+/// use stickslip::noise::AddressedDraws;
+/// use stickslip::scenario::Scenario;
+/// use stickslip::stats::{PathMeans, PathState, Tally};
+/// use stickslip::sums::Measurement;
 ///
 /// /// The mean number of slips to the right, per path.
 /// struct SlipsToTheRight;

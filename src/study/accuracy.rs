@@ -33,10 +33,10 @@ const ALTERNATIVES: [f64; 18] =
 /// The accuracy that is asked for.
 ///
 /// ```no_run
-/// use crate::engine::Run;
-/// use crate::scenario::Scenario;
-/// use crate::stats::Statistic;
-/// use crate::study::{accuracy::Accuracy, trade::Limits};
+/// use stickslip::engine::Run;
+/// use stickslip::scenario::Scenario;
+/// use stickslip::stats::Statistic;
+/// use stickslip::study::{accuracy::Accuracy, trade::Limits};
 ///
 /// let scenario = Scenario::shipped("rho025")?;
 /// let wanted = Accuracy { target: 0.01, named: &[Statistic::StickDurationMean], max_time: None, threads: 2 };

@@ -2,13 +2,13 @@
 //! are exact times, and spectra are plain sums over rows.
 
 use super::measures::run;
-use stickslip_files::dataset::{Column, Recorder};
 use stickslip::engine::Run;
 use stickslip::model::{Event, NamedSeries, Series};
 use stickslip::scenario::Scenario;
 use stickslip::scheme::{Glide, Observer, Simulate as _};
 use stickslip::stats::{BlockObserver, Densities, DensityCurve, Record, Statistic, Summary};
 use stickslip::sums::Replicate;
+use stickslip_files::dataset::{Column, Recorder};
 
 const NOISE: &str = "temperature.noise = { intensity = 0.5, relaxation_rate = 1, diffusion = 1 }";
 

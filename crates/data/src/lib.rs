@@ -101,7 +101,7 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
 /// Read columns of a CSV text; messages call it `name`.
 ///
 /// ```
-/// use crate::{ColumnQuantity, Layout, Wanted, parse};
+/// use stickslip_data::{ColumnQuantity, Layout, Wanted, parse};
 ///
 /// let text = "time;temperature_degC\n2015-08-13 00:00;15,5\n2015-08-13 00:10;\n2015-08-13 00:20;14,8\n";
 /// let layout = Layout { zone: Some("UTC".into()), ..Layout::default() };
@@ -109,7 +109,7 @@ pub fn read(path: &Path, layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table
 /// assert_eq!((&table.columns[0].times[..], &table.columns[0].values[..]), (&[0.0, 1200.0][..], &[15.5, 14.8][..]));
 /// let repairs = ["left out 1 cell without a value in `temperature_degC`", "read 2 decimal commas"];
 /// assert_eq!(table.repairs.sentences(), repairs);
-/// # Ok::<(), crate::DataError>(())
+/// # Ok::<(), stickslip_data::DataError>(())
 /// ```
 pub fn parse(name: &str, bytes: &[u8], layout: &Layout, wanted: &[Wanted<'_>]) -> Result<Table, DataError> {
     let foreign = |what: &str, remedy| DataError::file(name, format!("it is {what}"), remedy);

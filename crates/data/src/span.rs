@@ -6,7 +6,7 @@ use jiff::{Span, SpanRelativeTo, Unit};
 /// above zero. A day has 24 hours.
 ///
 /// ```
-/// use crate::seconds;
+/// use stickslip_data::seconds;
 ///
 /// assert_eq!([seconds("6h"), seconds("1d 12h"), seconds("-1h"), seconds("soon")], [Some(21_600.0), Some(129_600.0), None, None]);
 /// ```

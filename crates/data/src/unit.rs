@@ -189,7 +189,7 @@ fn input(name: &str) -> Option<(InputUnit, &'static str)> {
 /// in that.
 ///
 /// ```
-/// use crate::input_unit;
+/// use stickslip_data::input_unit;
 ///
 /// assert_eq!(input_unit("g"), Some(("m/s2", 9.80665)));
 /// assert_eq!(input_unit("mg"), Some(("m/s2", 9.80665e-3)));

@@ -48,8 +48,8 @@ impl Expression {
     /// Reads a text that may name the parameters, and inputs.
     ///
     /// ```
-    /// use crate::lanes::InstructionSet;
-    /// use crate::model::{Expression, Force, NamedSeries, Series};
+    /// use stickslip::lanes::InstructionSet;
+    /// use stickslip::model::{Expression, Force, NamedSeries, Series};
     ///
     /// let ag = NamedSeries { name: "ag".into(), series: Series::new(vec![0.0, 1.0], vec![0.0, 3.0])?.into() };
     /// let force = Force::new(Expression::with_inputs("-m*ag", &[("m".into(), 2.0)], &[ag])?);

@@ -11,14 +11,14 @@ pub const MOST_POINTS: usize = 100_000;
 /// A key of the scenario with the values that it takes.
 ///
 /// ```
-/// use crate::study::sweep::SweepAxis;
+/// use stickslip::study::sweep::SweepAxis;
 ///
 /// let rho = SweepAxis::parse("rho=temperature.noise.intensity=0:1:5", |_| None)?;
 /// assert_eq!((rho.name.as_str(), rho.values), ("rho", vec![0.0, 0.25, 0.5, 0.75, 1.0]));
 /// let thresholds = SweepAxis::parse("friction.static=log:1:100:3", |_| Some("f_s".to_string()))?;
 /// assert_eq!((thresholds.name.as_str(), thresholds.values), ("f_s", vec![1.0, 10.0, 100.0]));
 /// assert!(SweepAxis::parse("friction.static=1:2", |_| None).is_err());
-/// # Ok::<(), crate::study::sweep::AxisError>(())
+/// # Ok::<(), stickslip::study::sweep::AxisError>(())
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct SweepAxis {

@@ -9,7 +9,7 @@ use stickslip::stats::BlockResult;
 /// that a file of the run would hold.
 ///
 /// ```
-/// use crate::dataset::{Column, Recorder};
+/// use stickslip_files::dataset::{Column, Recorder};
 /// use stickslip::engine::Run;
 /// use stickslip::scenario::Scenario;
 ///

@@ -29,7 +29,7 @@ const ONE_PART_IN: u32 = 50;
 /// ```
 /// use stickslip::engine::Run;
 /// use stickslip::scenario::Scenario;
-/// use crate::store::{self, FileSink};
+/// use stickslip_files::store::{self, FileSink};
 ///
 /// let folder = tempfile::tempdir()?;
 /// let target = folder.path().join("shaw.h5");
