@@ -97,6 +97,7 @@ keys! {
         SENSOR = table("displacement");
         INPUT = table("input");
         FORCE = table("force");
+        PARAMETERS = table("parameters");
         INITIAL = table("initial");
         BEARING = table("bearing");
         TIME = table("time");
@@ -118,7 +119,6 @@ keys! {
         STATIC = number("static", "f_s", "a stick lasts while |b| <= f_s", Threshold);
         DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
         LOAD = other("load", "multiplies f_s and f_d: an expression like that of a force, at least 0");
-        LOAD_PARAMETERS = table("parameters");
     }
     "temperature" {
         TEMPERATURE_OFFSET = number("offset", "", "a constant", Any);
@@ -187,7 +187,6 @@ keys! {
     }
     "force" {
         EXPRESSION = other("expression", "g(x, xdot, t), which is added to b");
-        PARAMETERS = table("parameters");
     }
     "initial" {
         DISPLACEMENT = number("displacement", "x0", "x(0)", Any);
@@ -253,7 +252,7 @@ pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
 }
 
 /// Other names that users write for a key, besides the symbol of the paper.
-const SYNONYMS: [(&str, &str); 25] = [
+const SYNONYMS: [(&str, &str); 23] = [
     ("dilation", "oscillator.dilatation"),
     ("gain", "oscillator.force_per_temperature"),
     ("belt", "temperature.trend"),
@@ -262,8 +261,6 @@ const SYNONYMS: [(&str, &str); 25] = [
     ("constant", "temperature.offset"),
     ("g", "force.expression"),
     ("formula", "force.expression"),
-    ("params", "force.parameters"),
-    ("constants", "force.parameters"),
     ("fs", "friction.static"),
     ("fd", "friction.dynamic"),
     ("kinetic", "friction.dynamic"),
