@@ -148,14 +148,16 @@ pub(super) fn unresolved(case: &Case) -> Option<String> {
 
 /// White noise is simulated by a fast one.
 pub(super) fn white(case: &Case) -> Option<String> {
-    let share = case.scenario.white_noise?.share(&case.scenario.model)?;
+    let share = match case.scenario.white_noise?.share(&case.scenario.model) {
+        Some(share) => format!("{} of the shortest time", short(share)),
+        None => "an unknown share of the time".to_string(),
+    };
     let theta = case.scenario.model.temperature.noises.first()?.relaxation_rate;
     Some(format!(
-        "white noise is simulated as one that forgets within 1/theta = {}, {} of the shortest time in which the body \
+        "white noise is simulated as one that forgets within 1/theta = {}, {share} in which the body \
          forgets its velocity: statistics differ from those of white noise by a share of this order. A body on \
          which white noise acts never sticks, so sticks and slips here are those of this theta. \
          `temperature.noise.relaxation_rate` is theta; two runs at theta and 4 theta tell the limit",
-        short(1.0 / theta),
-        short(share)
+        short(1.0 / theta)
     ))
 }
