@@ -83,8 +83,8 @@ impl MotionFold {
         }
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
-        let has_load = model.has_load();
-        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v) * way;
+        let of_friction = if model.has_load() { friction_work(model, glide, [from, to]) } else { 0.0 };
+        works.friction += of_friction;
         let acceleration = match glide.along {
             Along::Smooth { acceleration } => acceleration,
             Along::Step { temperature } => {
@@ -92,13 +92,10 @@ impl MotionFold {
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
-                if has_load {
-                    works.friction += dry(start, displacement, v, way);
-                }
                 return;
             }
         };
-        let (mut of_damping, mut of_own, mut of_mean, mut of_friction) = (0.0, 0.0, 0.0, 0.0);
+        let (mut of_damping, mut of_own, mut of_mean) = (0.0, 0.0, 0.0);
         let is_random = model.temperature.is_random();
         for [node, weight] in NODES {
             let part = from + (to - from) * node;
@@ -108,16 +105,12 @@ impl MotionFold {
             if model.force.is_some() {
                 of_own += own(time, glide.displacement + way, v) * weight;
             }
-            if has_load {
-                of_friction += dry(time, glide.displacement + way, v, weight);
-            }
             if !is_random {
                 of_mean += body.force_per_temperature() * model.temperature.mean(time) * weight;
             }
         }
         works.damping += of_damping;
         works.own_force += of_own;
-        works.friction += of_friction;
         works.temperature += match is_random {
             false => of_mean,
             true => {
@@ -126,10 +119,18 @@ impl MotionFold {
                 let way = way1 - way0;
                 let spring = body.stiffness * way * (glide.displacement + 0.5 * (way0 + way1));
                 let kinetic = 0.5 * body.mass * (v1 - v0) * (v1 + v0);
-                let of_friction = if has_load { of_friction } else { model.friction.dynamic_force * way.abs() };
+                let of_friction = if model.has_load() { of_friction } else { model.friction.dynamic_force * way.abs() };
                 kinetic + spring + of_damping + of_friction - of_own
             }
         };
+    }
+
+    /// Add of a piece of the motion only the work of friction with a load.
+    pub fn friction(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
+        let [from, to] = counted_part(timeline, glide);
+        if from < to {
+            self.works.friction += friction_work(model, glide, [from, to]);
+        }
     }
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
@@ -156,6 +157,24 @@ impl MotionFold {
         let Works { temperature, own_force, damping, friction, .. } = self.works;
         temperature + own_force - damping - friction - self.works.change()
     }
+}
+
+/// The work of friction with a load on a part of a glide. All nodes are computed at once.
+fn friction_work(model: &Model, glide: &Glide, [from, to]: [f64; 2]) -> f64 {
+    let Glide { start, length, displacement, way, velocity: [v, _], along } = *glide;
+    let direction = Sign::of(way);
+    if let Along::Step { .. } = along {
+        return model.sliding_friction(direction, start, displacement, v) * way;
+    }
+    let (mut x, mut v, mut time, mut ways) = ([0.0; 8], [0.0; 8], [0.0; 8], [0.0; 8]);
+    for (i, [node, weight]) in NODES.into_iter().enumerate() {
+        let part = from + (to - from) * node;
+        let [so_far, velocity, _] = glide.at(part);
+        (x[i], v[i], time[i]) = (displacement + so_far, velocity, start + part * length);
+        ways[i] = weight * (to - from) * length * velocity;
+    }
+    let forces = model.sliding_frictions(direction, [&x, &v, &time]);
+    forces.iter().zip(ways).take(NODES.len()).map(|(force, way)| force * way).sum()
 }
 
 /// Kinetic energy and that of the spring.
