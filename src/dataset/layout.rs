@@ -166,7 +166,7 @@ table! {
         "what the path of a scene without noise does in the end, missing where no state comes back");
     SECTION_STATE = coordinate!("section_state", Unit::ONE, "number of a state of the section");
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
-        "displacement at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
+        "displacement less its drift at the end of each of the last periods of the forcing, or else at the beginnings of the last slips, missing where there are fewer");
 
     FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE,
         "first sticks that ended");

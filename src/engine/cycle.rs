@@ -62,8 +62,9 @@ impl LimitCycle {
                 (times.zip(states).collect(), found.zip(multiple.map(Some)))
             }
             None => {
-                let starts: Vec<Event> = counted.into_iter().filter(is_slip_start).collect();
-                let found = (1..=LONGEST).find_map(|n| autonomous(&starts, n, same, extent)).filter(|_| !has_ended);
+                let starts: Vec<Event> =
+                    counted.into_iter().filter(|event| is_slip_start(event) && !has_ended).collect();
+                let found = (1..=LONGEST).find_map(|n| autonomous(&starts, n, same, extent));
                 let states = starts.iter().map(|event| (event.time, event.displacement));
                 (states.collect(), found.map(|found| (found, None)))
             }
@@ -109,27 +110,39 @@ impl PathMotion {
     /// contains x, if it is less than half as wide as the range of x; 0 otherwise. A motion that is
     /// steady, or repeats itself, has that slope.
     fn drift(&self, [from, to]: [f64; 2]) -> f64 {
-        let inside = self.glides.iter().filter(|glide| glide.start >= from && glide.end() <= to);
+        let inside = || self.glides.iter().filter(|glide| glide.start >= from && glide.end() <= to);
         let at = |glide: &Glide, place: u32| {
             let part = f64::from(place) / f64::from(PLACES);
             [glide.start + part * glide.length, glide.displacement + glide.at(part)[0]]
         };
-        let places: Vec<[f64; 2]> = inside.flat_map(|glide| (0..=PLACES).map(move |place| at(glide, place))).collect();
-        let range = |slope: f64| {
-            let ends = places.iter().map(|[time, x]| x - slope * time);
+        let turn =
+            |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        // The upper and the lower side of the convex hull, which alone decide how wide a strip is.
+        let mut hull: Vec<[f64; 2]> = Vec::new();
+        for side in [1.0, -1.0] {
+            let first = hull.len();
+            for next in inside().flat_map(|glide| (0..=PLACES).map(move |place| at(glide, place))) {
+                while hull.len() >= first + 2 && side * turn(hull[hull.len() - 2], hull[hull.len() - 1], next) >= 0.0 {
+                    hull.pop();
+                }
+                hull.push(next);
+            }
+        }
+        let width = |slope: f64| {
+            let ends = hull.iter().map(|[time, x]| x - slope * time);
             let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
             high - low
         };
-        // The range is convex in the slope.
-        let fastest = places.windows(2).filter(|pair| pair[1][0] > pair[0][0]);
-        let fastest = fastest.map(|pair| ((pair[1][1] - pair[0][1]) / (pair[1][0] - pair[0][0])).abs());
-        let [mut low, mut high] = [-1.0, 1.0].map(|sign| sign * fastest.clone().fold(0.0, f64::max));
+        // The width is convex in the slope, and least at the slope of an edge.
+        let slopes = hull.windows(2).map(|edge| ((edge[1][1] - edge[0][1]) / (edge[1][0] - edge[0][0])).abs());
+        let steepest = slopes.filter(|slope| slope.is_finite()).fold(0.0, f64::max);
+        let [mut low, mut high] = [-steepest, steepest];
         for _ in 0..THIRDS {
             let [first, second] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
-            if range(first) < range(second) { high = second } else { low = first }
+            if width(first) < width(second) { high = second } else { low = first }
         }
         let slope = 0.5 * (low + high);
-        if 2.0 * range(slope) < range(0.0) { slope } else { 0.0 }
+        if 2.0 * width(slope) < width(0.0) { slope } else { 0.0 }
     }
 
     /// Half the range of x - drift t between two times. It is largest and smallest at events, or

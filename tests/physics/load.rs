@@ -375,8 +375,8 @@ fn a_load_takes_the_work_of_the_force_that_stands_for_it() {
         "friction.static = 1.3\nfriction.dynamic = \"f_d\"\ntemperature.trend = \"V\"\noscillator.damping = 0.025
                 temperature.noise.intensity = 0.3\nensemble.paths = 40\nrecord.energy = true\nrecord.events = true
                 statistics.after = 10.1\nparameters = { f_d = 1.1, mu = 0.3, vs = 0.2, V = 0.5 }";
-    let force = "force.expression = \"mu*(1 - exp(-abs(xdot)/vs))*sign(xdot) + 0*V\"";
-    let load = "friction.load = \"1 - mu/f_d*(1 - exp(-abs(xdot)/vs))\"";
+    let force = "force.expression = \"mu*(1 - exp(-direction*xdot/vs))*direction + 0*V\"";
+    let load = "friction.load = \"1 - mu/f_d*(1 - exp(-direction*xdot/vs))\"";
     let [as_force, as_load] = [force, load].map(|line| scenario(line, more));
     for (a, b) in events(&as_force).iter().zip(&events(&as_load)) {
         assert!(a.kind == b.kind && (a.time - b.time).abs() < 1e-9, "{a:?} {b:?}");
