@@ -271,6 +271,7 @@ fn phase_plane(
 mod tests {
     use super::*;
     use crate::scenario::Scenario;
+    use crate::scheme::Kind;
 
     fn trace(name: &str, number: u64) -> (Scenario, PathTrace) {
         let scenario = Scenario::shipped(name).expect("shipped");
@@ -327,11 +328,10 @@ mod tests {
     /// at t = 0, where its first event is.
     #[test]
     fn a_body_with_initial_velocity_begins_with_it() {
-        let shaw = crate::config::shipped("shaw").expect("shipped");
-        for scheme in ["discrete-vi", "corrected-vi", "event-driven"] {
-            let set = ["initial.velocity=3", &format!("scheme.kind={scheme}")]
-                .map(|set| crate::config::Override::set(set).expect("well formed"));
-            let scenario = shaw.parse(&set).expect("sound");
+        let mut shaw = Scenario::shipped("shaw").expect("shipped");
+        shaw.model.initial_velocity = 3.0;
+        for scheme in [Kind::DiscreteVi.with(0.01), Kind::CorrectedVi.with(0.01), Kind::EventDriven.with(1e-3)] {
+            let scenario = shaw.with_scheme(scheme).expect("suits");
             let trace = PathTrace::of(&DrawnPath { scenario: &scenario, number: 0, from: 0.0 }).expect("not lost");
             let begin: Vec<f64> = trace.samples().filter(|s| s.time == 0.0).map(|s| s.velocity).collect();
             assert!(!begin.is_empty() && begin.iter().all(|v| *v == 3.0), "{scheme}: {begin:?}");
