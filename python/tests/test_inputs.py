@@ -36,8 +36,8 @@ def test_a_nested_dictionary_sets_its_keys_and_leaves_the_others():
     nested = {"friction": {"static": 1.3}, "temperature": {"noise": {"intensity": 0.1}}}
     assert ss.check("rho025", set=nested) == dotted
     assert ss.check("rho025", set={"temperature.noise": {"intensity": 0.1}, **nested}) == dotted
-    assert ss.check("duffing", set={"force": {"parameters": {"k3": 0.03}}}) == ss.check(
-        "duffing", set={"force.parameters.k3": 0.03}
+    assert ss.check("duffing", set={"parameters": {"k3": 0.03}}) == ss.check(
+        "duffing", set={"parameters.k3": 0.03}
     )
 
 
@@ -179,6 +179,6 @@ def test_samples_that_make_no_sense_are_refused(samples, problem):
 def test_a_force_is_an_expression_with_parameters():
     text = (SCENARIOS / "duffing.toml").read_text()
     written = ss.run(text.replace("k3 = 0.02", "k3 = 0.03"), paths=256)
-    same(ss.run("duffing", set={"force.parameters.k3": 0.03}, paths=256), written)
+    same(ss.run("duffing", set={"parameters.k3": 0.03}, paths=256), written)
     with pytest.raises(ss.errors.ScenarioError, match=r"unknown name `y`\n  -y\*x\n   \^"):
         ss.run("duffing", set={"force.expression": "-y*x"})

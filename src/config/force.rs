@@ -4,6 +4,7 @@ use super::error::Fault;
 use super::fields::Fields;
 use super::keys::{self, Key};
 use super::source::{Place, Sources};
+use super::tree::PARAMETERS;
 use crate::model::{Drive, Expression, ExpressionError, Force, Friction, Linear, NamedSeries, Oscillator};
 use crate::scenario::{INPUT, Measured, WrittenForce};
 use stickslip_data::excerpt::underlined;
@@ -16,12 +17,18 @@ pub(super) struct Forced {
     pub force: Option<Force>,
     /// The force as it is written, and the body without it.
     pub written: Option<WrittenForce>,
+    /// The parameters with their values.
+    pub parameters: Vec<(String, f64)>,
     /// For each parameter that no expression contains, the fault if no number names it either.
     pub unused: Vec<(String, Box<Fault>)>,
 }
 
-/// A number in a table whose keys are free: its name, value and place.
-type Parameter = (String, f64, Option<Place>);
+/// The names that every expression may contain, each with its place.
+struct Scope {
+    parameters: Vec<(String, f64)>,
+    inputs: Vec<NamedSeries>,
+    places: Vec<(String, Option<Place>)>,
+}
 
 /// Read `[force]`, if it is there, and what makes friction no constant: its load, its difference
 /// between the directions, forwards and backwards.
@@ -33,37 +40,34 @@ pub(super) fn force(
     inputs: &[(Measured, Option<Place>)],
 ) -> Forced {
     let (table, dry) = (root.table_if_present("force"), root.table("friction"));
-    let of_force = table.as_ref().map_or(Vec::new(), |table| table.numbers(keys::PARAMETERS));
-    let of_load = dry.numbers(keys::LOAD_PARAMETERS);
+    let scope = Scope::read(root, inputs);
+    let is_sound = scope.check(sources);
     let has_load = dry.place_of(keys::LOAD.name).is_some();
-    let all: Vec<Parameter> = of_force.iter().chain(&of_load).cloned().collect();
-    let named = |(of, place): &(Measured, Option<Place>)| {
-        Some((NamedSeries { name: of.input()?.to_string(), series: of.series.clone() }, *place))
-    };
-    let inputs: Vec<_> = inputs.iter().filter_map(named).collect();
-    let load = expression(sources, &dry, keys::LOAD, &all, &inputs);
+    let expression = |table: &Fields<'_>, key: Key| is_sound.then(|| scope.expression(sources, table, key)).flatten();
+    let load = expression(&dry, keys::LOAD);
     let own = table.as_ref().and_then(|table| {
         if table.place_of(keys::EXPRESSION.name).is_none() {
             let remedy = "add `expression = \"-k3*x^3\"`: g(x, xdot, t), added to b";
             sources.report(table.missing_text(keys::EXPRESSION, remedy));
         }
-        expression(sources, table, keys::EXPRESSION, &of_force, &inputs)
+        expression(table, keys::EXPRESSION)
     });
-    let uses = |of: &Option<Expression>, name: &str| of.as_ref().is_some_and(|of| of.unused_names().all(|n| n != name));
-    let (is_in_load, is_used) = (|name: &str| uses(&load, name), |name: &str| uses(&own, name) || uses(&load, name));
     let mut unused = Vec::new();
-    if let Some(table) = table.as_ref().filter(|_| own.is_some()) {
-        unused.extend(unused_parameters(sources, table, keys::EXPRESSION, &of_force, is_used));
-    }
-    if load.is_some() == has_load {
-        let faults = unused_parameters(sources, &dry, keys::LOAD, &of_load, is_in_load);
-        // Without a load, there is no expression beside which they would be kept.
-        if has_load { unused.extend(faults) } else { faults.for_each(|(_, fault)| sources.report(fault)) }
-    }
-    if own.is_some() == table.is_some() && load.is_some() == has_load {
-        for (NamedSeries { name, .. }, place) in inputs.iter().filter(|(input, _)| !is_used(&input.name)) {
-            let remedy = format!("use `{name}` in `force.expression` or `friction.load`, or remove it");
-            sources.report(sources.fault(*place, format!("`{INPUT}{name}` is not used in any expression"), remedy));
+    if is_sound && own.is_some() == table.is_some() && load.is_some() == has_load {
+        let is_override =
+            ["force.expression", "friction.load"].into_iter().any(|key| sources.is_override(root.place_of(key)));
+        let is_used = |name: &str| own.iter().chain(&load).any(|of| of.unused_names().all(|unused| unused != name));
+        for (name, place) in scope.places.iter().filter(|(name, _)| !is_used(name)) {
+            let written = format!("use `{name}` in `force.expression` or `friction.load`");
+            if scope.parameters.iter().any(|(parameter, _)| parameter == name) {
+                let all = if is_override { ", or all with `--set 'parameters={}'`" } else { "" };
+                let remedy = format!("{written}, name it in place of a number, or remove it{all}");
+                let problem = format!("`{PARAMETERS}.{name}` is not used");
+                unused.push((name.clone(), sources.fault(*place, problem, remedy)));
+            } else {
+                let problem = format!("`{INPUT}{name}` is not used in any expression");
+                sources.report(sources.fault(*place, problem, format!("{written}, or remove it")));
+            }
         }
     }
     let absorbed = own.as_ref().and_then(Expression::linear).and_then(|linear| with(oscillator, linear));
@@ -78,7 +82,7 @@ pub(super) fn force(
     } else {
         own.map(Force::new)
     };
-    Forced { oscillator, force, written, unused }
+    Forced { oscillator, force, written, parameters: scope.parameters, unused }
 }
 
 /// An expression forwards and backwards.
@@ -87,56 +91,47 @@ fn by_direction(expression: Expression) -> [Force; 2] {
     [expression, backwards].map(Force::new)
 }
 
-/// The expression at a key, if it is there and sound, which may contain these parameters and inputs.
-fn expression(
-    sources: &Sources<'_>,
-    table: &Fields<'_>,
-    key: Key,
-    parameters: &[Parameter],
-    inputs: &[(NamedSeries, Option<Place>)],
-) -> Option<Expression> {
-    let place = table.place_of(key.name)?;
-    let text = table.lines_if_sound(key)?;
-    // Line breaks and tabs are spaces, each in the same place.
-    let line = text.replace(['\n', '\r', '\t'], " ");
-    let named: Vec<(String, f64)> = parameters.iter().map(|(name, value, _)| (name.clone(), *value)).collect();
-    let measured: Vec<NamedSeries> = inputs.iter().map(|(input, _)| input.clone()).collect();
-    match Expression::with_inputs(line.trim_end(), &named, &measured) {
-        Ok(expression) => Some(expression),
-        Err(ExpressionError { parameter: Some(wrong), problem, remedy, .. }) => {
-            let input = inputs.iter().find(|(input, _)| input.name == wrong);
-            let parameter = || (place_of(&wrong, parameters), table.dotted(keys::PARAMETERS.name));
-            let (place, key) = input.map_or_else(parameter, |(_, place)| (*place, keys::INPUT.name.to_string()));
-            sources.report(sources.fault(place, problem, remedy).of(&key));
-            None
+impl Scope {
+    /// The parameters and the inputs of a scenario.
+    fn read(root: &Fields<'_>, inputs: &[(Measured, Option<Place>)]) -> Self {
+        let (mut parameters, mut named, mut places) = (Vec::new(), Vec::new(), Vec::new());
+        for (name, value, place) in root.numbers(keys::PARAMETERS) {
+            parameters.push((name.clone(), value));
+            places.push((name, place));
         }
-        Err(error) => {
-            sources.report(fault(sources, place, &text, error).of(&table.dotted(key.name)));
-            None
+        for (of, place) in inputs {
+            let Some(name) = of.input() else { continue };
+            named.push(NamedSeries { name: name.to_string(), series: of.series.clone() });
+            places.push((name.to_string(), *place));
         }
+        Scope { parameters, inputs: named, places }
     }
-}
 
-fn place_of(name: &str, parameters: &[Parameter]) -> Option<Place> {
-    parameters.iter().rev().find(|(other, ..)| other == name).and_then(|(_, _, place)| *place)
-}
+    /// Whether all of them have names that an expression can contain; if one has not, this is
+    /// reported.
+    fn check(&self, sources: &Sources<'_>) -> bool {
+        let Err(ExpressionError { parameter, problem, remedy, .. }) = self.parse("0") else { return true };
+        let wrong = parameter.unwrap_or_default();
+        // The second of two that have one name is at fault.
+        let place = self.places.iter().rev().find(|(name, _)| *name == wrong).and_then(|(_, place)| *place);
+        let is_input = self.inputs.iter().any(|input| input.name == wrong);
+        let key = if is_input { keys::INPUT.name } else { PARAMETERS };
+        sources.report(sources.fault(place, problem, remedy).of(key));
+        false
+    }
 
-/// The parameters that are not used by the expression at this key, each with its fault.
-fn unused_parameters<'a>(
-    sources: &'a Sources<'_>,
-    table: &Fields<'_>,
-    key: Key,
-    parameters: &'a [Parameter],
-    is_used: impl Fn(&str) -> bool + 'a,
-) -> impl Iterator<Item = (String, Box<Fault>)> + 'a {
-    let (home, expression) = (table.dotted(keys::PARAMETERS.name), table.dotted(key.name));
-    let is_override = sources.is_override(table.place_of(key.name));
-    let all = if is_override { format!(", or all with `--set '{home}={{}}'`") } else { String::new() };
-    parameters.iter().filter(move |(name, ..)| !is_used(name)).map(move |(name, ..)| {
-        let problem = format!("`{home}.{name}` is not used in the expression");
-        let remedy = format!("use `{name}` in `{expression}`, or remove it{all}");
-        (name.clone(), sources.fault(place_of(name, parameters), problem, remedy))
-    })
+    fn parse(&self, text: &str) -> Result<Expression, ExpressionError> {
+        Expression::with_inputs(text, &self.parameters, &self.inputs)
+    }
+
+    /// The expression at a key, if it is there and sound.
+    fn expression(&self, sources: &Sources<'_>, table: &Fields<'_>, key: Key) -> Option<Expression> {
+        let place = table.place_of(key.name)?;
+        let text = table.lines_if_sound(key)?;
+        // Line breaks and tabs are spaces, each in the same place.
+        let read = self.parse(text.replace(['\n', '\r', '\t'], " ").trim_end());
+        sources.or_report(read.map_err(|error| fault(sources, place, &text, error).of(&table.dotted(key.name))))
+    }
 }
 
 /// The body with a linear force in its stiffness and its damping; none if the stiffness would be

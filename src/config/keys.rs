@@ -100,6 +100,7 @@ keys! {
         SENSOR = table("displacement");
         INPUT = table("input");
         FORCE = table("force");
+        PARAMETERS = table("parameters");
         INITIAL = table("initial");
         BEARING = table("bearing");
         TIME = table("time");
@@ -121,7 +122,6 @@ keys! {
         STATIC = number("static", "f_s", "the body sticks while |b| <= f_s", StaticThreshold);
         DYNAMIC = number("dynamic", "f_d", "|F| in motion, at most f_s", Threshold);
         LOAD = other("load", "expression that multiplies f_s and f_d, at least 0");
-        LOAD_PARAMETERS = table("parameters");
     }
     "temperature" {
         TEMPERATURE_OFFSET = number("offset", "", "a constant", Any);
@@ -191,7 +191,6 @@ keys! {
     }
     "force" {
         EXPRESSION = other("expression", "g(x, xdot, t), added to b");
-        PARAMETERS = table("parameters");
     }
     "initial" {
         DISPLACEMENT = number("displacement", "x0", "x(0)", Any);
@@ -257,7 +256,7 @@ pub(super) fn names(keys: &[Key]) -> Vec<&'static str> {
 }
 
 /// Other names that users write for a key, besides the symbol of the paper.
-const SYNONYMS: [(&str, &str); 25] = [
+const SYNONYMS: [(&str, &str); 23] = [
     ("dilation", "oscillator.dilatation"),
     ("gain", "oscillator.force_per_temperature"),
     ("belt", "temperature.trend"),
@@ -266,8 +265,6 @@ const SYNONYMS: [(&str, &str); 25] = [
     ("constant", "temperature.offset"),
     ("g", "force.expression"),
     ("formula", "force.expression"),
-    ("params", "force.parameters"),
-    ("constants", "force.parameters"),
     ("fs", "friction.static"),
     ("fd", "friction.dynamic"),
     ("kinetic", "friction.dynamic"),

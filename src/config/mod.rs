@@ -243,8 +243,7 @@ impl Scenario {
             Some(spot.clone())
         };
         let number = |at: toml::Value| at.as_float().or_else(|| at.as_integer().map(|whole| whole as f64));
-        let parameter =
-            |name: &str| tree::PARAMETERS.into_iter().find_map(|home| number(at(&format!("{home}.{name}"))?));
+        let parameter = |name: &str| number(at(&format!("{}.{name}", tree::PARAMETERS))?);
         match at(key) {
             // A parameter is a key by itself, as in an override.
             None => parameter(key),

@@ -43,7 +43,8 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
     let tree = tree::read(sources)?;
     let root = Fields::root(sources, &tree);
     report_unknown_keys(&root);
-    let Physics { mut model, measured, is_balanced, white_noise, written_force, unused } = physics(sources, &root);
+    let Physics { mut model, measured, is_balanced, white_noise, written_force, parameters, unused } =
+        physics(sources, &root);
     let bearing = bearing(&root);
     let (scheme, end, output_step) = scheme_and_time(sources, &root, &measured);
     match white_noise.map(|noise| noise.simulated(&model, scheme, end)) {
@@ -70,6 +71,7 @@ pub(super) fn scenario(sources: &Sources<'_>) -> Result<Scenario, ScenarioError>
         title: titled(root.line_or(keys::TITLE, &default_title), sources.overrides),
         model,
         measured,
+        parameters,
         named: Vec::new(),
         is_balanced,
         white_noise,

@@ -20,6 +20,8 @@ pub(super) struct Physics {
     pub white_noise: Option<WhiteNoise>,
     /// The force of the user's own as it is written.
     pub written_force: Option<WrittenForce>,
+    /// The parameters with their values.
+    pub parameters: Vec<(String, f64)>,
     /// For each parameter that no expression contains, the fault if no number names it either.
     pub unused: Vec<(String, Box<Fault>)>,
 }
@@ -67,13 +69,13 @@ pub(super) fn physics(sources: &Sources<'_>, root: &Fields<'_>) -> Physics {
         Some(Err(_balanced)) => balanced(sources, &table, &oscillator, temperature.mean(0.0)),
         None => table.number(keys::DISPLACEMENT),
     };
-    let Forced { oscillator, force, written: written_force, unused } =
+    let Forced { oscillator, force, written: written_force, parameters, unused } =
         force(sources, root, oscillator, friction, &inputs);
     measured.extend(inputs.into_iter().map(|(input, _)| input));
     let initial_velocity = table.number_or(keys::VELOCITY, 0.0);
     let friction = Friction::weaker(friction);
     let model = Model { oscillator, friction, temperature, force, initial_displacement, initial_velocity };
-    Physics { model, measured, is_balanced, white_noise, written_force, unused }
+    Physics { model, measured, is_balanced, white_noise, written_force, parameters, unused }
 }
 
 /// The rest position at this temperature, which a body without a spring does not have.

@@ -383,9 +383,9 @@ fn a_force_that_cannot_be_used_is_named() {
     }
     let number = format!("{BASE}\n[force]\nexpression = 3");
     assert!(fault(Scenario::parse("a", &number, &[])).problem.contains("must be a string"));
-    let text = format!("{BASE}\n[force]\nexpression = 'k*x'\n[force.parameters]\nk = 1");
+    let text = format!("{BASE}\n[force]\nexpression = 'k*x'\n[parameters]\nk = 1");
     let fault = fault(Scenario::parse("a", &text, &[Override::set("force.expression=-x^3").unwrap()]));
-    assert!(fault.remedy.contains("`--set 'force.parameters={}'`"), "{fault}");
+    assert!(fault.remedy.contains("`--set 'parameters={}'`"), "{fault}");
 }
 
 #[test]
@@ -400,7 +400,7 @@ fn faults_of_a_force_are_marked_where_they_are() {
     assert_eq!(of("\"\"\"\n-x^3\n\t- 2*vel\n\"\"\""), [" \t- 2*vel", " \t    ^^^"]);
     assert_eq!(of("'''-x^3\n  - 2*vel'''"), ["   - 2*vel'''", "       ^^^"]);
     assert_eq!(of("\"\""), [" expression = \"\"", "              ^^"]);
-    let parameters = "[force]\nexpression = '-x^3'\n[force.parameters]\nk = 1\n'k-3' = 2";
+    let parameters = "[force]\nexpression = '-x^3'\n[parameters]\nk = 1\n'k-3' = 2";
     assert_eq!(marked(parameters), [" 'k-3' = 2", " ^^^^^"]);
     let lines = format!("{BASE}\n[force]\nexpression = '''\n-x^3\n\t- 0.1*xdot\n'''\n");
     let scenario = Scenario::parse("a", &lines, &[]).unwrap();
@@ -737,7 +737,7 @@ fn a_parameter_of_the_force_is_a_key_by_itself_and_numbers_may_begin_with_a_poin
         let sets: Vec<Override> = sets.iter().map(|set| Override::set(set).unwrap()).collect();
         Scenario::parse("x", text, &sets).unwrap()
     };
-    assert_eq!(with(&["k3=.5"]), with(&["force.parameters.k3=0.5"]));
+    assert_eq!(with(&["k3=.5"]), with(&["parameters.k3=0.5"]));
     assert_eq!(with(&["k3=-.5"]).number_at("k3"), Some(-0.5));
     assert!(Scenario::parse("x", text, &[Override::set("nothing=.5").unwrap()]).is_err());
 }
@@ -774,4 +774,48 @@ fn white_noise_is_as_fast_as_the_tolerance_asks_and_is_written_as_it_was_asked()
     }
     let theta = |set| read("strength = 1, relaxation_rate = 7", &[set]).map(|s| s.model.temperature.noises[0]);
     assert_eq!(theta(event_driven).unwrap().relaxation_rate, 7.0);
+}
+
+/// Where only a force of the user's own brakes the body, nothing says how fast it forgets its
+/// velocity.
+#[test]
+fn white_noise_asks_for_its_rate_where_only_a_force_brakes() {
+    let text = "oscillator = { mass = 1, stiffness = 0, force_per_temperature = 1 }\ninitial.displacement = 0\n\
+                friction = { static = 0, dynamic = 0 }\ntime.end = 45\nscheme.kind = \"event-driven\"\n\
+                force.expression = \"-xdot*abs(xdot)\"\n";
+    let read = |noise: &str| {
+        Scenario::parse("white", &format!("{text}temperature.noise = {{ kind = \"white\", strength = 1{noise} }}"), &[])
+    };
+    let message = read("").unwrap_err().to_string();
+    assert!(message.contains("forgets its velocity is unknown") && message.contains("write a `relaxation_rate`"));
+    let noise = read(", relaxation_rate = 200").unwrap();
+    assert_eq!(noise.white_noise.and_then(|white| white.share(&noise.model)), None);
+}
+
+/// Parameters are of the whole scenario: a number may name one where there is no expression, force and
+/// load know the same, and the old tables of each are refused with what to do.
+#[test]
+fn parameters_have_one_scope() {
+    let text = format!("{}\n[parameters]\nf = 1.0\nk3 = 0.02", BASE.replace("dynamic = 1.0", "dynamic = \"f\""));
+    let unused = fault(Scenario::parse("a", &text, &[]));
+    assert!(unused.problem.starts_with("`parameters.k3` is not used"), "{unused}");
+    let with = |sets: &[&str]| {
+        let sets: Vec<Override> = sets.iter().map(|set| Override::set(set).unwrap()).collect();
+        Scenario::parse("a", &text, &sets)
+    };
+    let load = with(&["friction.load=1 + k3*x^2"]).unwrap();
+    assert_eq!(load.model.friction.dynamic_force, 1.0);
+    for sets in [&["initial.velocity=k3"][..], &["friction.load=f + k3*x^2", "force.expression=-k3*x^3"]] {
+        let scenario = with(sets).unwrap();
+        assert_eq!(Scenario::parse("a", &scenario.to_toml(), &[]).unwrap(), scenario);
+        assert_eq!(scenario.number_at("k3"), Some(0.02));
+    }
+    assert_eq!(with(&["force.expression=-k3*x^3", "f=0.5"]).unwrap().model.friction.dynamic_force, 0.5);
+    let named = fault(Scenario::parse("a", &text.replace("k3", "'k 3'"), &[]));
+    assert!(named.problem.contains("cannot be the name of a parameter"), "{named}");
+    for old in ["force", "friction"] {
+        let text = format!("{}\n[{old}.parameters]\nk3 = 1", BASE);
+        let fault = fault(Scenario::parse("a", &text, &[]));
+        assert!(fault.remedy == "move these to [parameters]" && fault.line.is_some(), "{fault}");
+    }
 }

@@ -2,7 +2,7 @@
 
 use super::fields::DIRECTIONS;
 use super::keys::{self, Key};
-use crate::model::{Drive, Expression, Force, Friction, InitialNoise, Model, Noise, Sides, Temperature};
+use crate::model::{Drive, Force, Friction, InitialNoise, Model, Noise, Sides, Temperature};
 use crate::scenario::{Measured, Period, Scenario, SensorBearing, Statistics, Time, Units, WhiteNoise, WrittenForce};
 use crate::stats::Record;
 use std::fmt::{Display, Write as _};
@@ -73,11 +73,8 @@ impl Scenario {
     /// The whole scenario as TOML with every default; reading it gives the same scenario again. Each
     /// number is the shortest decimal that reads back as the same double.
     pub fn to_toml(&self) -> String {
-        let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, named, .. } = self;
-        let load = load(&self.model);
-        let force = self.written_force.as_ref().map(|force| &force.expression);
-        // Those of the load contain those of the force.
-        let parameters = load.or(force).map_or(&[][..], Expression::parameters);
+        let Scenario { title, bearing, time, scheme, statistics, ensemble, record, units, named, parameters, .. } =
+            self;
         let mut text =
             Written { lines: format!("title = {}\n", string(title)), named, parameters, ..Written::default() };
         physics(&mut text, self);
@@ -178,7 +175,7 @@ impl Scenario {
 }
 
 fn physics(text: &mut Written, scenario: &Scenario) {
-    let Scenario { model, measured, is_balanced, written_force, .. } = scenario;
+    let Scenario { model, measured, is_balanced, written_force, parameters, .. } = scenario;
     let oscillator = written_force.as_ref().and_then(|force| force.without).unwrap_or(model.oscillator);
     text.table("oscillator");
     text.number(keys::MASS, oscillator.mass);
@@ -189,12 +186,19 @@ fn physics(text: &mut Written, scenario: &Scenario) {
         Drive::Force(c) => text.number(keys::FORCE_PER_TEMPERATURE, c),
     }
     text.table("friction");
-    friction(text, model, written_force.as_ref());
+    friction(text, model);
     let (inputs, series): (Vec<_>, Vec<_>) = measured.iter().partition(|measured| measured.input().is_some());
     temperature(text, &model.temperature, series.first().copied(), scenario.white_noise);
     inputs.into_iter().for_each(|input| series_of(text, input, keys::COLUMN));
     if let Some(WrittenForce { expression, .. }) = written_force {
-        force(text, expression);
+        text.table("force");
+        text.other(keys::EXPRESSION, string(expression.text()));
+    }
+    if !parameters.is_empty() {
+        text.table(keys::PARAMETERS.name);
+    }
+    for (name, value) in parameters {
+        text.plain(format!("{name} = {value:?}"));
     }
     text.table("initial");
     if *is_balanced {
@@ -208,12 +212,7 @@ fn physics(text: &mut Written, scenario: &Scenario) {
     }
 }
 
-/// The load of friction, as it is written.
-fn load(model: &Model) -> Option<&Expression> {
-    model.force.as_ref().and_then(Force::sides).and_then(Sides::load).and_then(Force::expression)
-}
-
-fn friction(text: &mut Written, model: &Model, force: Option<&WrittenForce>) {
+fn friction(text: &mut Written, model: &Model) {
     let both = model.friction_by_direction();
     let mut threshold = |key: Key, of: fn(&Friction) -> f64| match both.each_ref().map(of) {
         [forward, backward] if forward == backward => text.number(key, forward),
@@ -225,25 +224,9 @@ fn friction(text: &mut Written, model: &Model, force: Option<&WrittenForce>) {
     };
     threshold(keys::STATIC, |friction| friction.static_force);
     threshold(keys::DYNAMIC, |friction| friction.dynamic_force);
-    let Some(load) = load(model) else { return };
-    text.other(keys::LOAD, string(load.text()));
-    // Those of the force are written with it.
-    let known = force.map_or(0, |force| force.expression.parameters().len());
-    parameters(text, "friction.parameters", &load.parameters()[known..]);
-}
-
-fn force(text: &mut Written, expression: &Expression) {
-    text.table("force");
-    text.other(keys::EXPRESSION, string(expression.text()));
-    parameters(text, "force.parameters", expression.parameters());
-}
-
-fn parameters(text: &mut Written, name: &str, all: &[(String, f64)]) {
-    if !all.is_empty() {
-        text.table(name);
-    }
-    for (name, value) in all {
-        text.plain(format!("{name} = {value:?}"));
+    let load = model.force.as_ref().and_then(Force::sides).and_then(Sides::load).and_then(Force::expression);
+    if let Some(load) = load {
+        text.other(keys::LOAD, string(load.text()));
     }
 }
 

@@ -115,13 +115,19 @@ pub(super) fn read(sources: &Sources<'_>) -> Result<Node, Box<Fault>> {
     for i in 0..sources.overrides.len() {
         lay_over(&mut root, sources, i)?;
     }
-    sources.set_parameters(PARAMETERS.into_iter().flat_map(|home| parameters(&root, home)).collect());
+    for home in ["force", "friction"] {
+        if let Some(Node { place, .. }) = root.at(&format!("{home}.{PARAMETERS}")) {
+            let problem = format!("unknown key `{home}.{PARAMETERS}`: one table has the parameters of a scenario");
+            return Err(sources.fault(Some(*place), problem, format!("move these to [{PARAMETERS}]")));
+        }
+    }
+    sources.set_parameters(parameters(&root));
     Ok(root)
 }
 
-/// The parameters of a table that are numbers.
-fn parameters(root: &Node, home: &str) -> Vec<(String, f64)> {
-    let Some(Node { value: Value::Table(entries), .. }) = root.at(home) else { return Vec::new() };
+/// The parameters that are numbers.
+fn parameters(root: &Node) -> Vec<(String, f64)> {
+    let Some(Node { value: Value::Table(entries), .. }) = root.at(PARAMETERS) else { return Vec::new() };
     entries.iter().filter_map(|entry| Some((entry.key.clone(), entry.node.number()?))).collect()
 }
 
@@ -161,9 +167,8 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     let wrong = |problem: String, remedy: &str| sources.fault(Some(place), problem, remedy);
 
     let is_table = keys::of_table("").contains(&this.key.as_str());
-    let has_parameter = |home: &&str| root.at(&format!("{home}.{}", this.key)).is_some();
-    let home = PARAMETERS.into_iter().find(|home| !is_table && has_parameter(home));
-    let key = home.map_or(this.key.clone(), |home| format!("{home}.{}", this.key));
+    let parameter = format!("{PARAMETERS}.{}", this.key);
+    let key = if !is_table && root.at(&parameter).is_some() { parameter } else { this.key.clone() };
     let mut spot = root;
     let mut walked = String::new();
     for segment in key.split('.') {
@@ -223,8 +228,8 @@ fn lay_over(root: &mut Node, sources: &Sources<'_>, i: usize) -> Result<(), Box<
     Ok(())
 }
 
-/// The tables of parameters, each of which is a key by itself.
-pub(super) const PARAMETERS: [&str; 2] = ["force.parameters", "friction.parameters"];
+/// The table of parameters, each of which is a key by itself.
+pub(super) const PARAMETERS: &str = keys::PARAMETERS.name;
 
 /// A number such as .5 with the zero that TOML wants.
 fn whole(text: &str) -> Cow<'_, str> {

@@ -3,7 +3,7 @@
 use crate::ensemble::PathMotion;
 use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
-use crate::scheme::Simulate as _;
+use crate::scheme::{Glide, Simulate as _};
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
 use crate::sums::Replicate;
 
@@ -33,25 +33,40 @@ impl LimitCycle {
         let (events, after) = (&seen.events, scenario.statistics.after);
         let counted: Vec<Event> = events.iter().copied().filter(|event| event.time >= after).collect();
         let same = scenario.scheme.step().map_or(SAME, |h| SAME.max(2.0 * h / timeline.period.unwrap_or(timeline.end)));
-        let drift = model.long_run_drift().unwrap_or(0.0);
-        let extent = seen.amplitude([after, timeline.end], drift);
         let forcing = scenario.period().filter(|period| period.source != PeriodSource::Share);
-        let (section, found) = match forcing {
+        // A body that begins no slip any more rests, or slides in an ever steadier way.
+        let is_late = |event: &Event| is_slip_start(event) && event.time > 0.5 * (after + timeline.end);
+        let has_ended = forcing.is_none() && !counted.iter().any(is_late);
+        let from = if has_ended { 0.5 * (after + timeline.end) } else { after };
+        let known = model.long_run_drift();
+        let drift = known.unwrap_or_else(|| seen.drift([from, timeline.end]));
+        let extent = seen.amplitude([from, timeline.end], drift);
+        let is_steady = has_ended && extent <= SAME * drift.abs() * (timeline.end - from);
+        let extent = if is_steady { 0.0 } else { extent };
+        let (section, found): (Vec<(f64, f64)>, _) = match forcing {
             Some(Period { length, .. }) => {
                 let ends = block.totals.summary().periods.mean;
                 let x0 = model.initial_displacement;
                 let states = ends.iter().skip(timeline.first_period().saturating_sub(1)).map(|x| x0 + x);
                 let states: Vec<f64> = states.collect();
-                let advance = drift * length;
-                let multiple = (1..=LONGEST).find(|n| comes_back(&states, *n, advance, same * extent));
+                let advance = |n: usize| match known {
+                    Some(drift) => Some(n as f64 * drift * length),
+                    None => advance(&states, n).map(|way| if way.abs() <= same * extent { 0.0 } else { way }),
+                };
+                let is_back = |n: &usize| advance(*n).is_some_and(|way| comes_back(&states, *n, way, same * extent));
+                let multiple = (1..=LONGEST).find(is_back);
                 let end = timeline.periods() as f64 * length;
-                let found = multiple.map(|n| (end - n as f64 * length, n as f64 * length, n as f64 * advance));
-                (states, found.zip(multiple.map(Some)))
+                let found =
+                    multiple.map(|n| (end - n as f64 * length, n as f64 * length, advance(n).unwrap_or_default()));
+                let times = (timeline.first_period()..).map(|n| n as f64 * length);
+                (times.zip(states).collect(), found.zip(multiple.map(Some)))
             }
             None => {
-                let starts: Vec<Event> = counted.into_iter().filter(is_slip_start).collect();
+                let starts: Vec<Event> =
+                    counted.into_iter().filter(|event| is_slip_start(event) && !has_ended).collect();
                 let found = (1..=LONGEST).find_map(|n| autonomous(&starts, n, same, extent));
-                (starts.iter().map(|event| event.displacement).collect(), found.map(|found| (found, None)))
+                let states = starts.iter().map(|event| (event.time, event.displacement));
+                (states.collect(), found.map(|found| (found, None)))
             }
         };
         let repeats = found.map(|((begin, period, advance), forcing_periods)| {
@@ -67,8 +82,10 @@ impl LimitCycle {
             };
             (repeats, seen.amplitude([begin, begin + period], advance / period))
         });
+        let drift = repeats.map_or(drift, |(repeats, _)| repeats.advance / repeats.period);
+        let (_, last) = section.split_at(section.len().saturating_sub(LimitCycle::STATES));
         Some(LimitCycle {
-            section: section.split_at(section.len().saturating_sub(LimitCycle::STATES)).1.to_vec(),
+            section: last.iter().map(|(time, x)| x - drift * time).collect(),
             amplitude: repeats.map_or(extent, |(_, amplitude)| amplitude),
             repeats: repeats.map(|(repeats, _)| repeats),
         })
@@ -85,7 +102,49 @@ const PLACES: u32 = 8;
 /// Halvings until such a zero has all its digits.
 const HALVINGS: usize = 52;
 
+/// Steps until the slope of a strip has all its digits, each of which leaves two thirds of a range.
+const THIRDS: usize = 100;
+
 impl PathMotion {
+    /// The drift between two times, where nothing else says it: the slope of the narrowest strip that
+    /// contains x, if it is less than half as wide as the range of x; 0 otherwise. A motion that is
+    /// steady, or repeats itself, has that slope.
+    fn drift(&self, [from, to]: [f64; 2]) -> f64 {
+        let inside = || self.glides.iter().filter(|glide| glide.start >= from && glide.end() <= to);
+        let at = |glide: &Glide, place: u32| {
+            let part = f64::from(place) / f64::from(PLACES);
+            [glide.start + part * glide.length, glide.displacement + glide.at(part)[0]]
+        };
+        let turn =
+            |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
+        // The upper and the lower side of the convex hull, which alone decide how wide a strip is.
+        let mut hull: Vec<[f64; 2]> = Vec::new();
+        for side in [1.0, -1.0] {
+            let first = hull.len();
+            for next in inside().flat_map(|glide| (0..=PLACES).map(move |place| at(glide, place))) {
+                while hull.len() >= first + 2 && side * turn(hull[hull.len() - 2], hull[hull.len() - 1], next) >= 0.0 {
+                    hull.pop();
+                }
+                hull.push(next);
+            }
+        }
+        let width = |slope: f64| {
+            let ends = hull.iter().map(|[time, x]| x - slope * time);
+            let [low, high] = ends.fold([f64::INFINITY, f64::NEG_INFINITY], |[a, b], x| [a.min(x), b.max(x)]);
+            high - low
+        };
+        // The width is convex in the slope, and least at the slope of an edge.
+        let slopes = hull.windows(2).map(|edge| ((edge[1][1] - edge[0][1]) / (edge[1][0] - edge[0][0])).abs());
+        let steepest = slopes.filter(|slope| slope.is_finite()).fold(0.0, f64::max);
+        let [mut low, mut high] = [-steepest, steepest];
+        for _ in 0..THIRDS {
+            let [first, second] = [(2.0 * low + high) / 3.0, (low + 2.0 * high) / 3.0];
+            if width(first) < width(second) { high = second } else { low = first }
+        }
+        let slope = 0.5 * (low + high);
+        if 2.0 * width(slope) < width(0.0) { slope } else { 0.0 }
+    }
+
     /// Half the range of x - drift t between two times. It is largest and smallest at events, or
     /// inside a glide where x' is the drift.
     fn amplitude(&self, [from, to]: [f64; 2], drift: f64) -> f64 {
@@ -114,6 +173,12 @@ impl PathMotion {
         }
         if range[0] <= range[1] { (range[1] - range[0]) / 2.0 } else { 0.0 }
     }
+}
+
+/// How far the body got from the state before the last n to the last one.
+fn advance(states: &[f64], n: usize) -> Option<f64> {
+    let last = states.len().checked_sub(1)?;
+    Some(states[last] - states[last.checked_sub(n)?])
 }
 
 /// Whether the last n states are those n states before, an advance apart, twice over.

@@ -98,6 +98,13 @@ impl Model {
         direction.value() * size.unwrap_or(self.friction.dynamic_force)
     }
 
+    /// The same at eight x, x' and t at once, which takes hardly longer than at one.
+    pub fn sliding_frictions(&self, direction: Sign, at: [&[f64; 8]; 3]) -> [f64; 8] {
+        let sides = self.force.as_ref().and_then(Force::sides);
+        let sizes = sides.map_or([self.friction.dynamic_force; 8], |sides| sides.dynamic_forces(direction, at));
+        sizes.map(|size| direction.value() * size)
+    }
+
     /// f_s and f_d forward and backward, without a load.
     pub fn friction_by_direction(&self) -> [Friction; 2] {
         self.force.as_ref().and_then(Force::sides).map_or([self.friction; 2], Sides::friction)

@@ -51,6 +51,8 @@ pub struct Scenario {
     pub model: Model,
     /// The measured temperature, if there is one, and then the inputs.
     pub measured: Vec<Measured>,
+    /// The parameters with their values, which expressions contain and numbers name.
+    pub parameters: Vec<(String, f64)>,
     /// The numbers that are written as the name of a parameter: the dotted key, and the name.
     pub named: Vec<(String, String)>,
     /// Whether x(0) is given as "balanced": it is then beta E T(0), where no spring force acts.

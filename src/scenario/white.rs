@@ -24,7 +24,17 @@ impl WhiteNoise {
     ///
     /// If theta is not given, and the scheme has no tolerance to choose it by.
     pub fn simulated(&self, model: &Model, scheme: Scheme, end: f64) -> Result<Noise, Misfit> {
-        let chosen = || scheme.tolerance().map(|tolerance| 1.0 / (tolerance * self.memory_of_body(model).min(end)));
+        let strength = ("temperature.noise.strength", self.strength);
+        let memory = self.memory_of_body(model);
+        if memory.is_none() && self.relaxation_rate.is_none() {
+            let problem = "is white noise, and the time in which the body forgets its velocity is unknown, because \
+                           only `force.expression` acts on it";
+            let remedy = "write a `relaxation_rate` of the noise that is large against that of the body, e.g. \
+                          `relaxation_rate = 1000`";
+            return Err(Misfit::new(&[strength], problem, remedy));
+        }
+        let shortest = memory.unwrap_or(end).min(end);
+        let chosen = || scheme.tolerance().map(|tolerance| 1.0 / (tolerance * shortest));
         let Some(relaxation_rate) = self.relaxation_rate.or_else(chosen) else {
             let problem = format!(
                 "is white noise, which the {} scheme cannot resolve because it has no tolerance",
@@ -32,7 +42,7 @@ impl WhiteNoise {
             );
             let remedy = "choose `scheme.kind = \"event-driven\"`, or give the noise a correlation time, e.g. \
                           `relaxation_rate = 100`";
-            return Err(Misfit::new(&[("temperature.noise.strength", self.strength)], problem, remedy));
+            return Err(Misfit::new(&[strength], problem, remedy));
         };
         Ok(Noise {
             intensity: (2.0 * self.strength).sqrt(),
@@ -57,14 +67,16 @@ impl WhiteNoise {
     }
 
     /// The memory of the noise as a share of the body's, which is how far statistics are from those
-    /// under white noise, in order of magnitude.
+    /// under white noise, in order of magnitude; none if that of the body is unknown.
     pub fn share(&self, model: &Model) -> Option<f64> {
-        Some(1.0 / (model.temperature.noises.first()?.relaxation_rate * self.memory_of_body(model)))
+        let memory = self.memory_of_body(model).filter(|memory| memory.is_finite())?;
+        Some(1.0 / (model.temperature.noises.first()?.relaxation_rate * memory))
     }
 
     /// The shortest time in which the body forgets its velocity: by friction, c^2 D/f_d^2; by the
-    /// spring, sqrt(m/K); by damping, m/(2 alpha). A force of the user's own is not in it.
-    fn memory_of_body(&self, model: &Model) -> f64 {
+    /// spring, sqrt(m/K); by damping, m/(2 alpha). A force of the user's own is not in it, and the
+    /// time is unknown if there is no other.
+    fn memory_of_body(&self, model: &Model) -> Option<f64> {
         let oscillator = &model.oscillator;
         let force = oscillator.force_per_temperature();
         let times = [
@@ -72,6 +84,7 @@ impl WhiteNoise {
             (oscillator.mass / oscillator.stiffness).sqrt(),
             oscillator.mass / (2.0 * oscillator.damping.abs()),
         ];
-        times.into_iter().fold(f64::INFINITY, f64::min)
+        let shortest = times.into_iter().fold(f64::INFINITY, f64::min);
+        (shortest.is_finite() || model.force.is_none()).then_some(shortest)
     }
 }

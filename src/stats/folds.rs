@@ -31,6 +31,7 @@ impl PathFolds {
     /// This many paths at rest at x0.
     pub fn new(model: &Model, timeline: &Timeline, record: &Record, count: usize) -> Self {
         let path = PathFold::starting_at(model.initial_displacement).counted_after(timeline.after);
+        let path = path.moving(model.initial_velocity != 0.0);
         PathFolds {
             paths: vec![path; count],
             laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); count]),
@@ -58,7 +59,10 @@ impl PathFolds {
     /// Add a piece of the motion.
     pub fn glide(&mut self, lane: usize, glide: &Glide) {
         if let Some(motion) = &mut self.motion {
-            motion[lane].glide(&self.model, &self.timeline, glide);
+            match self.record.has_motion() {
+                true => motion[lane].glide(&self.model, &self.timeline, glide),
+                false => motion[lane].friction(&self.model, &self.timeline, glide),
+            }
         }
     }
 

@@ -88,14 +88,14 @@ impl MotionFold {
         if glide.start < timeline.end {
             self.largest[1] = self.largest[1].max(glide.largest_speed(to));
         }
-        let is_counted = if let Along::Step { .. } = glide.along { self.is_counted } else { from < to };
-        if !is_counted {
+        if !self.counts(glide, [from, to]) {
             return;
         }
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
-        let has_load = model.has_load();
-        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v);
+        if model.has_load() {
+            works.friction += friction_work(model, glide, [from, to]);
+        }
         let held = match glide.along {
             Along::Smooth { temperature, .. } => temperature,
             Along::Step { temperature } => {
@@ -103,27 +103,18 @@ impl MotionFold {
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
-                if has_load {
-                    works.friction += dry(start, displacement, v, way) * way;
-                }
                 return;
             }
         };
         let mut more = Works::default();
         let is_followed = held.is_none() && !model.temperature.is_random();
-        // The integral from the start until `from` is taken off, so that parts add up to the whole also
-        // where Gauss's rule is not exact.
-        let integrals = [(to, 1.0), (from, -1.0)].into_iter().filter(|(until, _)| *until > 0.0);
-        for ((until, sign), [node, weight]) in integrals.flat_map(|integral| NODES.map(|node| (integral, node))) {
+        for ((until, sign), [node, weight]) in integrals([from, to]).flat_map(|of| NODES.map(|node| (of, node))) {
             let part = until * node;
             let ([way, v, _], time) = (glide.at(part), glide.start + part * glide.length);
             let weight = sign * weight * until * glide.length * v;
             more.damping += 2.0 * body.damping * v * weight;
             if model.force.is_some() {
                 more.own_force += own(time, glide.displacement + way, v) * weight;
-            }
-            if has_load {
-                more.friction += dry(time, glide.displacement + way, v, v) * weight;
             }
             if is_followed {
                 more.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;
@@ -136,8 +127,20 @@ impl MotionFold {
         works.temperature += more.temperature;
         works.own_force += more.own_force;
         works.damping += more.damping;
-        works.friction += more.friction;
         self.is_balanced |= held.is_none() && !is_followed;
+    }
+
+    /// Add of a piece of the motion only the work of friction with a load.
+    pub fn friction(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
+        let parts = counted_part(timeline, glide);
+        if self.counts(glide, parts) {
+            self.works.friction += friction_work(model, glide, parts);
+        }
+    }
+
+    /// Whether a piece of the motion is counted, whose counted part is this one.
+    fn counts(&self, glide: &Glide, [from, to]: [f64; 2]) -> bool {
+        if let Along::Step { .. } = glide.along { self.is_counted } else { from < to }
     }
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
@@ -167,6 +170,34 @@ impl MotionFold {
         let Works { temperature, own_force, damping, friction, .. } = self.works;
         temperature + own_force - damping - friction - self.works.change()
     }
+}
+
+/// The integrals over a part of a glide, each by its end and its sign: that from the start until
+/// `from` is taken off that until `to`, so that parts add up to the whole also where Gauss's rule is
+/// not exact.
+fn integrals([from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
+    [(to, 1.0), (from, -1.0)].into_iter().filter(|(until, _)| *until > 0.0)
+}
+
+/// The work of friction with a load on a part of a glide. All nodes are computed at once.
+fn friction_work(model: &Model, glide: &Glide, parts: [f64; 2]) -> f64 {
+    let Glide { start, length, displacement, way, velocity: [v, _], along } = *glide;
+    let direction = Sign::of(way);
+    if let Along::Step { .. } = along {
+        return model.sliding_friction(direction, start, displacement, v) * way;
+    }
+    let until = |(until, sign): (f64, f64)| -> f64 {
+        let (mut x, mut v, mut time, mut ways) = ([0.0; 8], [0.0; 8], [0.0; 8], [0.0; 8]);
+        for (i, [node, weight]) in NODES.into_iter().enumerate() {
+            let part = until * node;
+            let [so_far, velocity, _] = glide.at(part);
+            (x[i], v[i], time[i]) = (displacement + so_far, velocity, start + part * length);
+            ways[i] = sign * weight * until * length * velocity;
+        }
+        let forces = model.sliding_frictions(direction, [&x, &v, &time]);
+        forces.iter().zip(ways).take(NODES.len()).map(|(force, way)| force * way).sum()
+    };
+    integrals(parts).map(until).sum()
 }
 
 /// Kinetic energy and that of the spring.

@@ -111,6 +111,11 @@ impl PathFold {
         }
     }
 
+    /// The same path if it moves at t = 0, so that it has no first stick.
+    pub fn moving(self, is_moving: bool) -> Self {
+        if is_moving { PathFold { now: Now::Slip, ..self } } else { self }
+    }
+
     /// The same path with a burn-in that ends at this time.
     pub fn counted_after(self, after: f64) -> Self {
         PathFold { after, ..self }
@@ -153,15 +158,21 @@ impl PathFold {
     fn start_slip(&mut self, event: &Event) -> Option<EndedPhase> {
         let duration = event.time - self.stick_entered;
         self.stick_time += self.counted_time(event.time);
-        let completed = if self.now == Now::FirstStick {
-            self.first_duration = Some(duration);
-            Some(EndedPhase::FirstStick)
-        } else if self.is_counted {
-            self.sticks.add(duration);
-            Some(EndedPhase::Stick(duration))
-        } else {
-            self.early_sticks += 1;
-            None
+        let completed = match self.now {
+            Now::FirstStick => {
+                self.first_duration = Some(duration);
+                Some(EndedPhase::FirstStick)
+            }
+            // The path moves at t = 0.
+            Now::Slip => None,
+            Now::Stick if self.is_counted => {
+                self.sticks.add(duration);
+                Some(EndedPhase::Stick(duration))
+            }
+            Now::Stick => {
+                self.early_sticks += 1;
+                None
+            }
         };
         self.now = Now::Slip;
         self.is_counted = event.time >= self.after;

@@ -265,10 +265,7 @@ impl Parts {
         }
         if let Some(expression) = &self.expression {
             // Each parameter must occur.
-            let _ = writeln!(
-                text,
-                "[force]\nexpression = \"{expression} + 0*a + 0*b\"\n[force.parameters]\na = 0.3\nb = -2"
-            );
+            let _ = writeln!(text, "[force]\nexpression = \"{expression} + 0*a + 0*b\"\n[parameters]\na = 0.3\nb = -2");
         }
         let _ = writeln!(
             text,

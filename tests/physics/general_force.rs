@@ -176,7 +176,7 @@ fn a_path_that_runs_away_is_counted_as_diverged() {
 /// The digits are from the integral of the energy, and from the closed form of the motion.
 #[test]
 fn a_slip_of_a_cubic_spring_and_a_fall_against_drag_have_their_closed_forms() {
-    let spring = "force = { expression = \"-k3*x^3\", parameters = { k3 = 0.5 } }";
+    let spring = "force.expression = \"-k3*x^3\"\nparameters = { k3 = 0.5 }";
     let first = events(&scenario(&body([1.0, 1.0], 3.0, 10.0, spring)))[1];
     assert!((first.displacement + 2.594_562_116_631_153).abs() < 1e-11, "{first:?}");
     assert!((first.time - 1.594_630_367_679_260_4).abs() < 1e-11, "{first:?}");

@@ -124,7 +124,7 @@ fn a_block_on_an_incline_slides_as_newmark_says() {
     values.push(0.0);
     let lines = format!(
         "oscillator.mass = 2\noscillator.stiffness = 0\nfriction = {{ static = {0:?}, dynamic = {0:?} }}
-         force = {{ expression = \"m*(pull - ag)\", parameters = {{ m = 2, pull = {pull:?} }} }}\ntime.end = 3",
+         force.expression = \"m*(pull - ag)\"\nparameters = {{ m = 2, pull = {pull:?} }}\ntime.end = 3",
         2.0 * hold
     );
     let values = values.into_iter().map(|value| -value).collect();

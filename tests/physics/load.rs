@@ -30,7 +30,8 @@ const SCENES: [(&str, &str); 6] = [
         "pendulum",
         "oscillator.stiffness = 0
          friction = { static = 0.5, dynamic = 0.4, load = \"g*cos(x) + l*xdot^2\" }
-         force = { expression = \"-g*sin(x)\", parameters = { g = 1, l = 1 } }
+         force.expression = \"-g*sin(x)\"
+         parameters = { g = 1, l = 1 }
          temperature.harmonics = [{ amplitude = 0.7, angular_frequency = 0.5 }]
          initial.displacement = 0.3",
     ),
@@ -40,7 +41,7 @@ const SCENES: [(&str, &str); 6] = [
          friction.static = 1.0
          friction.dynamic = 0.8
          friction.load = \"(1 + a*direction)*(1 - 0.3*tanh(xdot^2))*(1 + 0.5*tanh(t - 20))\"
-         friction.parameters = { a = 0.2 }
+         parameters = { a = 0.2 }
          temperature.harmonics = [{ amplitude = 2, angular_frequency = 0.5 }]
          initial.displacement = 0.5",
     ),
@@ -133,7 +134,8 @@ fn the_schemes_with_a_step_come_to_these_events_as_the_step_goes_to_zero() {
 fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {
     let (v0, f_d, c): (f64, f64, f64) = (10.0, 2.94, 0.1);
     let lines = "oscillator.stiffness = 0\ninitial.velocity = 10\ntime.end = 10\nensemble.paths = 1
-         friction = { static = 2.94, dynamic = 2.94, load = \"1 + c*x\", parameters = { c = 0.1 } }";
+         friction = { static = 2.94, dynamic = 2.94, load = \"1 + c*x\" }
+         parameters = { c = 0.1 }";
     let distance = (-1.0 + (1.0 + c * v0 * v0 / f_d).sqrt()) / c;
     let energy = "record.energy = true";
     let measure = |scheme: Scheme| {
@@ -448,7 +450,8 @@ fn a_path_that_meets_a_negative_load_is_diverged() {
         for scheme in [Scheme::from(EventDriven { tolerance: 1e-3 }), DiscreteVi { step: 0.01 }.into()] {
             let lost = |least: &str| {
                 let load = format!(
-                    "friction = {{ static = 0.4, dynamic = 0.2, load = \"1 + a*x\", parameters = {{ a = {least} }} }}
+                    "friction = {{ static = 0.4, dynamic = 0.2, load = \"1 + a*x\" }}
+                     parameters = {{ a = {least} }}
                      oscillator.stiffness = 0\ntemperature.offset = -1\ntime.end = 2\n{noise}"
                 );
                 let scenario = scenario(&load, "").with_scheme(scheme).expect("goes together");
@@ -482,7 +485,10 @@ fn a_load_is_refused_with_its_reason_or_written_as_it_was_read() {
                 time.end = 1\nscheme.kind = \"event-driven\"\n";
     for (lines, words) in [
         ("friction = { static = 1.2, dynamic = 1.0, load = \"1 + q\" }", "unknown name `q`"),
-        ("friction = { static = 1.2, dynamic = 1.0, load = \"1\", parameters = { q = 1 } }", "`friction.parameters.q`"),
+        (
+            "friction = { static = 1.2, dynamic = 1.0, load = \"1\" }\nparameters = { q = 1 }",
+            "`parameters.q` is not used",
+        ),
         (
             "friction = { static = 1.2, dynamic = { forward = 1.0, backward = 1.3 } }",
             "`friction.dynamic` = 1.3 is above",
@@ -551,4 +557,43 @@ fn a_short_pulse_is_not_stepped_over() {
             assert!((found / x - 1.0).abs() < allowed, "{line}, {noise}: {found:e} {x:e}");
         }
     }
+}
+
+/// Friction that falls with the speed of sliding is one law, whether it is written as a load, or as
+/// a force that gives back what friction has lost: each path has the same events, and the friction
+/// of the load takes the work of the constant friction less what the force gives back. The
+/// parameters are those of the load, of the force, and of the numbers. Without its load, friction
+/// would take 25 % more.
+#[test]
+fn a_load_takes_the_work_of_the_force_that_stands_for_it() {
+    let more =
+        "friction.static = 1.3\nfriction.dynamic = \"f_d\"\ntemperature.trend = \"V\"\noscillator.damping = 0.025
+                temperature.noise.intensity = 0.3\nensemble.paths = 40\nrecord.energy = true\nrecord.events = true
+                statistics.after = 10.1\nparameters = { f_d = 1.1, mu = 0.3, vs = 0.2, V = 0.5 }";
+    let force = "force.expression = \"mu*(1 - exp(-direction*xdot/vs))*direction + 0*V\"";
+    let load = "friction.load = \"1 - mu/f_d*(1 - exp(-direction*xdot/vs))\"";
+    let [as_force, as_load] = [force, load].map(|line| scenario(line, more));
+    for (a, b) in events(&as_force).iter().zip(&events(&as_load)) {
+        assert!(a.kind == b.kind && (a.time - b.time).abs() < 1e-9, "{a:?} {b:?}");
+    }
+    let summaries = [&as_force, &as_load].map(|scene| Run::of(scene).without_bias().simulate().expect("a run").summary);
+    let [[friction, given, damping, _], [loaded, nothing, same, residual]] = summaries.each_ref().map(|of| {
+        [
+            Statistic::FrictionWorkMean,
+            Statistic::OwnForceWorkMean,
+            Statistic::DampingWorkMean,
+            Statistic::EnergyResidualMean,
+        ]
+        .map(|statistic| of.estimate(statistic).estimate)
+    });
+    println!("{friction} - {given} = {loaded}");
+    assert!(
+        (friction - given - loaded).abs() < 1e-9 * friction && given > 0.25 * loaded,
+        "{friction} {given} {loaded}"
+    );
+    assert!(nothing == 0.0 && (damping - same).abs() < 1e-9 && residual.abs() < 1e-9, "{nothing} {residual}");
+    // The energy is not asked for, and the work is the same.
+    let alone = scenario(load, &more.replace("record.energy = true", ""));
+    let alone = Run::of(&alone).without_bias().simulate().expect("a run").summary;
+    assert_eq!(alone.estimate(Statistic::FrictionWorkMean).estimate, loaded);
 }

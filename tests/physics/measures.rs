@@ -251,6 +251,61 @@ fn the_amplitude_of_a_forced_body_is_den_hartogs() {
     }
 }
 
+/// A belt of speed V takes the body along, whatever else acts: what swings is x less its drift. About a
+/// belt that is faster than the swing it is the linear response to c a cos w t, of the amplitude c a/|K
+/// - w^2 + 2 i alpha w|, beside V t by -(f_d + 2 alpha V)/K. Half of the range of x is 150.
+#[test]
+fn on_a_belt_the_amplitude_and_the_section_are_those_of_x_less_its_drift() {
+    let (w, a, alpha, speed) = (0.5f64, 1.0, 0.1, 3.0);
+    let period = std::f64::consts::TAU / w;
+    for (more, load) in [("", ""), ("force.expression = \"0*x^3\"", ""), ("", ", load = \"1 + 0*x\"")] {
+        let text = format!(
+            "temperature = {{ trend = {speed:?}, harmonics = [{{ amplitude = {a:?}, angular_frequency = {w:?} }}] }}
+             scheme = {{ kind = \"event-driven\" }}\n{more}"
+        );
+        let text = body([1.0, alpha], [1.2, 1.0], [40.0 * period, 20.0 * period, period], &text);
+        let belt = scenario(&text.replace("dynamic = 1.0", &format!("dynamic = 1.0{load}")));
+        let cycle = LimitCycle::of(&belt).expect("nothing is random");
+        let repeats = cycle.repeats.unwrap_or_else(|| panic!("{more}: {cycle:?}"));
+        let response = a / (1.0 - w * w).hypot(2.0 * alpha * w);
+        assert!((cycle.amplitude - response).abs() < 1e-8, "{more}: {} {response}", cycle.amplitude);
+        assert!((repeats.advance - speed * period).abs() < 1e-8 && repeats.forcing_periods == Some(1), "{repeats:?}");
+        let state = response.powi(2) / a * (1.0 - w * w) - 1.0 - 2.0 * alpha * speed;
+        assert!(cycle.section.iter().all(|x| (x - state).abs() < 1e-7), "{more}: {state} {:?}", cycle.section);
+    }
+}
+
+/// Where friction falls with the speed of sliding by more than damping, mu/vs e^{-V/vs} > d, which is
+/// below V = 0.68 here, a body on a belt swings. On a belt so fast that it does not stick again it
+/// comes to slide steadily, and has no amplitude.
+#[test]
+fn a_body_that_slides_steadily_has_no_amplitude() {
+    let of = |speed: f64, [load, force]: [&str; 2]| {
+        let text = format!(
+            "temperature.trend = {speed:?}\nscheme.kind = \"event-driven\"
+             parameters = {{ mu = 0.3, vs = 0.2 }}\n{force}"
+        );
+        let text = body([1.0, 0.025], [1.3, 1.1], [1500.0, 0.0, 10.0], &text);
+        let belt = scenario(&text.replace("dynamic = 1.1", &format!("dynamic = 1.1{load}")));
+        LimitCycle::of(&belt).expect("nothing is random")
+    };
+    let load = ", load = \"1 - mu/1.1*(1 - exp(-abs(xdot)/vs))\"";
+    let force = "force.expression = \"mu*(1 - exp(-abs(xdot)/vs))*sign(xdot)\"";
+    for form in [[load, ""], ["", force]] {
+        let swinging = of(0.3, form);
+        assert!(swinging.amplitude > 0.3 && swinging.repeats.is_some(), "{form:?}: {swinging:?}");
+        let [first, last] = [0, swinging.section.len() - 1].map(|i| swinging.section[i]);
+        assert!((first - last).abs() < 1e-6, "each slip begins at one place beside the belt: {first} {last}");
+        for speed in [3.0, 5.0] {
+            let steady = of(speed, form);
+            assert!(
+                steady.amplitude == 0.0 && steady.repeats.is_none() && steady.section.is_empty(),
+                "{form:?}, V = {speed}: {steady:?}"
+            );
+        }
+    }
+}
+
 /// Every path is beyond a level once its largest displacement is, so that the curve of first passages
 /// ends where the law of the largest displacement says, and passages between rows are found: a grid of
 /// one row in ten finds as many.

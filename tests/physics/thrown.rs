@@ -53,6 +53,22 @@ fn a_thrown_block_stops_where_its_energy_is_spent() {
     }
 }
 
+/// A body that moves at t = 0 has no first stick; one that a force sets in motion at t = 0 has one
+/// that lasts zero.
+#[test]
+fn a_thrown_body_has_no_first_stick() {
+    for (scheme, _) in schemes(1e-2) {
+        let block = thrown([4.0, 0.0], [1.5, 1.0], 5.0, 3.0, "ensemble.paths = 4").with_scheme(scheme).expect("suits");
+        let summary = run(&block);
+        let first = summary.estimate(Statistic::FirstStickDurationMean);
+        assert!(first.estimate.is_nan(), "{scheme}: {first:?}");
+        assert_eq!(summary.absence(first), Some("no first stick ended"));
+        assert_eq!((summary.first_sticks.completed, summary.stick_durations.completed), (0, 0), "{scheme}");
+        let pushed = thrown([4.0, 0.0], [0.5, 0.4], 5.0, 0.0, "ensemble.paths = 4").with_scheme(scheme).expect("suits");
+        assert!(run(&pushed).estimate(Statistic::FirstStickDurationMean).estimate <= 0.01, "{scheme}");
+    }
+}
+
 /// A force g that is zero sends the path through the integrator for any force, and one that is half
 /// of the spring joins it; both leave the thrown body where the closed form does, with damping too.
 #[test]

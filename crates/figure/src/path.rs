@@ -142,7 +142,7 @@ fn over_time(trace: &PathTrace, palette: &Palette, time: Axis, unit: &str) -> Pa
         }
     }
     draw_pieces(&trace.pieces, |s| [s.time, s.displacement], palette, &mut panel);
-    mark_events(trace, base, palette, &mut panel);
+    mark_events(trace, |_| base, palette, &mut panel);
     if trace.moments.len() > MOST_MARKED {
         return panel;
     }
@@ -172,7 +172,7 @@ impl LabelledEvent {
 fn velocities(trace: &PathTrace, palette: &Palette, panel: &mut Panel) {
     panel.level(0.0, Stroke::solid(palette.faint, 0.4));
     draw_pieces(&trace.pieces, |s| [s.time, s.velocity], palette, panel);
-    mark_events(trace, 0.0, palette, panel);
+    mark_events(trace, |at| at.velocity, palette, panel);
 }
 
 /// The pieces that the phase plane shows in full. With few events these are all pieces, else the
@@ -206,10 +206,10 @@ fn draw_pieces(pieces: &[DrawnPhase], point: impl Fn(&StateAt) -> [f64; 2], pale
     }
 }
 
-/// Marks the events at the height `level`, unless there are too many of them.
-fn mark_events(trace: &PathTrace, level: f64, palette: &Palette, panel: &mut Panel) {
+/// Marks the events at this height, unless there are too many of them.
+fn mark_events(trace: &PathTrace, height: impl Fn(&StateAt) -> f64, palette: &Palette, panel: &mut Panel) {
     for moment in trace.moments.iter().filter(|_| trace.moments.len() <= MOST_MARKED) {
-        panel.mark([moment.at.time, level], moment.mark(), palette.ink);
+        panel.mark([moment.at.time, height(&moment.at)], moment.mark(), palette.ink);
     }
 }
 
@@ -256,13 +256,13 @@ fn phase_plane(
     let times = trace.pieces[full.start].begin()..=trace.pieces[full.end - 1].end();
     let moments = || trace.moments.iter().filter(|moment| times.contains(&moment.at.time));
     for moment in moments() {
-        panel.mark([0.0, moment.at.spring], moment.mark(), palette.ink);
+        panel.mark([moment.at.velocity, moment.at.spring], moment.mark(), palette.ink);
     }
     for (level, name) in levels {
         panel.note([f64::INFINITY, level], name, &[[-1, -1], [-1, 1]]);
     }
     for moment in moments() {
-        panel.note([0.0, moment.at.spring], &moment.name, &SIDES);
+        panel.note([moment.at.velocity, moment.at.spring], &moment.name, &SIDES);
     }
     panel
 }
@@ -270,7 +270,12 @@ fn phase_plane(
 #[cfg(test)]
 mod tests {
     use super::*;
+<<<<<<< HEAD:crates/figure/src/path.rs
     use stickslip::scenario::Scenario;
+=======
+    use crate::scenario::Scenario;
+    use crate::scheme::Kind;
+>>>>>>> physics:src/figure/path.rs
 
     fn trace(name: &str, number: u64) -> (Scenario, PathTrace) {
         let scenario = Scenario::shipped(name).expect("shipped");
@@ -320,6 +325,22 @@ mod tests {
                     }
                 }
             }
+        }
+    }
+
+    /// A body with initial velocity v0 = 3 moves from its first sample on: nothing leads from 0 to v0
+    /// at t = 0, where its first event is.
+    #[test]
+    fn a_body_with_initial_velocity_begins_with_it() {
+        let mut shaw = Scenario::shipped("shaw").expect("shipped");
+        shaw.model.initial_velocity = 3.0;
+        for scheme in [Kind::DiscreteVi.with(0.01), Kind::CorrectedVi.with(0.01), Kind::EventDriven.with(1e-3)] {
+            let scenario = shaw.with_scheme(scheme).expect("suits");
+            let trace = PathTrace::of(&DrawnPath { scenario: &scenario, number: 0, from: 0.0 }).expect("not lost");
+            let begin: Vec<f64> = trace.samples().filter(|s| s.time == 0.0).map(|s| s.velocity).collect();
+            assert!(!begin.is_empty() && begin.iter().all(|v| *v == 3.0), "{scheme}: {begin:?}");
+            let first = trace.moments[0].at;
+            assert_eq!((first.time, first.velocity, first.spring), (0.0, 3.0, 0.0), "K (beta T - x) = 6 - 6");
         }
     }
 

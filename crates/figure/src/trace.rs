@@ -148,9 +148,13 @@ impl PathTrace {
         let mut trace = PathTrace { pieces: Vec::new(), moments: Vec::new() };
         let mut count = EventNumbers::default();
         for i in 0..events.time.len() {
-            // The velocity is zero at an event, so the force b is that of the spring alone.
-            let [time, displacement, spring] = [events.time[i], events.displacement[i], events.force[i]];
-            let at = StateAt { time, displacement, velocity: 0.0, spring };
+            let [time, displacement] = [events.time[i], events.displacement[i]];
+            let at = match rows.velocity.first() {
+                // A body with initial velocity begins its first slip with it.
+                Some(v0) if time == 0.0 && *v0 != 0.0 => row(0),
+                // The velocity is zero at an event, so the force b is that of the spring alone.
+                _ => StateAt { time, displacement, velocity: 0.0, spring: events.force[i] },
+            };
             while next_row < end && row(next_row).time < at.time {
                 piece.samples.push(row(next_row));
                 next_row += 1;

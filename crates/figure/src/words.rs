@@ -82,7 +82,7 @@ mod tests {
             ("temperature.noise.0.relaxation_rate", "relaxation rate of the noise"),
             ("temperature.harmonics.0.angular_frequency", "angular frequency of the forcing"),
             ("oscillator.mass", "mass"),
-            ("force.parameters.mu", "mu"),
+            ("parameters.mu", "mu"),
         ] {
             assert_eq!(key_words(key), words);
         }

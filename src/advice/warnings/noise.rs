@@ -146,14 +146,15 @@ pub(super) fn unresolved(case: &Case) -> Option<String> {
 
 /// White noise is simulated by a fast one.
 pub(super) fn white(case: &Case) -> Option<String> {
-    let share = case.scenario.white_noise?.share(&case.scenario.model)?;
+    let share = match case.scenario.white_noise?.share(&case.scenario.model) {
+        Some(share) => format!("{} of the shortest velocity relaxation time", short(share)),
+        None => "an unknown share of the velocity relaxation time".to_string(),
+    };
     let theta = case.scenario.model.temperature.noises.first()?.relaxation_rate;
     Some(format!(
-        "white noise is approximated by noise with correlation time 1/theta = {}, {} of the shortest velocity \
-         relaxation time: statistics have a relative error of this order. Under true white noise the body \
-         never sticks, so sticks and slips depend on theta (`temperature.noise.relaxation_rate`); compare \
-         runs at theta and 4 theta to estimate the limit",
-        short(1.0 / theta),
-        short(share)
+        "white noise is approximated by noise with correlation time 1/theta = {}, {share}: statistics have a \
+         relative error of this order. Under true white noise the body never sticks, so sticks and slips depend on \
+         theta (`temperature.noise.relaxation_rate`); compare runs at theta and 4 theta to estimate the limit",
+        short(1.0 / theta)
     ))
 }

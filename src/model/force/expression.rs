@@ -78,11 +78,6 @@ impl Expression {
         short(&self.text)
     }
 
-    /// The parameters with their values.
-    pub fn parameters(&self) -> &[(String, f64)] {
-        &self.parameters
-    }
-
     /// The parameters and inputs that the text does not name.
     pub fn unused_names(&self) -> impl Iterator<Item = &str> {
         let parameters = self.parameters.iter().map(|(name, _)| name.as_str());

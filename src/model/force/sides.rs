@@ -58,7 +58,8 @@ impl Force {
         let held = |i: usize, of: fn(Friction) -> f64| {
             let (sign, at_one, base) = ([1.0, -1.0][i], of(friction[i]), of(weaker));
             let load = load.as_ref().map(|load| load[i].clone());
-            Arc::new(Held { own: own[i].clone(), load, sign, at_one, base })
+            let own = Some(own[i].clone()).filter(|own| !own.is_none());
+            Arc::new(Held { own, load, sign, at_one, base })
         };
         let force = |held: Arc<Held>| Force::of(held, None);
         let slip = [0, 1].map(|i| force(held(i, |friction| friction.dynamic_force)));
@@ -119,6 +120,13 @@ impl Sides {
         self.friction[i].dynamic_force * load
     }
 
+    /// The same at eight places and times.
+    pub fn dynamic_forces(&self, direction: Sign, at: [&[f64; 8]; 3]) -> [f64; 8] {
+        let i = index(direction);
+        let loads = self.load.as_ref().map_or([1.0; 8], |load| load[i].law.at_each(InstructionSet::detect(), at));
+        loads.map(|load| self.friction[i].dynamic_force * load)
+    }
+
     /// Whether forces, load and friction are equal.
     pub(super) fn agrees(&self, other: &Self) -> bool {
         self.own == other.own && self.load == other.load && self.friction == other.friction
@@ -148,7 +156,7 @@ impl ForceLaw for Nothing {
 /// load - base).
 #[derive(Debug)]
 struct Held {
-    own: Force,
+    own: Option<Force>,
     load: Option<Force>,
     sign: f64,
     at_one: f64,
@@ -159,9 +167,9 @@ struct Held {
 const TOGETHER: usize = 256;
 
 impl Held {
-    /// The force and, where there is one, the load.
+    /// The force and the load, where they are given.
     fn both(&self) -> impl Iterator<Item = &Force> {
-        [Some(&self.own), self.load.as_ref()].into_iter().flatten()
+        self.own.iter().chain(&self.load)
     }
 
     #[inline(always)]
@@ -183,17 +191,21 @@ impl Held {
 
 impl AnyLaw for Held {
     fn at(&self, instructions: InstructionSet, x: f64, velocity: f64, time: f64) -> f64 {
-        self.value(self.own.at(instructions, x, velocity, time), self.load(instructions, x, velocity, time))
+        let own = self.own.as_ref().map_or(0.0, |own| own.at(instructions, x, velocity, time));
+        self.value(own, self.load(instructions, x, velocity, time))
     }
 
     fn at_each(&self, instructions: InstructionSet, at: [&[f64; 8]; 3]) -> [f64; 8] {
         let load = self.load.as_ref().map_or([1.0; 8], |load| load.law.at_each(instructions, at));
-        let own = self.own.law.at_each(instructions, at);
+        let own = self.own.as_ref().map_or([0.0; 8], |own| own.law.at_each(instructions, at));
         std::array::from_fn(|i| self.value(own[i], load[i]))
     }
 
     fn fill(&self, instructions: InstructionSet, x: &[f64], velocity: &[f64], time: f64, g: &mut [f64]) {
-        self.own.fill(instructions, x, velocity, time, g);
+        match &self.own {
+            Some(own) => own.fill(instructions, x, velocity, time, g),
+            None => g.fill(0.0),
+        }
         let mut loads = [1.0; TOGETHER];
         let groups = x.chunks(TOGETHER).zip(velocity.chunks(TOGETHER)).zip(g.chunks_mut(TOGETHER));
         for ((x, velocity), g) in groups {

@@ -83,6 +83,7 @@ prop_compose! {
             title,
             model,
             measured: Vec::new(),
+            parameters: Vec::new(),
             named: Vec::new(),
             is_balanced: false,
             white_noise: None,

@@ -165,8 +165,8 @@ table! {
         "long-term motion of a deterministic scenario, missing if no state recurs");
     SECTION_STATE = coordinate!("section_state", Unit::ONE, "number of the state in the section");
     SECTION = variable("section", &["section_state"], Unit::LENGTH,
-        "displacement at the ends of the last forcing periods, or at the starts of the last slips; missing if \
-            there are fewer");
+        "displacement less its drift at the ends of the last forcing periods, or at the starts of the last slips; \
+            missing if there are fewer");
 
     FIRST_STICK_COMPLETED = variable("first_stick_duration_completed", &[], Unit::ONE,
         "completed first sticks");

@@ -81,7 +81,10 @@ fn of_cycle(cycle: &LimitCycle, info: &RunInfo) -> String {
     let number = |x: f64, dimension| with_unit(significant(x, 8), dimension, info);
     let amplitude = number(cycle.amplitude, Dimension::LENGTH);
     let Some(repeats) = &cycle.repeats else {
-        return format!("no state recurs within the counted time; x spans twice {amplitude}");
+        return match cycle.amplitude {
+            0.0 => "at the end, x less its drift does not change".to_string(),
+            _ => format!("no state recurs within the counted time; x less its drift spans twice {amplitude}"),
+        };
     };
     let period = number(repeats.period, Dimension::TIME);
     let name = match repeats.forcing_periods {

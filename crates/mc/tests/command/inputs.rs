@@ -23,7 +23,7 @@ fn csv(names: &str, samples: &[f64]) -> String {
 
 /// A block that begins to slide at 0.2 g on ground that is shaken by `quake.csv`.
 const BLOCK: &str = "[oscillator]\nmass = 1\nstiffness = 0\ndilatation = 0\n[friction]\nstatic = 1.96133\ndynamic = 1.96133\n\
-     [input.ag]\nfile = \"quake.csv\"\ncolumn = \"acc\"\n[force]\nexpression = \"m*ag\"\n[force.parameters]\nm = 1\n[initial]\n\
+     [input.ag]\nfile = \"quake.csv\"\ncolumn = \"acc\"\n[force]\nexpression = \"m*ag\"\n[parameters]\nm = 1\n[initial]\n\
      displacement = 0\n[scheme]\nkind = \"event-driven\"\n";
 
 fn block(csv: &str) -> tempfile::TempDir {
@@ -230,9 +230,9 @@ fn inputs_with_stamps_begin_together() {
 }
 
 /// A belt whose speed is one number for the line and for the friction that falls with speed.
-const BELT: &str = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }\nfriction = { static = 1.2, dynamic = 1.0, load = \"1 + 0*x0\", parameters = { x0 = 0.25 } }\n\
+const BELT: &str = "oscillator = { mass = 1, stiffness = 1, dilatation = 1 }\nfriction = { static = 1.2, dynamic = 1.0, load = \"1 + 0*x0*mu\" }\n\
      temperature.trend = \"V\"\nforce.expression = \"mu*(1 - exp(-abs(xdot)/V))*sign(xdot)\"\n\
-     force.parameters = { mu = 0.3, V = 0.5 }\ninitial = { displacement = \"x0\", velocity = 0 }\ntime.end = 20\nscheme.kind = \"event-driven\"\n";
+     parameters = { mu = 0.3, V = 0.5, x0 = 0.25 }\ninitial = { displacement = \"x0\", velocity = 0 }\ntime.end = 20\nscheme.kind = \"event-driven\"\n";
 
 #[test]
 fn a_number_may_name_a_parameter() {
@@ -241,7 +241,7 @@ fn a_number_may_name_a_parameter() {
     std::fs::write(here.join("belt.toml"), BELT).expect("written");
     let checked = done(here, &["check", "belt.toml"]);
     assert!(checked.contains("trend = \"V\"") && checked.contains("displacement = \"x0\""), "{checked}");
-    let sweep = ["sweep", "belt.toml", "--vary", "force.parameters.V=0.2,0.4", "--paths", "1", "-o", "v.h5"];
+    let sweep = ["sweep", "belt.toml", "--vary", "V=0.2,0.4", "--paths", "1", "-o", "v.h5"];
     done(here, &sweep);
     let swept = json(&done(here, &["show", "v.h5", "--json"]));
     let text = swept.to_string();
@@ -283,5 +283,5 @@ fn a_parameter_of_numbers_alone_is_used() {
     std::fs::write(here.path().join("belt.toml"), &text).expect("written");
     done(here.path(), &["check", "belt.toml"]);
     std::fs::write(here.path().join("belt.toml"), text.replace("\"V\"", "0.5")).expect("written");
-    refused(here.path(), &["check", "belt.toml"], 2, &["`force.parameters.V` is not in the expression"]);
+    refused(here.path(), &["check", "belt.toml"], 2, &["`parameters.V` is not used"]);
 }

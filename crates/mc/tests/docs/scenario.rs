@@ -60,7 +60,7 @@ fn every_key_is_listed_and_every_listed_key_exists() {
     keys(&measured.parse().expect("TOML"), "", &mut of_code);
     // A body on a belt, and a force of the user's own with parameters; both with a load on friction.
     for name in ["belt", "stribeck-belt"] {
-        let given = ["initial.velocity=1", "friction.load=\"c\"", "friction.parameters={c=1}"];
+        let given = ["initial.velocity=1", "friction.load=\"c\"", "parameters={c=1, d=0.1, f_d=1}"];
         let given = given.map(|set| Override::set(set).expect("well formed"));
         let resolved = shipped(name).expect("shipped").parse(&given).expect("sound").to_toml();
         keys(&resolved.parse().expect("TOML"), "", &mut of_code);
