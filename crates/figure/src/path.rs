@@ -270,12 +270,8 @@ fn phase_plane(
 #[cfg(test)]
 mod tests {
     use super::*;
-<<<<<<< HEAD:crates/figure/src/path.rs
     use stickslip::scenario::Scenario;
-=======
-    use crate::scenario::Scenario;
-    use crate::scheme::Kind;
->>>>>>> physics:src/figure/path.rs
+    use stickslip::scheme::Kind;
 
     fn trace(name: &str, number: u64) -> (Scenario, PathTrace) {
         let scenario = Scenario::shipped(name).expect("shipped");
