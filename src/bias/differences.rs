@@ -16,7 +16,7 @@ use super::widening::widening_factor;
 use crate::ensemble::{Flight, drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
-use crate::stats::{Bias, BlockObserver, Dimension, GroupValues, Record, Statistic, Totals};
+use crate::stats::{Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals};
 use crate::sums::{Merge as _, Replicate, jackknife};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -51,6 +51,36 @@ const MAX_WIDTH: u64 = 16;
 /// Number of pieces into which a level is divided at least, so that threads can share the work.
 /// With more of them, most of the time would go into their sums and into vectors that are not full.
 const PIECES: u64 = 2;
+
+/// What grows where an explicit step is too long for the stiffness of a force, so that the scheme adds
+/// energy.
+const GROWING: [Statistic; 2] = [Statistic::FrictionWorkMean, Statistic::DisplacementEndSd];
+
+/// Where these grow by a larger factor from h to 2h or 4h, there is nothing to extrapolate.
+const MOST_GROWTH: f64 = 2.0;
+
+/// The bias of a statistic by extrapolation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extrapolated {
+    pub statistic: Statistic,
+    pub bias: Bias,
+    /// The standard error of the statistic from these paths, times the root of their number.
+    scatter: f64,
+}
+
+/// The paths that measure a bias are taken for typical of the run if the statistic scatters among
+/// them at least by this share of what it does among the paths of the run. From 16 groups of normal
+/// numbers, a smaller share has a probability of 0.2 %.
+const TYPICAL: f64 = 0.5;
+
+impl Extrapolated {
+    /// Whether these paths are typical of those of a run with this estimate. They are not where the
+    /// statistic depends on rare events of which they have none.
+    pub fn is_typical_of(&self, run: &Estimate, paths: u64) -> bool {
+        let scatter = run.standard_error * (paths as f64).sqrt();
+        self.scatter >= TYPICAL * scatter || !scatter.is_finite()
+    }
+}
 
 /// Some paths of a run, to be simulated at three steps. The three simulations end, and observe
 /// whole periods, at the same instants. These are the multiples of 4h nearest to the
@@ -111,15 +141,26 @@ impl Differences {
     /// The bias of every statistic that exists and can be extrapolated. The result has the same
     /// bits for any number of `threads`.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
+        Ok(self.extrapolate(threads, stop)?.into_iter().map(|found| (found.statistic, found.bias)).collect())
+    }
+
+    /// The same with what the paths show of the scatter of each statistic.
+    pub(super) fn extrapolate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<Extrapolated>, NoBias> {
         // A median is expensive, so it is not computed where it would not be used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
         let levels = self.simulate(threads, stop)?.map(|groups| self.values(&groups, is_wanted));
         let at = |of: &dyn Fn(&LevelValues) -> f64| Levels(levels.each_ref().map(of));
+        if GROWING.into_iter().any(|statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH)) {
+            return Err(NoBias::Unstable);
+        }
         let sticks = levels[0].0[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|(all, _)| all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|(_, without)| without[g][i])).collect();
-            all.are_finite().then(|| (statistic, self.bias(statistic, all, &without, sticks)))
+            let at_h: Vec<f64> = without.iter().map(|levels| levels.0[0]).collect();
+            let scatter = jackknife::standard_error(&at_h) * (self.paths() as f64).sqrt();
+            let bias = || self.bias(statistic, all, &without, sticks);
+            all.are_finite().then(|| Extrapolated { statistic, bias: bias(), scatter })
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }

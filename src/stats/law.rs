@@ -15,7 +15,7 @@ use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
-use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_PHASES, Powers, are_too_few, cautious};
 use crate::sums::spread::Tails;
 
 /// A quantity of the phases of a path.
@@ -114,9 +114,9 @@ sums! {
     pub(super) struct LawSums {
         /// Number of values, their sum, and the sum of their squares.
         units: JointMoments<3>,
-        /// Fourth powers of the sum with the number, and of the number.
-        mean_tails: Fourths,
-        number_tails: Fourths,
+        /// Powers of the sum with the number, and of the number.
+        mean_tails: Powers,
+        number_tails: Powers,
         /// Powers of the influences of paths on the standard deviation.
         sd_tails: Tails,
         /// Number of units that have any value.
@@ -146,8 +146,8 @@ impl LawSums {
             Replicate::Pair => Tails::of(column(&influence).into_iter()),
         };
         LawSums {
-            mean_tails: Fourths::of(&sums, &numbers),
-            number_tails: Fourths::of_mean(&numbers),
+            mean_tails: Powers::of(&sums, &numbers),
+            number_tails: Powers::of_mean(&numbers),
             sd_tails,
             contributing: unit.count(paths, |path| of(path).count > 0),
             units,
@@ -204,9 +204,9 @@ impl LawSums {
         }
         let (value, gradient) = of(units.mean, variance.sqrt());
         let error = Measured::smooth(value, units, gradient, *contributing).measurement().standard_error;
-        let freedom = cautious(self.sd_tails.freedom(*contributing), *contributing, units.count);
-        let spread = Measured::spread(value, error, freedom);
-        if are_too_few(*contributing, units.count, FEWEST_FOR_SPREAD) { spread.without_interval() } else { spread }
+        let law = cautious(self.sd_tails.error_law(*contributing), *contributing, units.count);
+        let spread = Measured::spread(value, error, law, *contributing);
+        if *contributing < FEWEST_FOR_PHASES { spread.without_interval() } else { spread }
     }
 }
 
@@ -216,7 +216,7 @@ pub(super) fn rare_ratio<const N: usize>(
     units: &JointMoments<N>,
     top: usize,
     bottom: usize,
-    tails: &Fourths,
+    tails: &Powers,
     contributing: u64,
     floor: f64,
 ) -> Measured {
@@ -230,7 +230,7 @@ pub(super) fn rare_ratio<const N: usize>(
 pub(super) fn rare_mean<const N: usize>(
     units: &JointMoments<N>,
     entry: usize,
-    tails: &Fourths,
+    tails: &Powers,
     contributing: u64,
 ) -> Measured {
     let mut influence = [0.0; N];
@@ -244,13 +244,13 @@ fn rare<const N: usize>(
     measured: Measured,
     units: &JointMoments<N>,
     influence: [f64; N],
-    (tails, of): (&Fourths, u64),
+    (tails, of): (&Powers, u64),
     contributing: u64,
     floor: f64,
 ) -> Measured {
     if are_too_few(contributing, units.count, FEWEST) {
         return measured.without_interval();
     }
-    let freedom = tails.freedom(measured.estimate(), units.spread_along(influence), of);
-    measured.on_log_scale(floor, cautious(freedom, contributing, units.count))
+    let law = cautious(tails.error_law(measured.estimate(), units.spread_along(influence), of), contributing, units.count);
+    if std::env::var("IV_LOG").is_ok() { measured.on_log_scale(floor, law.freedom) } else { measured.with_law(law) }
 }

@@ -18,10 +18,10 @@ use crate::sums::Ends;
 use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
-use crate::sums::moments::Moments;
+use crate::sums::moments::FourMoments;
 use crate::sums::range::Range;
 use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD};
-use crate::sums::spread::{SpreadMoments, Tails};
+use crate::sums::spread::SpreadMoments;
 
 /// The times of the whole periods, and the weights of the counted ones in a slope.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,13 +54,11 @@ sums! {
         /// Moments of x(t_n) - x0.
         displacement: Vec<SpreadMoments>,
         /// Moments of the slope of each path.
-        drift: Moments,
+        drift: FourMoments,
         /// Moments of each path's contribution to the slope of the variance.
-        spreading: Moments,
+        spreading: FourMoments,
         /// Moments of each path's contribution to S^2.
-        spread: Moments,
-        /// Second and fourth powers of the influences of paths on S^2.
-        spread_tails: Tails,
+        spread: FourMoments,
         pub period_displacements: PeriodDisplacements,
     }
 }
@@ -69,17 +67,16 @@ impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
         PeriodSums {
             displacement: vec![SpreadMoments::default(); timeline.periods()],
-            drift: Moments::default(),
-            spreading: Moments::default(),
-            spread: Moments::default(),
-            spread_tails: Tails::default(),
+            drift: FourMoments::default(),
+            spreading: FourMoments::default(),
+            spread: FourMoments::default(),
             period_displacements: PeriodDisplacements::empty(timeline),
         }
     }
 
     /// V. Two instants are needed.
     pub fn drift_velocity(&self, timeline: &Timeline) -> Measured {
-        if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean(&self.drift) }
+        if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean_of_four(&self.drift) }
     }
 
     /// D. Two instants and two paths are needed.
@@ -97,7 +94,7 @@ impl PeriodSums {
         }
         let variances = self.displacement[slope.skipped..].iter().map(|period| period.four.two.variance());
         let growth: f64 = slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
-        Measured::mean(&self.spreading).about(growth).divided_by(2.0)
+        Measured::mean_of_four(&self.spreading).about(growth).divided_by(2.0).about_mean_of(self.spreading.two.count as f64)
     }
 
     /// S. One instant and two paths are needed. Estimate and error are found like those of D, with
@@ -109,17 +106,17 @@ impl PeriodSums {
         }
         let variances = counted.iter().map(|period| period.four.two.variance());
         let sd = (variances.sum::<f64>() / counted.len() as f64).sqrt();
-        let error = match Measured::mean(&self.spread).measurement().standard_error {
+        let error = match Measured::mean_of_four(&self.spread).measurement().standard_error {
             0.0 => 0.0,
             error => error / (2.0 * sd),
         };
-        Measured::spread(sd, error, self.spread_tails.freedom(self.spread.count))
+        Measured::spread(sd, error, self.spread.error_law(), self.spread.two.count)
     }
 
     pub fn summary(&self, timeline: &Timeline, is_random: bool, drift_limit: Option<f64>) -> PeriodMoments {
-        let chance = |period: &SpreadMoments| is_random.then_some(period.units.count);
+        let chance = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
         let two = |period: &SpreadMoments| period.four.two;
-        let mean_ends = |p: &SpreadMoments| Measured::mean(&p.units).in_range(Range::ANY, chance(p)).interval();
+        let mean_ends = |p: &SpreadMoments| Measured::mean_of_four(&p.units).in_range(Range::ANY, chance(p)).interval();
         let sd_ends = |p: &SpreadMoments| p.standard_deviation().in_range(Range::NOT_NEGATIVE, chance(p)).interval();
         PeriodMoments {
             drift_limit,
@@ -201,11 +198,9 @@ impl PeriodFold {
 
     pub fn finish(mut self) -> PeriodSums {
         let unit = self.unit;
-        self.sums.drift = Moments::of(&unit.means(&self.drift));
-        self.sums.spreading = Moments::of(&unit.means(&unbiased(self.spreading)));
-        let shares = unit.means(&unbiased(self.spread)).into_owned();
-        self.sums.spread = Moments::of(&shares);
-        self.sums.spread_tails = Tails::of(shares.iter().map(|share| share - self.sums.spread.mean));
+        self.sums.drift = FourMoments::of(&unit.means(&self.drift));
+        self.sums.spreading = FourMoments::of(&unit.means(&unbiased(self.spreading)));
+        self.sums.spread = FourMoments::of(&unit.means(&unbiased(self.spread)));
         self.sums.period_displacements = self.period_displacements.finish(unit);
         self.sums
     }

@@ -150,10 +150,17 @@ fn unsettled(summary: &Summary) -> Option<String> {
 fn bias(summary: &Summary, info: &RunInfo, all: bool) -> Option<String> {
     if summary.has_bias() {
         let meaning = "+- at 95 %; `corrected` subtracts it where it exceeds +-";
-        let words = beyond_intervals(summary).unwrap_or("of the step".into());
+        let words = beyond_intervals(summary).unwrap_or("of the step".into()) + &uncertain_biases(summary);
         return Some(if all { format!("{words}; {meaning}") } else { words });
     }
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
+}
+
+/// Says which statistics have no bias although others do.
+fn uncertain_biases(summary: &Summary) -> String {
+    let is_without = |e: &&Estimate| e.estimate.is_finite() && e.low < e.high && e.bias.is_none();
+    let names: Vec<&str> = summary.reported().filter(is_without).map(|e| e.statistic.name()).collect();
+    if names.is_empty() { names.concat() } else { format!("; too uncertain to be stated for {}", some_of(&names)) }
 }
 
 /// Says in how many statistics the bias of the step is certain and larger than the statistical
