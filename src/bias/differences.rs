@@ -17,6 +17,7 @@ use crate::ensemble::{Flight, drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals};
+use crate::sums::interval::Measured;
 use crate::sums::{Merge as _, Replicate, jackknife};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -159,15 +160,16 @@ impl Differences {
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|(_, without)| without[g][i])).collect();
             let at_h: Vec<f64> = without.iter().map(|levels| levels.0[0]).collect();
             let scatter = jackknife::standard_error(&at_h) * (self.paths() as f64).sqrt();
-            let bias = || self.bias(statistic, all, &without, sticks);
-            all.are_finite().then(|| Extrapolated { statistic, bias: bias(), scatter })
+            let bias = if all.are_finite() { self.bias(statistic, all, &without, sticks) } else { None };
+            bias.map(|bias| Extrapolated { statistic, bias, scatter })
         };
         Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
     }
 
     /// The bias of one statistic from its values at the three steps: `all` over all paths,
-    /// `without` without each group. `sticks` is the number of sticks per path.
-    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
+    /// `without` without each group. `sticks` is the number of sticks per path. None where so few
+    /// groups decide it that it has no interval.
+    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Option<Bias> {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
         };
@@ -177,12 +179,15 @@ impl Differences {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase lie on the grid, so that its duration may be off by h.
             let grid = if statistic.dimension() == Dimension::TIME { self.h } else { 0.0 };
-            return Bias { estimate, uncertainty: uncertainty + grid, order };
+            return Some(Bias { estimate, uncertainty: uncertainty + grid, order });
         }
         let p = leading_order(statistic, all);
         let second_term_error = error(&|y| y.second_term(p));
         let weight = weight(all.second_term(p), second_term_error);
-        let sampling = STUDENT * error(&|y| y.bias(p, weight));
+        let estimate = all.bias(p, weight);
+        let biases: Vec<f64> = without.iter().map(|levels| levels.bias(p, weight)).collect();
+        let [low, high] = Measured::jackknifed(estimate, &biases).interval();
+        let sampling = (high - estimate).max(estimate - low);
         let grid = match statistic {
             // As the step falls, sticks become more numerous and shorter, and the two changes may
             // cancel in the fraction. What remains is no larger than half a step for each stick.
@@ -193,11 +198,8 @@ impl Differences {
             all.model_error(p, model_error_share(statistic, self.noise_to_gap()), STUDENT * second_term_error);
         // The uncertainty is a plain sum and not a root of squares, because the error of
         // extrapolation is the same for every seed.
-        Bias {
-            estimate: all.bias(p, weight),
-            uncertainty: widening_factor(self.paths()) * (sampling + model_error + grid),
-            order,
-        }
+        let uncertainty = widening_factor(self.paths()) * (sampling + model_error + grid);
+        (!uncertainty.is_nan()).then_some(Bias { estimate, uncertainty, order })
     }
 
     /// The standard deviation of the change of the force by the noise in a step, as a share of the

@@ -140,15 +140,11 @@ impl BesideRun {
 /// of 18 % itself, because it comes from 16 groups.
 const UNCERTAINTY_RATIO: f64 = 0.7;
 
-/// A bias may be this many times less certain than the estimate. Ten times as uncertain is one from
-/// a hundredth of the paths.
-const LEAST_CERTAIN: f64 = 10.0;
-
 /// Whether a bias says anything of an estimate: its uncertainty does not exceed both the estimate
 /// and what the estimate leaves open. Where nothing is random, all paths agree, and it always does.
 fn is_informative(bias: &Bias, e: &Estimate) -> bool {
     let half_width = e.half_width();
-    bias.uncertainty <= e.estimate.abs() || bias.uncertainty <= LEAST_CERTAIN * half_width || half_width == 0.0
+    bias.uncertainty <= e.estimate.abs().max(half_width) || half_width == 0.0
 }
 
 /// The measurement that is taken, of two measurements of one bias or the only one.
@@ -238,5 +234,20 @@ mod tests {
             assert!(off.abs() <= 1.05 || holds(right_reference), "{off}: {right_reference:?}");
             assert!(off.abs() <= 1.05 || right_reference.estimate == 0.0, "{off}: {right_reference:?}");
         }
+    }
+
+    /// An estimate of 2 to within 0.1, and one of 0.01 to within 0.1.
+    #[test]
+    fn a_bias_less_certain_than_the_estimate_is_not_stated() {
+        let of = |estimate: f64, uncertainty: f64| {
+            let (statistic, standard_error) = (Statistic::JumpMean, 0.05);
+            let e =
+                Estimate { statistic, estimate, standard_error, low: estimate - 0.1, high: estimate + 0.1, bias: None };
+            is_informative(&Bias { estimate: 48.0, uncertainty, order: None }, &e)
+        };
+        assert_eq!(
+            [of(2.0, 78.0), of(2.0, 2.1), of(2.0, 1.9), of(0.01, 0.11), of(0.01, 0.09)],
+            [false, false, true, false, true]
+        );
     }
 }

@@ -185,18 +185,26 @@ mod tests {
     /// cover neither side.
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
-        let bias = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);
+        let bias = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.0, 1.5);
         let expected = Some(Bias { estimate: 3.0, uncertainty: 1.5 * 4.0 + 0.001, order: None });
         assert_eq!(bias, expected);
-        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0).expect("bounded").uncertainty;
+        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0, 1.0).expect("bounded").uncertainty;
         assert!((uncertainty - 4.001).abs() < 1e-12, "{uncertainty}");
     }
 
     #[test]
     fn a_statistic_without_a_bounded_interval_has_no_bias() {
         let run = of(4.0, 4.0, 4.0);
-        assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0), None);
-        assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0), None);
-        assert_eq!(difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0), None);
+        assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0, 1.0), None);
+        assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0, 1.0), None);
+        assert_eq!(difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0, 1.0), None);
+    }
+
+    /// The reference run has a hundredth of the paths of the run, and has seen no rare event: all its
+    /// values are 1. The run, with a standard error of 0.1, says that its error is 1.
+    #[test]
+    fn a_reference_run_is_no_more_certain_than_the_run_says() {
+        let bias = difference(&of(1.2, 1.2, 1.2), &of(1.0, 1.0, 1.0), 100.0, 1.0).expect("bounded");
+        assert!((bias.uncertainty - 1.959_964 - 0.001).abs() < 1e-6, "{bias:?}");
     }
 }

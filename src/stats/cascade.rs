@@ -25,7 +25,7 @@ sums! {
     pub(super) struct CascadeSums {
         /// Durations D_j of completed sticks, j >= 1.
         pub sticks: LawSums,
-        /// Powers of the influences of paths on the means of positive numbers.
+        /// Powers of the influences of paths on means over events.
         tails: CascadeTails,
         /// Whether the first stick ended, and its D_0.
         first_sticks: JointMoments<2>,
@@ -88,13 +88,7 @@ impl CascadeSums {
             sticks: LawSums::of(paths, |path| path.sticks, unit),
             tails,
             first_sticks: JointMoments::of([&first_sticks, &first_durations]),
-            slips: JointMoments::of([
-                &slips,
-                &sub_phases,
-                &column(|p| p.multiple.into()),
-                &jumps,
-                &jump_sizes,
-            ]),
+            slips: JointMoments::of([&slips, &sub_phases, &column(|p| p.multiple.into()), &jumps, &jump_sizes]),
             stick_time: FourMoments::of(&column(|p| p.stick_time)),
             work: FourMoments::of(&column(|p| p.friction_work)),
             sliding_path: FourMoments::of(&column(|p| p.travel)),
@@ -119,19 +113,17 @@ impl Measure for CascadeSums {
         let units = work.two.count;
         let moved = |measured: Measured, fewest| measured.of_few(contributing.moving, units, fewest);
         let of_slips = |measured: Measured, fewest| measured.of_few(contributing.slips, units, fewest);
-        let positive = |of: &FourMoments| Measured::mean_of_four(of).positive_of_few(contributing.moving, units);
+        let positive = |of: &FourMoments| moved(Measured::mean_of_four(of), FEWEST);
         Some(match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(of.unit),
             Statistic::StickDurationCv => sticks.coefficient_of_variation(of.unit),
             Statistic::FirstStickDurationMean => {
-                rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks, 0.0)
+                rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks)
             }
             Statistic::SticksPerPath => sticks.number(),
             Statistic::SlipsPerPath => rare_mean(slips, SLIPS, &tails.slips, contributing.slips),
-            Statistic::SubPhasesMean => {
-                rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips, 1.0)
-            }
+            Statistic::SubPhasesMean => rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips),
             Statistic::SubPhasesMultipleShare => {
                 of_slips(Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips), FEWEST)
             }
@@ -144,15 +136,8 @@ impl Measure for CascadeSums {
             }
             Statistic::DisplacementEndMean => moved(Measured::mean_of_four(&displacement_end.units), FEWEST),
             Statistic::DisplacementEndSd => moved(displacement_end.standard_deviation(), FEWEST_FOR_SPREAD),
-            Statistic::JumpMean => {
-                let mean = Measured::ratio(slips, JUMP, SLIPS, contributing.slips);
-                let mut influence = [0.0; 5];
-                (influence[JUMP], influence[SLIPS]) = (1.0, -mean.estimate());
-                let squares = slips.spread_along(influence);
-                let law = tails.jump.error_law(mean.estimate(), squares, contributing.slips);
-                of_slips(mean.with_law(law), FEWEST)
-            }
-            Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips, 0.0),
+            Statistic::JumpMean => rare_ratio(slips, JUMP, SLIPS, &tails.jump, contributing.slips),
+            Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips),
             Statistic::FrictionWorkMean => positive(work),
             Statistic::SlidingPathRate => positive(sliding_path).divided_by(counted),
             _ => return None,

@@ -7,7 +7,7 @@ use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::FourMoments;
-use crate::sums::rare::FEWEST_FOR_SPREAD;
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD};
 use crate::sums::spread::SpreadMoments;
 
 sums! {
@@ -48,7 +48,7 @@ impl Measure for EnergySums {
             Statistic::TemperatureWorkMean => mean(&self.temperature),
             Statistic::OwnForceWorkMean => mean(&self.own_force),
             Statistic::DampingWorkMean => {
-                Measured::mean_of_four(&self.damping).positive_of_few(self.moving, self.damping.two.count)
+                Measured::mean_of_four(&self.damping).of_few(self.moving, self.damping.two.count, FEWEST)
             }
             Statistic::StoredEnergyMean => mean(&self.change),
             Statistic::EnergyResidualMean => Measured::mean_of_four(&self.residual.units),

@@ -166,7 +166,7 @@ impl LawSums {
 
     /// The mean of values that cannot be negative.
     pub fn mean(&self) -> Measured {
-        rare_ratio(&self.units, SUM, NUMBER, &self.mean_tails, self.contributing, 0.0)
+        rare_ratio(&self.units, SUM, NUMBER, &self.mean_tails, self.contributing)
     }
 
     /// The standard deviation of the values, sqrt(q/n - (s/n)^2). One below 1e-7 of the root mean
@@ -210,20 +210,18 @@ impl LawSums {
     }
 }
 
-/// A mean of positive numbers of events, as a ratio of sums over units, of which these contribute.
-/// No event has less than `floor`.
+/// A mean over events, as a ratio of sums over units, of which these contribute.
 pub(super) fn rare_ratio<const N: usize>(
     units: &JointMoments<N>,
     top: usize,
     bottom: usize,
     tails: &Powers,
     contributing: u64,
-    floor: f64,
 ) -> Measured {
     let measured = Measured::ratio(units, top, bottom, contributing);
     let mut influence = [0.0; N];
     (influence[top], influence[bottom]) = (1.0, -measured.estimate());
-    rare(measured, units, influence, (tails, contributing), contributing, floor)
+    rare(measured, units, influence, (tails, contributing), contributing)
 }
 
 /// A number of events per path, of which these units have any.
@@ -235,7 +233,7 @@ pub(super) fn rare_mean<const N: usize>(
 ) -> Measured {
     let mut influence = [0.0; N];
     influence[entry] = 1.0;
-    rare(Measured::mean_of(units, entry), units, influence, (tails, units.count), contributing, 0.0)
+    rare(Measured::mean_of(units, entry), units, influence, (tails, units.count), contributing)
 }
 
 /// A measured number with the interval of one that few units may contribute to. The tails are those
@@ -246,11 +244,10 @@ fn rare<const N: usize>(
     influence: [f64; N],
     (tails, of): (&Powers, u64),
     contributing: u64,
-    floor: f64,
 ) -> Measured {
     if are_too_few(contributing, units.count, FEWEST) {
         return measured.without_interval();
     }
-    let law = cautious(tails.error_law(measured.estimate(), units.spread_along(influence), of), contributing, units.count);
-    if std::env::var("IV_LOG").is_ok() { measured.on_log_scale(floor, law.freedom) } else { measured.with_law(law) }
+    let law = tails.error_law(measured.estimate(), units.spread_along(influence), of);
+    measured.with_law(cautious(law, contributing, units.count))
 }

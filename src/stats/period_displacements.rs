@@ -188,7 +188,8 @@ mod tests {
 
     /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, with mean 0. a is 1, 1, -2. b is
     /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. The influences on the standard deviation
-    /// are (b - 10/3)/(2 sd).
+    /// are (b - 10/3)/(2 sd). Of three paths, the jackknife has twice the error to first
+    /// order of a spread or a correlation.
     ///
     /// Of the pairs, c is 1, 1, 5/2, with mean 3/2; d is 5/4, 1, -7/4, with mean 1/6; and e is 9/4,
     /// 3, 15/4, with mean 3. So the covariance is 3/2 - 1/36 = 53/36, the variance of the members
@@ -213,20 +214,25 @@ mod tests {
             let mut all = part(&u[..1]);
             all.merge(&part(&u[1..]));
             let (sd, t) = ((10.0f64 / 3.0).sqrt(), 4.302_652_729_9);
-            let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / (2.0 * sd);
+            let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / sd;
             let r = 53.0 / 107.0;
             let on_r = [[1.0, 1.25, 2.25], [1.0, 1.0, 3.0], [2.5, -1.75, 3.75]]
                 .map(|[c, d, e]: [f64; 3]| c - 1.5 - (1.0 - r) / 3.0 * (d - 1.0 / 6.0) - r * (e - 3.0));
-            let on_r = (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
+            let on_r = 2.0 * (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
             for (measured, value, error) in
                 [(all.mean(), constant, 1.0), (all.sd(Replicate::Path), sd, on_sd), (all.correlation(), r, on_r)]
             {
                 let e = measured.measurement();
                 // Three numbers about their mean always have two degrees of freedom.
-                let high = if value == sd { sd / (1.0 - t * error / sd) } else { value + t * error };
-                let all = [(e.estimate, value), (e.standard_error, error), (e.high, high)];
+                let ends = match value {
+                    _ if value == sd => [sd / (1.0 + t * error / sd), f64::INFINITY],
+                    _ if value == r => [e.low, e.high],
+                    mean => [mean - t * error, mean + t * error],
+                };
+                let all = [(e.estimate, value), (e.standard_error, error), (e.low, ends[0])];
                 let is_right = all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9);
-                assert!(is_right, "{constant}: {e:?}, expected {value} +- {error}");
+                let is_high = e.high == ends[1] || (e.high - ends[1]).abs() < 1e-9;
+                assert!(is_right && is_high, "{constant}: {e:?}, expected {value} +- {error}");
             }
         }
     }

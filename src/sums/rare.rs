@@ -1,20 +1,10 @@
-//! Means of positive numbers that may rest on few events.
+//! Means that may rest on few events.
 //!
-//! Where events are rare and come in clusters, a few paths hold most of them. The estimate of a
-//! mean and that of its error then rise and fall together. If the large paths are missing, both are
-//! too small, and an interval with equal arms ends below the truth in 10 to 15 % of all runs. On a
-//! logarithmic scale of d, the excess of the mean over the least value that it can have, the error
-//! depends less on the estimate:
-//!
-//! ```text
-//! interval   least + d e^{-+ t s/d}     with the standard error s
-//! ```
-//!
-//! The error itself is known only as well as the tails of the influences of paths allow
-//! ([`super::spread`]), with f degrees of freedom. Where only m of n paths have any events, f is
-//! too large, because the paths that would show how long the tails are may be missing as well. So t
-//! is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom. Where all paths contribute
-//! alike, none of this changes the interval much: the ends move by half of s/d of its width.
+//! Where events are rare and come in clusters, a few paths hold most of them. If the large paths are
+//! missing, the mean and its error are both too small. So the interval follows the skewness and the
+//! tails of the influences of paths ([`super::interval`]), with f degrees of freedom. Where only m of
+//! n paths have any events, f is too large, because the paths that would show how long the tails are
+//! may be missing as well. So t is that of Student's t with f^2/(f + 2 (1 - m/n)) degrees of freedom.
 //!
 //! docs/validation.md says how often these intervals hold the truth.
 

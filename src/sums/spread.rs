@@ -128,6 +128,21 @@ mod tests {
         assert!((freedom / (100_000.0 / 7.0) - 1.0).abs() < 0.16, "{freedom}");
     }
 
+    /// The error of a variance s^2 by leaving out one number after the other, divided by twice the
+    /// standard deviation.
+    #[test]
+    fn the_error_of_a_standard_deviation_is_that_of_the_jackknife() {
+        let x = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0];
+        let variance = |x: &[f64]| {
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (x.len() as f64 - 1.0)
+        };
+        let without: Vec<f64> = (0..x.len()).map(|i| variance(&[&x[..i], &x[i + 1..]].concat())).collect();
+        let expected = crate::sums::jackknife::standard_error(&without) / (2.0 * variance(&x).sqrt());
+        let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
+        assert!((sd.standard_error / expected - 1.0).abs() < 1e-12, "{sd:?} {expected}");
+    }
+
     #[test]
     fn one_value_has_no_spread_and_equal_ones_have_the_freedom_of_their_number() {
         // The file must hold the same bytes on every processor, whichever sign 0/0 has there.
