@@ -176,12 +176,12 @@ fn beyond_intervals(summary: &Summary) -> Option<String> {
     })
 }
 
-/// Says which numbers have no interval because too few paths carry them.
+/// Says which numbers have no interval because too few paths decide them.
 fn too_few(summary: &Summary) -> Option<String> {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
     let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
     (!names.is_empty())
-        .then(|| format!("too few of the paths have any sticks or slips to bound {}; run more paths", some_of(&names)))
+        .then(|| format!("too few of the paths decide {} to bound it; run more paths", some_of(&names)))
 }
 
 /// The number of paths, and how the run ended.
@@ -263,7 +263,7 @@ mod tests {
             let e = &mut summary.estimates[statistic.index()];
             (e.estimate, e.standard_error, e.low, e.high) = (1.0, 0.5, f64::NAN, f64::NAN);
         }
-        let line = "too few of the paths have any sticks or slips to bound stick_duration_mean, stick_duration_sd";
+        let line = "too few of the paths decide stick_duration_mean, stick_duration_sd to bound";
         assert_eq!(too_few(&summary).map(|text| text.starts_with(line)), Some(true), "{:?}", too_few(&summary));
         // A single path has no errors at all, and another line says so.
         summary.estimates.iter_mut().for_each(|e| e.standard_error = f64::NAN);
