@@ -162,8 +162,10 @@ impl Referenced {
 /// two has no bounded interval.
 fn difference(run: &Estimate, exact: &Estimate, more_paths: f64, widening_factor: f64) -> Option<Bias> {
     let least = NORMAL * run.standard_error * more_paths.sqrt();
-    let below = (run.estimate - run.low).hypot((exact.high - exact.estimate).max(least));
-    let above = (run.high - run.estimate).hypot((exact.estimate - exact.low).max(least));
+    // An arm that does not exist stays NaN.
+    let at_least = |arm: f64| if arm < least { least } else { arm };
+    let below = (run.estimate - run.low).hypot(at_least(exact.high - exact.estimate));
+    let above = (run.high - run.estimate).hypot(at_least(exact.estimate - exact.low));
     let uncertainty = widening_factor * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
     let estimate = run.estimate - exact.estimate;
     let is_bounded = estimate.is_finite() && below.is_finite() && above.is_finite();

@@ -486,7 +486,10 @@ mod tests {
             for _ in 0..4000 {
                 let x: Vec<f64> = (0..number).map(|_| law(&mut rng)).collect();
                 let mean = Measured::mean_of_four(&FourMoments::of(&x)).measurement();
-                held.count(mean.low <= truth && truth <= mean.high);
+                // In one of sixty, two of ten chi squares decide the mean.
+                if !mean.low.is_nan() {
+                    held.count(mean.low <= truth && truth <= mean.high);
+                }
                 let half_width = student(number as u64 - 1) * mean.standard_error;
                 straight.count((mean.estimate - truth).abs() <= half_width);
             }

@@ -495,7 +495,7 @@ fn where_longer_steps_diverge_the_reference_run_gives_the_bias() {
     assert!(matches!(absence, NoBias::Diverged { .. } | NoBias::Unstable), "{absence}");
     let exact = Run::of(&exact).paths(1500).threads(2).simulate().expect("a run").summary;
     for statistic in [Statistic::SticksPerPath, Statistic::StickDurationMean, Statistic::JumpMean] {
-        let (at_step, exact) = (estimate(&run, statistic), estimate(&exact, statistic));
+        let (at_step, exact) = (run.estimate(statistic), exact.estimate(statistic));
         let bias = at_step.bias.expect("a reference run");
         let (off, error) =
             (at_step.estimate - exact.estimate, 2.0 * at_step.standard_error.hypot(exact.standard_error));
@@ -522,7 +522,7 @@ fn a_bias_that_rests_on_rare_early_ends_is_as_uncertain_as_they_are() {
     for seed in 11..=14 {
         scene.ensemble.seed = seed;
         let run = Run::of(&scene).threads(2).simulate().expect("a run").summary;
-        let e = estimate(&run, Statistic::FirstStickDurationMean);
+        let e = run.estimate(Statistic::FirstStickDurationMean);
         println!("{seed}: {e:?}");
         known += usize::from(e.bias.is_some());
         assert!(e.bias.is_none_or(|bias| (bias.estimate - 0.055).abs() < bias.uncertainty + 0.009), "{e:?}");

@@ -180,8 +180,7 @@ fn beyond_intervals(summary: &Summary) -> Option<String> {
 fn too_few(summary: &Summary) -> Option<String> {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
     let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
-    (!names.is_empty())
-        .then(|| format!("too few of the paths decide {} to bound it; run more paths", some_of(&names)))
+    (!names.is_empty()).then(|| format!("too few of the paths decide {} to bound it; run more paths", some_of(&names)))
 }
 
 /// The number of paths, and how the run ended.
