@@ -65,9 +65,13 @@ const MOST_GROWTH: f64 = 2.0;
 pub(super) struct Extrapolated {
     pub statistic: Statistic,
     pub bias: Bias,
-    /// The standard error of the statistic from these paths, times the root of their number.
+    /// The standard error of the statistic from these paths, times the root of their number; zero
+    /// where the events on which it rests are in less than five groups.
     scatter: f64,
 }
+
+/// Where five of 16 groups have rare events, the error of a number has more degrees of freedom.
+const LEAST_FREEDOM: f64 = 10.0;
 
 /// The paths that measure a bias are taken for typical of the run if the statistic scatters among
 /// them at least by this share of what it does among the paths of the run. From 16 groups of normal
@@ -76,7 +80,7 @@ const TYPICAL: f64 = 0.5;
 
 impl Extrapolated {
     /// Whether these paths are typical of those of a run with this estimate. They are not where the
-    /// statistic depends on rare events of which they have none.
+    /// statistic depends on rare events of which they have few or none.
     pub fn is_typical_of(&self, run: &Estimate, paths: u64) -> bool {
         let scatter = run.standard_error * (paths as f64).sqrt();
         self.scatter >= TYPICAL * scatter || !scatter.is_finite()
@@ -142,28 +146,31 @@ impl Differences {
     /// The bias of every statistic that exists and can be extrapolated. The result has the same
     /// bits for any number of `threads`.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
-        Ok(self.extrapolate(threads, stop)?.into_iter().map(|found| (found.statistic, found.bias)).collect())
+        Ok(self.extrapolate(threads, stop)?.0.into_iter().map(|found| (found.statistic, found.bias)).collect())
     }
 
-    /// The same with what the paths show of the scatter of each statistic.
-    pub(super) fn extrapolate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<Extrapolated>, NoBias> {
+    /// The same with what the paths show of the scatter of each statistic, and whether the longer steps
+    /// are stable.
+    pub(super) fn extrapolate(&self, threads: usize, stop: &AtomicBool) -> Result<(Vec<Extrapolated>, bool), NoBias> {
         // A median is expensive, so it is not computed where it would not be used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
         let levels = self.simulate(threads, stop)?.map(|groups| self.values(&groups, is_wanted));
         let at = |of: &dyn Fn(&LevelValues) -> f64| Levels(levels.each_ref().map(of));
-        if GROWING.into_iter().any(|statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH)) {
-            return Err(NoBias::Unstable);
-        }
+        let grows = |statistic: Statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH);
+        let is_stable = !GROWING.into_iter().any(grows);
         let sticks = levels[0].0[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|(all, _)| all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|(_, without)| without[g][i])).collect();
             let at_h: Vec<f64> = without.iter().map(|levels| levels.0[0]).collect();
-            let scatter = jackknife::standard_error(&at_h) * (self.paths() as f64).sqrt();
+            let has_rare_events =
+                self.groups == GROUPS && Measured::jackknifed(all.0[0], &at_h).freedom() < LEAST_FREEDOM;
+            let error = if has_rare_events { 0.0 } else { jackknife::standard_error(&at_h) };
+            let scatter = error * (self.paths() as f64).sqrt();
             let bias = if all.are_finite() { self.bias(statistic, all, &without, sticks) } else { None };
             bias.map(|bias| Extrapolated { statistic, bias, scatter })
         };
-        Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
+        Ok((Statistic::ALL.iter().enumerate().filter_map(bias).collect(), is_stable))
     }
 
     /// The bias of one statistic from its values at the three steps: `all` over all paths,

@@ -100,14 +100,16 @@ impl BiasPlan {
             Some(differences) => differences.extrapolate(threads, stop),
         };
         // The reference run needs no coarse step. Where 2h or 4h is unstable, it is all there is.
-        let is_alone = matches!(extrapolated, Err(NoBias::Diverged { .. } | NoBias::Unstable));
+        let is_alone = matches!(extrapolated, Err(NoBias::Diverged { .. }) | Ok((_, false)));
         let reference = self.reference.as_ref();
         let reference = if is_alone { reference.map(ReferenceRun::at_any_rate) } else { reference.cloned() };
         let referenced = reference.and_then(|reference| reference.simulate(threads, stop));
         match extrapolated {
             _ if stop.load(Ordering::Relaxed) => Err(NoBias::Stopped),
             Err(absent) if referenced.is_none() => Err(absent),
-            found => Ok(BesideRun { extrapolated: found.unwrap_or_default(), referenced }),
+            Ok((found, true)) => Ok(BesideRun { extrapolated: found, referenced }),
+            Ok((found, false)) if referenced.is_none() => Ok(BesideRun { extrapolated: found, referenced }),
+            _ => Ok(BesideRun { extrapolated: Vec::new(), referenced }),
         }
     }
 }
@@ -140,11 +142,15 @@ impl BesideRun {
 /// of 18 % itself, because it comes from 16 groups.
 const UNCERTAINTY_RATIO: f64 = 0.7;
 
+/// The half-widths of its interval that the uncertainty of the bias of a small number may have. It has
+/// ten if it comes from a hundredth of the paths.
+const MOST_HALF_WIDTHS: f64 = 10.0;
+
 /// Whether a bias says anything of an estimate: its uncertainty does not exceed both the estimate
 /// and what the estimate leaves open. Where nothing is random, all paths agree, and it always does.
 fn is_informative(bias: &Bias, e: &Estimate) -> bool {
     let half_width = e.half_width();
-    bias.uncertainty <= e.estimate.abs().max(half_width) || half_width == 0.0
+    bias.uncertainty <= e.estimate.abs().max(MOST_HALF_WIDTHS * half_width) || half_width == 0.0
 }
 
 /// The measurement that is taken, of two measurements of one bias or the only one.
@@ -246,7 +252,7 @@ mod tests {
             is_informative(&Bias { estimate: 48.0, uncertainty, order: None }, &e)
         };
         assert_eq!(
-            [of(2.0, 78.0), of(2.0, 2.1), of(2.0, 1.9), of(0.01, 0.11), of(0.01, 0.09)],
+            [of(2.0, 78.0), of(2.0, 2.1), of(2.0, 1.9), of(0.01, 1.1), of(0.01, 0.9)],
             [false, false, true, false, true]
         );
     }

@@ -54,12 +54,6 @@ pub enum NoBias {
         /// Number of paths that diverged, at all three steps together.
         paths: usize,
     },
-    /// The statistics at 2h or 4h are far from those at h.
-    #[error(
-        "the step is too long for it: at 2h or 4h, the work of friction or the spread of x is more than twice as \
-         large, and an event-driven reference run would take longer than this run"
-    )]
-    Unstable,
     /// No bias is known as well as the estimate.
     #[error("the estimates themselves are more certain than what is known of their bias; more paths make it certain")]
     Uncertain,

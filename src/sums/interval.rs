@@ -325,6 +325,11 @@ impl Measured {
         Measured { estimate, ..self }
     }
 
+    /// The degrees of freedom with which the error is known; NaN where they play no part.
+    pub fn freedom(self) -> f64 {
+        if let Interval::Student(law) = self.interval { law.freedom } else { f64::NAN }
+    }
+
     /// The estimate alone.
     pub fn estimate(self) -> f64 {
         self.estimate

@@ -492,7 +492,7 @@ fn where_longer_steps_diverge_the_reference_run_gives_the_bias() {
     let exact = scene.with_scheme(EventDriven { tolerance: DEFAULT_TOLERANCE }).expect("it fits");
     let differences = Differences::new(scene.scheme, &scene.model, &scene.timeline(), 1, 4000).expect("enough paths");
     let absence = differences.estimate(2, &AtomicBool::new(false)).expect_err("they diverge");
-    assert!(matches!(absence, NoBias::Diverged { .. } | NoBias::Unstable), "{absence}");
+    assert!(matches!(absence, NoBias::Diverged { .. }), "{absence}");
     let exact = Run::of(&exact).paths(1500).threads(2).simulate().expect("a run").summary;
     for statistic in [Statistic::SticksPerPath, Statistic::StickDurationMean, Statistic::JumpMean] {
         let (at_step, exact) = (run.estimate(statistic), exact.estimate(statistic));
@@ -510,8 +510,8 @@ fn where_longer_steps_diverge_the_reference_run_gives_the_bias() {
 /// paths of `discrete-vi` and of `event-driven`, known to 0.009 at two standard errors.
 ///
 /// Null: the bias of each of four seeds is within its uncertainty with a probability of 95 %, so that
-/// two or more of the fixed seeds miss it with 1.4 %; none may. With the uncertainty of Student's t
-/// for the extrapolation and an unrestricted reference run, three of the four miss the truth.
+/// two or more of the fixed seeds miss it with 1.4 %; none may. If the differences stand although the
+/// early ends are in two or three of their groups, three of the four miss the truth.
 #[test]
 fn a_bias_that_rests_on_rare_early_ends_is_as_uncertain_as_they_are() {
     let mut scene = under_a_force(
@@ -525,7 +525,7 @@ fn a_bias_that_rests_on_rare_early_ends_is_as_uncertain_as_they_are() {
         let e = run.estimate(Statistic::FirstStickDurationMean);
         println!("{seed}: {e:?}");
         known += usize::from(e.bias.is_some());
-        assert!(e.bias.is_none_or(|bias| (bias.estimate - 0.055).abs() < bias.uncertainty + 0.009), "{e:?}");
+        assert!(e.bias.is_none_or(|bias| (bias.estimate - 0.055).abs() < bias.uncertainty), "{e:?}");
     }
     assert!(known > 1, "{known}");
 }
