@@ -16,7 +16,8 @@ use super::widening::widening_factor;
 use crate::ensemble::{Flight, drawn, in_order_while};
 use crate::model::Model;
 use crate::scheme::{Scheme, Simulate as _, Simulation, Timeline};
-use crate::stats::{Bias, BlockObserver, Dimension, GroupValues, Record, Statistic, Totals};
+use crate::stats::{Bias, BlockObserver, Dimension, Estimate, GroupValues, Record, Statistic, Totals};
+use crate::sums::interval::Measured;
 use crate::sums::{Merge as _, Replicate, jackknife};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -51,6 +52,40 @@ const MAX_WIDTH: u64 = 16;
 /// Number of pieces into which a level is divided at least, so that threads can share the work.
 /// With more of them, most of the time would go into their sums and into vectors that are not full.
 const PIECES: u64 = 2;
+
+/// What grows where an explicit step is too long for the stiffness of a force, so that the scheme adds
+/// energy.
+const GROWING: [Statistic; 2] = [Statistic::FrictionWorkMean, Statistic::DisplacementEndSd];
+
+/// Where these grow by a larger factor from h to 2h or 4h, there is nothing to extrapolate.
+const MOST_GROWTH: f64 = 2.0;
+
+/// The bias of a statistic by extrapolation.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Extrapolated {
+    pub statistic: Statistic,
+    pub bias: Bias,
+    /// The standard error of the statistic from these paths, times the root of their number; zero
+    /// where the events on which it rests are in less than five groups.
+    scatter: f64,
+}
+
+/// Where five of 16 groups have rare events, the error of a number has more degrees of freedom.
+const LEAST_FREEDOM: f64 = 10.0;
+
+/// The paths that measure a bias are taken for typical of the run if the statistic scatters among
+/// them at least by this share of what it does among the paths of the run. From 16 groups of normal
+/// numbers, a smaller share has a probability of 0.2 %.
+const TYPICAL: f64 = 0.5;
+
+impl Extrapolated {
+    /// Whether these paths are typical of those of a run with this estimate. They are not where the
+    /// statistic depends on rare events of which they have few or none.
+    pub fn is_typical_of(&self, run: &Estimate, paths: u64) -> bool {
+        let scatter = run.standard_error * (paths as f64).sqrt();
+        self.scatter >= TYPICAL * scatter || !scatter.is_finite()
+    }
+}
 
 /// Some paths of a run, to be simulated at three steps. The three simulations end, and observe
 /// whole periods, at the same instants. These are the multiples of 4h nearest to the
@@ -111,22 +146,37 @@ impl Differences {
     /// The bias of every statistic that exists and can be extrapolated. The result has the same
     /// bits for any number of `threads`.
     pub fn estimate(&self, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
+        Ok(self.extrapolate(threads, stop)?.0.into_iter().map(|found| (found.statistic, found.bias)).collect())
+    }
+
+    /// The same with what the paths show of the scatter of each statistic, and whether the longer steps
+    /// are stable.
+    pub(super) fn extrapolate(&self, threads: usize, stop: &AtomicBool) -> Result<(Vec<Extrapolated>, bool), NoBias> {
         // A median is expensive, so it is not computed where it would not be used.
         let is_wanted = |statistic| is_smooth(statistic) || !self.model.temperature.is_random();
         let levels = self.simulate(threads, stop)?.map(|groups| self.values(&groups, is_wanted));
         let at = |of: &dyn Fn(&LevelValues) -> f64| Levels(levels.each_ref().map(of));
+        let grows = |statistic: Statistic| at(&|(all, _)| all[statistic.index()]).grow_by(MOST_GROWTH);
+        let is_stable = !GROWING.into_iter().any(grows);
         let sticks = levels[0].0[Statistic::SticksPerPath.index()];
         let bias = |(i, &statistic): (usize, &Statistic)| {
             let all = at(&|(all, _)| all[i]);
             let without: Vec<Levels> = (0..self.groups).map(|g| at(&|(_, without)| without[g][i])).collect();
-            all.are_finite().then(|| (statistic, self.bias(statistic, all, &without, sticks)))
+            let at_h: Vec<f64> = without.iter().map(|levels| levels.0[0]).collect();
+            let has_rare_events =
+                self.groups == GROUPS && Measured::jackknifed(all.0[0], &at_h).freedom() < LEAST_FREEDOM;
+            let error = if has_rare_events { 0.0 } else { jackknife::standard_error(&at_h) };
+            let scatter = error * (self.paths() as f64).sqrt();
+            let bias = if all.are_finite() { self.bias(statistic, all, &without, sticks) } else { None };
+            bias.map(|bias| Extrapolated { statistic, bias, scatter })
         };
-        Ok(Statistic::ALL.iter().enumerate().filter_map(bias).collect())
+        Ok((Statistic::ALL.iter().enumerate().filter_map(bias).collect(), is_stable))
     }
 
     /// The bias of one statistic from its values at the three steps: `all` over all paths,
-    /// `without` without each group. `sticks` is the number of sticks per path.
-    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Bias {
+    /// `without` without each group. `sticks` is the number of sticks per path. None where so few
+    /// groups decide it that it has no interval.
+    fn bias(&self, statistic: Statistic, all: Levels, without: &[Levels], sticks: f64) -> Option<Bias> {
         let error = |of: &dyn Fn(Levels) -> f64| {
             jackknife::standard_error(&without.iter().map(|&y| of(y)).collect::<Vec<f64>>())
         };
@@ -136,12 +186,15 @@ impl Differences {
             let (estimate, uncertainty) = all.without_noise();
             // Both ends of a phase lie on the grid, so that its duration may be off by h.
             let grid = if statistic.dimension() == Dimension::TIME { self.h } else { 0.0 };
-            return Bias { estimate, uncertainty: uncertainty + grid, order };
+            return Some(Bias { estimate, uncertainty: uncertainty + grid, order });
         }
         let p = leading_order(statistic, all);
         let second_term_error = error(&|y| y.second_term(p));
         let weight = weight(all.second_term(p), second_term_error);
-        let sampling = STUDENT * error(&|y| y.bias(p, weight));
+        let estimate = all.bias(p, weight);
+        let biases: Vec<f64> = without.iter().map(|levels| levels.bias(p, weight)).collect();
+        let [low, high] = Measured::jackknifed(estimate, &biases).interval();
+        let sampling = (high - estimate).max(estimate - low);
         let grid = match statistic {
             // As the step falls, sticks become more numerous and shorter, and the two changes may
             // cancel in the fraction. What remains is no larger than half a step for each stick.
@@ -152,11 +205,8 @@ impl Differences {
             all.model_error(p, model_error_share(statistic, self.noise_to_gap()), STUDENT * second_term_error);
         // The uncertainty is a plain sum and not a root of squares, because the error of
         // extrapolation is the same for every seed.
-        Bias {
-            estimate: all.bias(p, weight),
-            uncertainty: widening_factor(self.paths()) * (sampling + model_error + grid),
-            order,
-        }
+        let uncertainty = widening_factor(self.paths()) * (sampling + model_error + grid);
+        (!uncertainty.is_nan()).then_some(Bias { estimate, uncertainty, order })
     }
 
     /// The standard deviation of the change of the force by the noise in a step, as a share of the

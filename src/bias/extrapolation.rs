@@ -44,6 +44,12 @@ impl Levels {
         self.0.iter().all(|y| y.is_finite())
     }
 
+    /// Whether the value at a longer step is more than this many times that at h.
+    pub fn grow_by(self, factor: f64) -> bool {
+        let Levels([fine, middle, coarse]) = self;
+        middle.max(coarse) > factor * fine
+    }
+
     /// The differences D1 and D2.
     fn differences(self) -> (f64, f64) {
         let Levels([fine, middle, coarse]) = self;

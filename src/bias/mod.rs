@@ -24,7 +24,8 @@ pub use reference_run::ReferenceRun;
 
 use crate::model::Model;
 use crate::scheme::{Discretisation, Scheme, Timeline};
-use crate::stats::{Bias, Record, Statistic, Summary};
+use crate::stats::{Bias, Estimate, Record, Statistic, Summary};
+use differences::Extrapolated;
 use reference_run::Referenced;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -84,27 +85,32 @@ impl BiasPlan {
         BiasPlan { differences: self.differences.map(of_run), ..self }
     }
 
-    /// The bias of every statistic that exists in `run`. The result has the same bits for any
-    /// number of `threads`.
+    /// The bias of every statistic of `run` that is known well enough. The result has the same bits
+    /// for any number of `threads`.
     pub fn estimate(&self, run: &Summary, threads: usize, stop: &AtomicBool) -> Result<Vec<(Statistic, Bias)>, NoBias> {
-        Ok(self.simulate(threads, stop)?.of(run))
+        let biases = self.simulate(threads, stop)?.of(run);
+        if biases.is_empty() { Err(NoBias::Uncertain) } else { Ok(biases) }
     }
 
     /// Simulate the paths from which the bias is measured. This may be done before the run or after
     /// it.
     pub fn simulate(&self, threads: usize, stop: &AtomicBool) -> Result<BesideRun, NoBias> {
-        let referenced = self.reference.as_ref().and_then(|reference| reference.simulate(threads, stop));
-        let Some(differences) = &self.differences else {
-            let is_stopped = stop.load(Ordering::Relaxed);
-            let absent = || if is_stopped { NoBias::Stopped } else { NoBias::Corrected };
-            return Ok(BesideRun { extrapolated: Vec::new(), referenced: Some(referenced.ok_or_else(absent)?) });
+        let extrapolated = match &self.differences {
+            None => Err(NoBias::Corrected),
+            Some(differences) => differences.extrapolate(threads, stop),
         };
-        let extrapolated = match differences.estimate(threads, stop) {
-            // The reference run needs no coarse step, and stands where 2h or 4h is unstable.
-            Err(NoBias::Diverged { .. }) if referenced.is_some() => Vec::new(),
-            found => found?,
-        };
-        Ok(BesideRun { extrapolated, referenced })
+        // The reference run needs no coarse step. Where 2h or 4h is unstable, it is all there is.
+        let is_alone = matches!(extrapolated, Err(NoBias::Diverged { .. }) | Ok((_, false)));
+        let reference = self.reference.as_ref();
+        let reference = if is_alone { reference.map(ReferenceRun::at_any_rate) } else { reference.cloned() };
+        let referenced = reference.and_then(|reference| reference.simulate(threads, stop));
+        match extrapolated {
+            _ if stop.load(Ordering::Relaxed) => Err(NoBias::Stopped),
+            Err(absent) if referenced.is_none() => Err(absent),
+            Ok((found, true)) => Ok(BesideRun { extrapolated: found, referenced }),
+            Ok((found, false)) if referenced.is_none() => Ok(BesideRun { extrapolated: found, referenced }),
+            _ => Ok(BesideRun { extrapolated: Vec::new(), referenced }),
+        }
     }
 }
 
@@ -112,17 +118,22 @@ impl BiasPlan {
 #[derive(Clone, Debug)]
 pub struct BesideRun {
     /// The biases by extrapolation from three steps.
-    extrapolated: Vec<(Statistic, Bias)>,
+    extrapolated: Vec<Extrapolated>,
     referenced: Option<Referenced>,
 }
 
 impl BesideRun {
-    /// The bias of every statistic that exists in `run`.
+    /// The bias of every statistic of `run` that is known well enough.
     pub fn of(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let referenced = self.referenced.as_ref().map_or_else(Vec::new, |exact| exact.biases(run));
-        let of = |biases: &[(Statistic, Bias)], statistic| biases.iter().find(|(s, _)| *s == statistic).map(|b| b.1);
-        let bias_of = |statistic| chosen(of(&self.extrapolated, statistic), of(&referenced, statistic));
-        Statistic::ALL.into_iter().filter_map(|statistic| Some((statistic, bias_of(statistic)?))).collect()
+        let paths = run.valid_paths();
+        let bias_of = |e: &Estimate| {
+            let extrapolated = self.extrapolated.iter().find(|found| found.statistic == e.statistic);
+            let extrapolated = extrapolated.filter(|found| found.is_typical_of(e, paths)).map(|found| found.bias);
+            let referenced = referenced.iter().find(|(of, _)| *of == e.statistic).map(|(_, bias)| *bias);
+            chosen(extrapolated, referenced).filter(|bias| is_informative(bias, e))
+        };
+        run.estimates.iter().filter_map(|e| Some((e.statistic, bias_of(e)?))).collect()
     }
 }
 
@@ -130,6 +141,17 @@ impl BesideRun {
 /// run, and the two do not contradict each other. The uncertainty of the extrapolation has an error
 /// of 18 % itself, because it comes from 16 groups.
 const UNCERTAINTY_RATIO: f64 = 0.7;
+
+/// The half-widths of its interval that the uncertainty of the bias of a small number may have. It has
+/// ten if it comes from a hundredth of the paths.
+const MOST_HALF_WIDTHS: f64 = 10.0;
+
+/// Whether a bias says anything of an estimate: its uncertainty does not exceed both the estimate
+/// and what the estimate leaves open. Where nothing is random, all paths agree, and it always does.
+fn is_informative(bias: &Bias, e: &Estimate) -> bool {
+    let half_width = e.half_width();
+    bias.uncertainty <= e.estimate.abs().max(MOST_HALF_WIDTHS * half_width) || half_width == 0.0
+}
 
 /// The measurement that is taken, of two measurements of one bias or the only one.
 ///
@@ -157,7 +179,6 @@ fn chosen(extrapolated: Option<Bias>, referenced: Option<Bias>) -> Option<Bias> 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::stats::Estimate;
 
     #[test]
     fn extrapolation_counts_where_it_is_much_more_precise_and_possible() {
@@ -219,5 +240,20 @@ mod tests {
             assert!(off.abs() <= 1.05 || holds(right_reference), "{off}: {right_reference:?}");
             assert!(off.abs() <= 1.05 || right_reference.estimate == 0.0, "{off}: {right_reference:?}");
         }
+    }
+
+    /// An estimate of 2 to within 0.1, and one of 0.01 to within 0.1.
+    #[test]
+    fn a_bias_less_certain_than_the_estimate_is_not_stated() {
+        let of = |estimate: f64, uncertainty: f64| {
+            let (statistic, standard_error) = (Statistic::JumpMean, 0.05);
+            let e =
+                Estimate { statistic, estimate, standard_error, low: estimate - 0.1, high: estimate + 0.1, bias: None };
+            is_informative(&Bias { estimate: 48.0, uncertainty, order: None }, &e)
+        };
+        assert_eq!(
+            [of(2.0, 78.0), of(2.0, 2.1), of(2.0, 1.9), of(0.01, 1.1), of(0.01, 0.9)],
+            [false, false, true, false, true]
+        );
     }
 }

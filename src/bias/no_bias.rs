@@ -54,6 +54,9 @@ pub enum NoBias {
         /// Number of paths that diverged, at all three steps together.
         paths: usize,
     },
+    /// No bias is known as well as the estimate.
+    #[error("the estimates themselves are more certain than what is known of their bias; more paths make it certain")]
+    Uncertain,
     /// The simulation was stopped by the caller.
     #[error("the run was stopped first")]
     Stopped,

@@ -10,6 +10,7 @@ use crate::ensemble::{Plan, in_order_while};
 use crate::model::Model;
 use crate::scheme::{DEFAULT_TOLERANCE, EventDrivenSimulation, Simulate as _, Simulated, Simulation, Timeline};
 use crate::stats::{Bias, BlockObserver, Estimate, Record, Statistic, Summary, Totals};
+use crate::sums::range::NORMAL;
 use crate::sums::{Merge as _, Replicate};
 use std::convert::Infallible;
 use std::ops::ControlFlow;
@@ -61,8 +62,10 @@ pub struct ReferenceRun {
     model: Model,
     timeline: Timeline,
     seed: u64,
-    /// The number of path-steps that the reference run may cost.
-    budget: u64,
+    /// The number of path-steps of the run.
+    path_steps: f64,
+    /// The reference run may cost one part in this many of the run.
+    one_part_in: u64,
     /// The number of paths of the run, which the reference run does not exceed.
     paths: u64,
     /// What the run records, without anything of single paths.
@@ -74,11 +77,15 @@ impl ReferenceRun {
     /// part in `one_part_in` of the run.
     pub fn new(model: &Model, timeline: &Timeline, h: f64, seed: u64, paths: u64, one_part_in: u64) -> Self {
         let path_steps = (timeline.end / h + PATH_STEPS_PER_ROW * timeline.rows() as f64) * paths as f64;
-        let budget = path_steps as u64 / one_part_in;
         // Rows of the output grid are left out, because the bands have no bias estimate. The seed
         // gives other random numbers than those of the run.
         let (model, timeline, record) = (model.clone(), timeline.without_rows(), Record::NOTHING);
-        ReferenceRun { model, timeline, seed: !seed, budget, paths, record }
+        ReferenceRun { model, timeline, seed: !seed, path_steps, one_part_in, paths, record }
+    }
+
+    /// The same reference run, which may cost as much as the run.
+    pub fn at_any_rate(&self) -> Self {
+        ReferenceRun { one_part_in: 1, ..self.clone() }
     }
 
     /// The bias of the statistics of a run, without an order; none where the reference run costs
@@ -92,7 +99,8 @@ impl ReferenceRun {
     pub(super) fn simulate(&self, threads: usize, stop: &AtomicBool) -> Option<Referenced> {
         let exact = EventDrivenSimulation::new(&self.model, &self.timeline, DEFAULT_TOLERANCE);
         let pricing = if exact.paths_abreast() > 1 { IN_LANES } else { ONE_BY_ONE };
-        let paths = self.affordable(&exact, self.budget / pricing.path_steps_per_evaluation, stop)?;
+        let budget = self.path_steps as u64 / self.one_part_in;
+        let paths = self.affordable(&exact, budget / pricing.path_steps_per_evaluation, stop)?;
         let size = pricing.piece_size(paths);
         let simulation = Simulation::EventDriven(Box::new(exact));
         let plan = Plan { simulation, record: self.record, seed: self.seed, paths, antithetic: false };
@@ -136,19 +144,32 @@ impl Referenced {
     /// The bias of the statistics of a run that has this reference run.
     pub fn biases(&self, run: &Summary) -> Vec<(Statistic, Bias)> {
         let widening_factor = widening_factor(self.paths);
+        let more_paths = run.valid_paths() as f64 / self.paths as f64;
         let both = run.estimates.iter().zip(&self.estimates);
-        both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, widening_factor)?))).collect()
+        both.filter_map(|(run, exact)| Some((run.statistic, difference(run, exact, more_paths, widening_factor)?)))
+            .collect()
     }
 }
 
+/// The error of a reference run is taken as it is from this share of what the run says on. Of 32
+/// normal numbers it is smaller in 1 % of all cases.
+const TYPICAL: f64 = 0.7;
+
 /// The statistic of the run minus that of the reference run. The two are independent, so their
 /// errors add in squares, separately for each side: the lower end of the bias is where the run is
-/// low and the reference run is high. The uncertainty is that of the longer side. The error that
+/// low and the reference run is high. The uncertainty is that of the longer side.
+///
+/// The run has `more_paths` times as many paths, of nearly the same law. It may have seen rare events
+/// of which the reference run has too few. Where the error of the reference run is much smaller than
+/// the run says of as many paths, it is the run that is right. The error that
 /// the tolerance leaves is the same for every seed, so it is added as it is. None where one of the
 /// two has no bounded interval.
-fn difference(run: &Estimate, exact: &Estimate, widening_factor: f64) -> Option<Bias> {
-    let below = (run.estimate - run.low).hypot(exact.high - exact.estimate);
-    let above = (run.high - run.estimate).hypot(exact.estimate - exact.low);
+fn difference(run: &Estimate, exact: &Estimate, more_paths: f64, widening_factor: f64) -> Option<Bias> {
+    let least = NORMAL * run.standard_error * more_paths.sqrt();
+    // An arm that does not exist stays NaN.
+    let at_least = |arm: f64| if arm < TYPICAL * least { least } else { arm };
+    let below = (run.estimate - run.low).hypot(at_least(exact.high - exact.estimate));
+    let above = (run.high - run.estimate).hypot(at_least(exact.estimate - exact.low));
     let uncertainty = widening_factor * below.max(above) + DEFAULT_TOLERANCE * exact.estimate.abs();
     let estimate = run.estimate - exact.estimate;
     let is_bounded = estimate.is_finite() && below.is_finite() && above.is_finite();
@@ -170,18 +191,26 @@ mod tests {
     /// cover neither side.
     #[test]
     fn the_uncertainty_is_that_of_the_longer_side() {
-        let bias = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.5);
+        let bias = difference(&of(4.0, 4.0, 7.0), &of(1.0, 1.0, 5.0), 1.0, 1.5);
         let expected = Some(Bias { estimate: 3.0, uncertainty: 1.5 * 4.0 + 0.001, order: None });
         assert_eq!(bias, expected);
-        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0).expect("bounded").uncertainty;
+        let uncertainty = difference(&of(4.0, 1.0, 4.0), &of(1.0, -3.0, 1.0), 1.0, 1.0).expect("bounded").uncertainty;
         assert!((uncertainty - 4.001).abs() < 1e-12, "{uncertainty}");
     }
 
     #[test]
     fn a_statistic_without_a_bounded_interval_has_no_bias() {
         let run = of(4.0, 4.0, 4.0);
-        assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0), None);
-        assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0), None);
-        assert_eq!(difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0), None);
+        assert_eq!(difference(&run, &of(1.0, 0.0, f64::INFINITY), 1.0, 1.0), None);
+        assert_eq!(difference(&run, &of(1.0, f64::NAN, f64::NAN), 1.0, 1.0), None);
+        assert_eq!(difference(&of(f64::NAN, f64::NAN, f64::NAN), &run, 1.0, 1.0), None);
+    }
+
+    /// The reference run has a hundredth of the paths of the run, and has seen no rare event: all its
+    /// values are 1. The run, with a standard error of 0.1, says that its error is 1.
+    #[test]
+    fn a_reference_run_is_no_more_certain_than_the_run_says() {
+        let bias = difference(&of(1.2, 1.2, 1.2), &of(1.0, 1.0, 1.0), 100.0, 1.0).expect("bounded");
+        assert!((bias.uncertainty - 1.959_964 - 0.001).abs() < 1e-6, "{bias:?}");
     }
 }

@@ -31,7 +31,7 @@ fn is_spread(statistic: Statistic) -> bool {
 
 impl Summary {
     /// Number of completed paths that did not diverge.
-    fn valid_paths(&self) -> u64 {
+    pub(crate) fn valid_paths(&self) -> u64 {
         self.completed_paths.saturating_sub(self.diverged.len() as u64)
     }
 

@@ -5,7 +5,7 @@ use super::{Band, Bands, QUANTILE_LEVELS};
 use crate::model::Model;
 use crate::scheme::{Snapshot, Timeline};
 use crate::sums::bins::Shape;
-use crate::sums::interval::Measured;
+use crate::sums::interval::{ErrorLaw, Measured};
 use crate::sums::moments::Moments;
 use crate::sums::ordered::Ordered;
 use crate::sums::range::{NORMAL, Range, Sample};
@@ -267,12 +267,16 @@ pub(super) fn summary(
             })
         };
         let chance = |row: usize, moments: &Moments| may_differ(row).then_some(moments.count);
-        let mean_ends = |(row, m): (usize, &Moments)| Measured::mean(m).in_range(Range::ANY, chance(row, m)).interval();
+        let mean_ends = |(row, m): (usize, &Moments)| {
+            let law = ErrorLaw::of_freedom(m.count.saturating_sub(1) as f64);
+            Measured::mean(m, law).in_range(Range::ANY, chance(row, m)).interval()
+        };
         let sd_ends = |(((row, m), variance), values): (((usize, &Moments), &f64), &Ordered)| {
             let sd = variance.sqrt();
-            let (relative, freedom) = values.error_of_spread();
+            let (relative, law) = values.error_of_spread();
+            let law = law.with_freedom(law.freedom / size);
             let error = if sd == 0.0 { 0.0 } else { sd * relative * size.sqrt() };
-            Measured::spread(sd, error, freedom / size).in_range(Range::NOT_NEGATIVE, chance(row, m)).interval()
+            Measured::spread(sd, error, law, m.count).in_range(Range::NOT_NEGATIVE, chance(row, m)).interval()
         };
         Band {
             mean: moments.iter().map(Moments::mean).collect(),

@@ -8,8 +8,8 @@ use super::path::PathFold;
 use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
-use crate::sums::moments::{JointMoments, Moments};
-use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
+use crate::sums::moments::{FourMoments, JointMoments};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Powers, are_too_few, cautious};
 use crate::sums::spread::SpreadMoments;
 
 // Entries of `CascadeSums::slips`.
@@ -25,32 +25,32 @@ sums! {
     pub(super) struct CascadeSums {
         /// Durations D_j of completed sticks, j >= 1.
         pub sticks: LawSums,
-        /// Powers of the influences of paths on the means of positive numbers.
+        /// Powers of the influences of paths on means over events.
         tails: CascadeTails,
         /// Whether the first stick ended, and its D_0.
         first_sticks: JointMoments<2>,
         /// Completed dynamic phases, sum of k(j), number with k(j) >= 2, sum of jumps, sum of
         /// |jumps|.
         slips: JointMoments<5>,
-        stick_time: Moments,
-        work: Moments,
-        sliding_path: Moments,
+        stick_time: FourMoments,
+        work: FourMoments,
+        sliding_path: FourMoments,
         displacement_end: SpreadMoments,
         /// Displacement during the burn-in.
-        pub early_displacement: Moments,
+        pub early_displacement: FourMoments,
         pub contributing: Contributing,
     }
 }
 
 sums! {
-    /// Fourth powers of the numbers of units, for the tails of the errors of these means.
+    /// Powers of the numbers of units, for the law of the errors of these means.
     #[derive(Clone, Copy, Debug, Default, PartialEq)]
     struct CascadeTails {
-        first_stick_duration: Fourths,
-        sub_phases: Fourths,
-        jump_size: Fourths,
-        slips: Fourths,
-        stick_time: Fourths,
+        first_stick_duration: Powers,
+        sub_phases: Powers,
+        jump: Powers,
+        jump_size: Powers,
+        slips: Powers,
     }
 }
 
@@ -75,32 +75,25 @@ impl CascadeSums {
         let count = |is: fn(&PathFold) -> bool| unit.count(paths, is);
         let [first_sticks, first_durations] =
             [column(|p| f64::from(u8::from(p.first_duration.is_some()))), column(|p| p.first_duration.unwrap_or(0.0))];
-        let [slips, sub_phases, jump_sizes] =
-            [column(|p| p.slips.into()), column(|p| p.sub_phases.into()), column(|p| p.jump_abs)];
-        let stick_times = column(|p| p.stick_time);
+        let [slips, sub_phases] = [column(|p| p.slips.into()), column(|p| p.sub_phases.into())];
+        let [jumps, jump_sizes] = [column(|p| p.jump), column(|p| p.jump_abs)];
         let tails = CascadeTails {
-            first_stick_duration: Fourths::of(&first_durations, &first_sticks),
-            sub_phases: Fourths::of(&sub_phases, &slips),
-            jump_size: Fourths::of(&jump_sizes, &slips),
-            slips: Fourths::of_mean(&slips),
-            stick_time: Fourths::of_mean(&stick_times),
+            first_stick_duration: Powers::of(&first_durations, &first_sticks),
+            sub_phases: Powers::of(&sub_phases, &slips),
+            jump: Powers::of(&jumps, &slips),
+            jump_size: Powers::of(&jump_sizes, &slips),
+            slips: Powers::of_mean(&slips),
         };
         CascadeSums {
             sticks: LawSums::of(paths, |path| path.sticks, unit),
             tails,
             first_sticks: JointMoments::of([&first_sticks, &first_durations]),
-            slips: JointMoments::of([
-                &slips,
-                &sub_phases,
-                &column(|p| p.multiple.into()),
-                &column(|p| p.jump),
-                &jump_sizes,
-            ]),
-            stick_time: Moments::of(&stick_times),
-            work: Moments::of(&column(|p| p.friction_work)),
-            sliding_path: Moments::of(&column(|p| p.travel)),
+            slips: JointMoments::of([&slips, &sub_phases, &column(|p| p.multiple.into()), &jumps, &jump_sizes]),
+            stick_time: FourMoments::of(&column(|p| p.stick_time)),
+            work: FourMoments::of(&column(|p| p.friction_work)),
+            sliding_path: FourMoments::of(&column(|p| p.travel)),
             displacement_end: SpreadMoments::of(&of_paths(|p| p.displacement_end), unit),
-            early_displacement: Moments::of(&column(|p| p.early_displacement)),
+            early_displacement: FourMoments::of(&column(|p| p.early_displacement)),
             contributing: Contributing {
                 first_sticks: count(|p| p.first_duration.is_some()),
                 slips: count(|p| p.slips > 0),
@@ -117,36 +110,34 @@ impl Measure for CascadeSums {
             sticks, tails, first_sticks, slips, stick_time, work, sliding_path, displacement_end, ..
         } = self;
         let (contributing, counted) = (&self.contributing, of.timeline.counted());
-        let moved = |measured: Measured, fewest| measured.of_few(contributing.moving, work.count, fewest);
-        let of_slips = |measured: Measured, fewest| measured.of_few(contributing.slips, work.count, fewest);
-        let positive = |of: &Moments| Measured::mean(of).positive_of_few(contributing.moving, work.count);
+        let units = work.two.count;
+        let moved = |measured: Measured, fewest| measured.of_few(contributing.moving, units, fewest);
+        let of_slips = |measured: Measured, fewest| measured.of_few(contributing.slips, units, fewest);
+        let positive = |of: &FourMoments| moved(Measured::mean_of_four(of), FEWEST);
         Some(match statistic {
             Statistic::StickDurationMean => sticks.mean(),
             Statistic::StickDurationSd => sticks.sd(of.unit),
             Statistic::StickDurationCv => sticks.coefficient_of_variation(of.unit),
             Statistic::FirstStickDurationMean => {
-                rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks, 0.0)
+                rare_ratio(first_sticks, 1, 0, &tails.first_stick_duration, contributing.first_sticks)
             }
             Statistic::SticksPerPath => sticks.number(),
             Statistic::SlipsPerPath => rare_mean(slips, SLIPS, &tails.slips, contributing.slips),
-            Statistic::SubPhasesMean => {
-                rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips, 1.0)
-            }
+            Statistic::SubPhasesMean => rare_ratio(slips, SUB_PHASES, SLIPS, &tails.sub_phases, contributing.slips),
             Statistic::SubPhasesMultipleShare => {
                 of_slips(Measured::ratio(slips, MULTIPLE, SLIPS, contributing.slips), FEWEST)
             }
             Statistic::StickingFraction | Statistic::SlidingPathRate if of.timeline.end == 0.0 => Measured::NOTHING,
             Statistic::StickingFraction => {
-                let freedom = tails.stick_time.freedom(stick_time.mean, stick_time.m2, stick_time.count);
-                let freedom = cautious(freedom, contributing.sticking, stick_time.count);
-                let mean = Measured::mean(stick_time).with_freedom(freedom);
-                let are_few = are_too_few(contributing.sticking, stick_time.count, FEWEST);
+                let law = cautious(stick_time.error_law(), contributing.sticking, units);
+                let mean = Measured::mean(&stick_time.two, law);
+                let are_few = are_too_few(contributing.sticking, units, FEWEST);
                 (if are_few { mean.without_interval() } else { mean }).divided_by(counted)
             }
-            Statistic::DisplacementEndMean => moved(Measured::mean(&displacement_end.units), FEWEST),
+            Statistic::DisplacementEndMean => moved(Measured::mean_of_four(&displacement_end.units), FEWEST),
             Statistic::DisplacementEndSd => moved(displacement_end.standard_deviation(), FEWEST_FOR_SPREAD),
-            Statistic::JumpMean => of_slips(Measured::ratio(slips, JUMP, SLIPS, contributing.slips), FEWEST),
-            Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips, 0.0),
+            Statistic::JumpMean => rare_ratio(slips, JUMP, SLIPS, &tails.jump, contributing.slips),
+            Statistic::JumpAbsMean => rare_ratio(slips, JUMP_ABS, SLIPS, &tails.jump_size, contributing.slips),
             Statistic::FrictionWorkMean => positive(work),
             Statistic::SlidingPathRate => positive(sliding_path).divided_by(counted),
             _ => return None,

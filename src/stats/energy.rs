@@ -6,18 +6,18 @@ use super::motion::{MotionFold, Works};
 use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
-use crate::sums::moments::Moments;
-use crate::sums::rare::FEWEST_FOR_SPREAD;
+use crate::sums::moments::FourMoments;
+use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD};
 use crate::sums::spread::SpreadMoments;
 
 sums! {
     /// Moments over paths of the works.
     #[derive(Clone, Debug, Default, PartialEq)]
     pub(super) struct EnergySums {
-        temperature: Moments,
-        own_force: Moments,
-        damping: Moments,
-        change: Moments,
+        temperature: FourMoments,
+        own_force: FourMoments,
+        damping: FourMoments,
+        change: FourMoments,
         residual: SpreadMoments,
         /// Units that move in the counted time.
         moving: u64,
@@ -27,7 +27,7 @@ sums! {
 impl EnergySums {
     /// The sums over the paths of a block.
     pub fn of(paths: &[MotionFold], unit: Replicate) -> Self {
-        let moments = |of: fn(&Works) -> f64| Moments::of(&unit.column(paths, |path| of(&path.works)));
+        let moments = |of: fn(&Works) -> f64| FourMoments::of(&unit.column(paths, |path| of(&path.works)));
         let residuals: Vec<f64> = paths.iter().map(MotionFold::residual).collect();
         EnergySums {
             temperature: moments(|works| works.temperature),
@@ -43,15 +43,15 @@ impl EnergySums {
 impl Measure for EnergySums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
         // What is stored is a square, whose law has long tails where few bodies move.
-        let mean = |of: &Moments| Measured::mean(of).of_few(self.moving, of.count, FEWEST_FOR_SPREAD);
+        let mean = |of: &FourMoments| Measured::mean_of_four(of).of_few(self.moving, of.two.count, FEWEST_FOR_SPREAD);
         Some(match statistic {
             Statistic::TemperatureWorkMean => mean(&self.temperature),
             Statistic::OwnForceWorkMean => mean(&self.own_force),
             Statistic::DampingWorkMean => {
-                Measured::mean(&self.damping).positive_of_few(self.moving, self.damping.count)
+                Measured::mean_of_four(&self.damping).of_few(self.moving, self.damping.two.count, FEWEST)
             }
             Statistic::StoredEnergyMean => mean(&self.change),
-            Statistic::EnergyResidualMean => Measured::mean(&self.residual.units),
+            Statistic::EnergyResidualMean => Measured::mean_of_four(&self.residual.units),
             Statistic::EnergyResidualSd => self.residual.standard_deviation(),
             _ => return None,
         })

@@ -31,9 +31,9 @@ impl ExtremeSums {
 impl Measure for ExtremeSums {
     fn measured(&self, statistic: Statistic, _: &Sampled) -> Option<Measured> {
         Some(match statistic {
-            Statistic::LargestDisplacementMean => Measured::mean(&self.displacement.units),
+            Statistic::LargestDisplacementMean => Measured::mean_of_four(&self.displacement.units),
             Statistic::LargestDisplacementSd => self.displacement.standard_deviation(),
-            Statistic::LargestSpeedMean => Measured::mean(&self.velocity.units),
+            Statistic::LargestSpeedMean => Measured::mean_of_four(&self.velocity.units),
             Statistic::LargestSpeedSd => self.velocity.standard_deviation(),
             _ => return None,
         })

@@ -15,7 +15,7 @@ use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
 use crate::sums::moments::JointMoments;
-use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD, Fourths, are_too_few, cautious};
+use crate::sums::rare::{FEWEST, FEWEST_FOR_PHASES, Powers, are_too_few, cautious};
 use crate::sums::spread::Tails;
 
 /// A quantity of the phases of a path.
@@ -114,9 +114,9 @@ sums! {
     pub(super) struct LawSums {
         /// Number of values, their sum, and the sum of their squares.
         units: JointMoments<3>,
-        /// Fourth powers of the sum with the number, and of the number.
-        mean_tails: Fourths,
-        number_tails: Fourths,
+        /// Powers of the sum with the number, and of the number.
+        mean_tails: Powers,
+        number_tails: Powers,
         /// Powers of the influences of paths on the standard deviation.
         sd_tails: Tails,
         /// Number of units that have any value.
@@ -146,8 +146,8 @@ impl LawSums {
             Replicate::Pair => Tails::of(column(&influence).into_iter()),
         };
         LawSums {
-            mean_tails: Fourths::of(&sums, &numbers),
-            number_tails: Fourths::of_mean(&numbers),
+            mean_tails: Powers::of(&sums, &numbers),
+            number_tails: Powers::of_mean(&numbers),
             sd_tails,
             contributing: unit.count(paths, |path| of(path).count > 0),
             units,
@@ -166,7 +166,7 @@ impl LawSums {
 
     /// The mean of values that cannot be negative.
     pub fn mean(&self) -> Measured {
-        rare_ratio(&self.units, SUM, NUMBER, &self.mean_tails, self.contributing, 0.0)
+        rare_ratio(&self.units, SUM, NUMBER, &self.mean_tails, self.contributing)
     }
 
     /// The standard deviation of the values, sqrt(q/n - (s/n)^2). One below 1e-7 of the root mean
@@ -204,38 +204,36 @@ impl LawSums {
         }
         let (value, gradient) = of(units.mean, variance.sqrt());
         let error = Measured::smooth(value, units, gradient, *contributing).measurement().standard_error;
-        let freedom = cautious(self.sd_tails.freedom(*contributing), *contributing, units.count);
-        let spread = Measured::spread(value, error, freedom);
-        if are_too_few(*contributing, units.count, FEWEST_FOR_SPREAD) { spread.without_interval() } else { spread }
+        let law = cautious(self.sd_tails.error_law(*contributing), *contributing, units.count);
+        let spread = Measured::spread(value, error, law, *contributing);
+        if *contributing < FEWEST_FOR_PHASES { spread.without_interval() } else { spread }
     }
 }
 
-/// A mean of positive numbers of events, as a ratio of sums over units, of which these contribute.
-/// No event has less than `floor`.
+/// A mean over events, as a ratio of sums over units, of which these contribute.
 pub(super) fn rare_ratio<const N: usize>(
     units: &JointMoments<N>,
     top: usize,
     bottom: usize,
-    tails: &Fourths,
+    tails: &Powers,
     contributing: u64,
-    floor: f64,
 ) -> Measured {
     let measured = Measured::ratio(units, top, bottom, contributing);
     let mut influence = [0.0; N];
     (influence[top], influence[bottom]) = (1.0, -measured.estimate());
-    rare(measured, units, influence, (tails, contributing), contributing, floor)
+    rare(measured, units, influence, (tails, contributing), contributing)
 }
 
 /// A number of events per path, of which these units have any.
 pub(super) fn rare_mean<const N: usize>(
     units: &JointMoments<N>,
     entry: usize,
-    tails: &Fourths,
+    tails: &Powers,
     contributing: u64,
 ) -> Measured {
     let mut influence = [0.0; N];
     influence[entry] = 1.0;
-    rare(Measured::mean_of(units, entry), units, influence, (tails, units.count), contributing, 0.0)
+    rare(Measured::mean_of(units, entry), units, influence, (tails, units.count), contributing)
 }
 
 /// A measured number with the interval of one that few units may contribute to. The tails are those
@@ -244,13 +242,12 @@ fn rare<const N: usize>(
     measured: Measured,
     units: &JointMoments<N>,
     influence: [f64; N],
-    (tails, of): (&Fourths, u64),
+    (tails, of): (&Powers, u64),
     contributing: u64,
-    floor: f64,
 ) -> Measured {
     if are_too_few(contributing, units.count, FEWEST) {
         return measured.without_interval();
     }
-    let freedom = tails.freedom(measured.estimate(), units.spread_along(influence), of);
-    measured.on_log_scale(floor, cautious(freedom, contributing, units.count))
+    let law = tails.error_law(measured.estimate(), units.spread_along(influence), of);
+    measured.with_law(cautious(law, contributing, units.count))
 }

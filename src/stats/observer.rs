@@ -276,7 +276,7 @@ mod tests {
             assert!(close(a.estimate, b.estimate), "{a:?} {b:?}");
             // The errors of spreads over periods are computed about block means, and the last path
             // has no other path in its block. The effect is a relative O(1/256). The same holds for
-            // the tails from which the interval of a standard deviation comes.
+            // the tails from which the interval of a standard deviation or a correlation comes.
             let near = |a: f64, b: f64| (a / b - 1.0).abs() < 0.01;
             match a.statistic {
                 Statistic::DiffusionCoefficient => assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}"),
@@ -284,7 +284,10 @@ mod tests {
                     assert!(near(a.standard_error, b.standard_error), "{a:?} {b:?}");
                     assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
                 }
-                Statistic::DisplacementEndSd | Statistic::StickDurationSd | Statistic::PeriodDisplacementSd => {
+                Statistic::DisplacementEndSd
+                | Statistic::StickDurationSd
+                | Statistic::PeriodDisplacementSd
+                | Statistic::PeriodDisplacementCorrelation => {
                     assert!(close(a.standard_error, b.standard_error), "{a:?} {b:?}");
                     assert!(near(a.low, b.low) && near(a.high, b.high), "{a:?} {b:?}");
                 }

@@ -28,8 +28,9 @@ pub(super) struct PeriodDisplacements {
     displacements: usize,
     /// Moments of a, b, c, d and e.
     paths: JointMoments<5>,
-    /// Powers of the influences on the standard deviation of u_n.
+    /// Powers of the influences on the standard deviation of u_n, and on their correlation.
     tails: Tails,
+    correlation_tails: Tails,
     /// Units that move from one period to the next.
     moving: u64,
 }
@@ -40,6 +41,7 @@ impl PeriodDisplacements {
             displacements: timeline.counted_periods(),
             paths: JointMoments::default(),
             tails: Tails::default(),
+            correlation_tails: Tails::default(),
             moving: 0,
         }
     }
@@ -68,7 +70,8 @@ impl PeriodDisplacements {
                 let sd = variance.sqrt();
                 let smooth = Measured::smooth(sd, &self.paths, [-a / sd, 0.5 / sd, 0.0, 0.0, 0.0], self.paths.count);
                 let error = smooth.measurement().standard_error;
-                let spread = Measured::spread(sd, error, self.tails.freedom(self.paths.count));
+                let law = self.tails.error_law(self.paths.count);
+                let spread = Measured::spread(sd, error, law, self.paths.count);
                 self.moved(spread, FEWEST_FOR_SPREAD)
             }
         }
@@ -82,11 +85,17 @@ impl PeriodDisplacements {
             return Measured::NOTHING;
         }
         let r = (c - d * d) / variance;
-        let gradient = [0.0, 0.0, 1.0, -2.0 * d * (1.0 - r), -r].map(|g| g / variance);
+        let gradient = on_correlation(d, r).map(|g| g / variance);
         // Rounding may carry the estimate out of the range of a correlation.
         let smooth = Measured::smooth(r.clamp(-1.0, 1.0), &self.paths, gradient, self.paths.count);
-        self.moved(smooth, FEWEST_FOR_SPREAD)
+        let law = self.correlation_tails.error_law(self.paths.count);
+        self.moved(smooth.with_law(law).about_mean_of(self.paths.count as f64), FEWEST_FOR_SPREAD)
     }
+}
+
+/// The gradient of the correlation r in a to e, times the variance of the members of pairs.
+fn on_correlation(d: f64, r: f64) -> [f64; 5] {
+    [0.0, 0.0, 1.0, -2.0 * d * (1.0 - r), -r]
 }
 
 /// The variance of numbers with this mean square and this mean; zero where it is lost in rounding.
@@ -95,7 +104,7 @@ fn variance(mean_square: f64, mean: f64) -> f64 {
     if variance <= 4.0 * f64::EPSILON * mean_square { 0.0 } else { variance }
 }
 
-sums_of_fields!(PeriodDisplacements { paths, tails, moving });
+sums_of_fields!(PeriodDisplacements { paths, tails, correlation_tails, moving });
 
 /// Folds one block of paths, period by period.
 pub(super) struct PeriodDisplacementsFold {
@@ -152,17 +161,23 @@ impl PeriodDisplacementsFold {
         let (all, pairs) = (self.empty.displacements as f64, self.empty.displacements as f64 - 1.0);
         let column = |of: &dyn Fn(&PathDisplacements) -> f64| unit.column(&self.paths, of);
         let of_pairs = |sum: f64| if pairs > 0.0 { sum / pairs } else { 0.0 };
-        let paths = JointMoments::of([
-            &column(&|path| path.sum / all),
-            &column(&|path| path.squares / all),
-            &column(&|path| of_pairs(path.products)),
-            &column(&|path| of_pairs(path.sum - 0.5 * (path.first + path.last))),
-            &column(&|path| of_pairs(path.squares - 0.5 * (path.first * path.first + path.last * path.last))),
-        ]);
-        let [a, b, ..] = paths.mean;
-        let influences = column(&|path| path.squares / all - b - 2.0 * a * (path.sum / all - a));
+        let columns = [
+            column(&|path| path.sum / all),
+            column(&|path| path.squares / all),
+            column(&|path| of_pairs(path.products)),
+            column(&|path| of_pairs(path.sum - 0.5 * (path.first + path.last))),
+            column(&|path| of_pairs(path.squares - 0.5 * (path.first * path.first + path.last * path.last))),
+        ];
+        let paths = JointMoments::of(columns.each_ref().map(Vec::as_slice));
+        let [a, .., c, d, e] = paths.mean;
+        let influences = |gradient: [f64; 5]| {
+            let along = |i: usize| (0..5).map(|j| gradient[j] * (columns[j][i] - paths.mean[j])).sum();
+            Tails::of((0..columns[0].len()).map(along))
+        };
+        let tails = influences([-2.0 * a, 1.0, 0.0, 0.0, 0.0]);
+        let correlation_tails = influences(on_correlation(d, (c - d * d) / variance(e, d)));
         let moving = unit.count(&self.paths, |path| path.squares > 0.0);
-        PeriodDisplacements { paths, tails: Tails::of(influences.into_iter()), moving, ..self.empty }
+        PeriodDisplacements { paths, tails, correlation_tails, moving, ..self.empty }
     }
 }
 
@@ -173,7 +188,8 @@ mod tests {
 
     /// Three paths with u = 1, 2, 0 and -1, 1, 3 and -2, -1, -3, with mean 0. a is 1, 1, -2. b is
     /// 5/3, 11/3, 14/3, and its mean 10/3 is the variance. The influences on the standard deviation
-    /// are (b - 10/3)/(2 sd).
+    /// are (b - 10/3)/(2 sd). Of three paths, the jackknife has twice the error to first
+    /// order of a spread or a correlation.
     ///
     /// Of the pairs, c is 1, 1, 5/2, with mean 3/2; d is 5/4, 1, -7/4, with mean 1/6; and e is 9/4,
     /// 3, 15/4, with mean 3. So the covariance is 3/2 - 1/36 = 53/36, the variance of the members
@@ -198,20 +214,25 @@ mod tests {
             let mut all = part(&u[..1]);
             all.merge(&part(&u[1..]));
             let (sd, t) = ((10.0f64 / 3.0).sqrt(), 4.302_652_729_9);
-            let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / (2.0 * sd);
+            let on_sd = (42.0f64 / 9.0 / 6.0).sqrt() / sd;
             let r = 53.0 / 107.0;
             let on_r = [[1.0, 1.25, 2.25], [1.0, 1.0, 3.0], [2.5, -1.75, 3.75]]
                 .map(|[c, d, e]: [f64; 3]| c - 1.5 - (1.0 - r) / 3.0 * (d - 1.0 / 6.0) - r * (e - 3.0));
-            let on_r = (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
+            let on_r = 2.0 * (on_r.iter().map(|e| e * e).sum::<f64>() / 6.0).sqrt() * 36.0 / 107.0;
             for (measured, value, error) in
                 [(all.mean(), constant, 1.0), (all.sd(Replicate::Path), sd, on_sd), (all.correlation(), r, on_r)]
             {
                 let e = measured.measurement();
                 // Three numbers about their mean always have two degrees of freedom.
-                let high = if value == sd { sd / (1.0 - t * error / sd) } else { value + t * error };
-                let all = [(e.estimate, value), (e.standard_error, error), (e.high, high)];
+                let ends = match value {
+                    _ if value == sd => [sd / (1.0 + t * error / sd), f64::INFINITY],
+                    _ if value == r => [e.low, e.high],
+                    mean => [mean - t * error, mean + t * error],
+                };
+                let all = [(e.estimate, value), (e.standard_error, error), (e.low, ends[0])];
                 let is_right = all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9);
-                assert!(is_right, "{constant}: {e:?}, expected {value} +- {error}");
+                let is_high = e.high == ends[1] || (e.high - ends[1]).abs() < 1e-9;
+                assert!(is_right && is_high, "{constant}: {e:?}, expected {value} +- {error}");
             }
         }
     }

@@ -18,10 +18,10 @@ use crate::sums::Ends;
 use crate::sums::Replicate;
 use crate::sums::codec::sums;
 use crate::sums::interval::Measured;
-use crate::sums::moments::Moments;
+use crate::sums::moments::FourMoments;
 use crate::sums::range::Range;
 use crate::sums::rare::{FEWEST, FEWEST_FOR_SPREAD};
-use crate::sums::spread::{SpreadMoments, Tails};
+use crate::sums::spread::SpreadMoments;
 
 /// The times of the whole periods, and the weights of the counted ones in a slope.
 #[derive(Clone, Debug, PartialEq)]
@@ -54,13 +54,11 @@ sums! {
         /// Moments of x(t_n) - x0.
         displacement: Vec<SpreadMoments>,
         /// Moments of the slope of each path.
-        drift: Moments,
+        drift: FourMoments,
         /// Moments of each path's contribution to the slope of the variance.
-        spreading: Moments,
+        spreading: FourMoments,
         /// Moments of each path's contribution to S^2.
-        spread: Moments,
-        /// Second and fourth powers of the influences of paths on S^2.
-        spread_tails: Tails,
+        spread: FourMoments,
         pub period_displacements: PeriodDisplacements,
     }
 }
@@ -69,17 +67,16 @@ impl PeriodSums {
     pub fn empty(timeline: &Timeline) -> Self {
         PeriodSums {
             displacement: vec![SpreadMoments::default(); timeline.periods()],
-            drift: Moments::default(),
-            spreading: Moments::default(),
-            spread: Moments::default(),
-            spread_tails: Tails::default(),
+            drift: FourMoments::default(),
+            spreading: FourMoments::default(),
+            spread: FourMoments::default(),
             period_displacements: PeriodDisplacements::empty(timeline),
         }
     }
 
     /// V. Two instants are needed.
     pub fn drift_velocity(&self, timeline: &Timeline) -> Measured {
-        if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean(&self.drift) }
+        if timeline.counted_periods() == 0 { Measured::NOTHING } else { Measured::mean_of_four(&self.drift) }
     }
 
     /// D. Two instants and two paths are needed.
@@ -97,7 +94,10 @@ impl PeriodSums {
         }
         let variances = self.displacement[slope.skipped..].iter().map(|period| period.four.two.variance());
         let growth: f64 = slope.weights.iter().zip(variances).map(|(c, variance)| c * variance).sum();
-        Measured::mean(&self.spreading).about(growth).divided_by(2.0)
+        Measured::mean_of_four(&self.spreading)
+            .about(growth)
+            .divided_by(2.0)
+            .about_mean_of(self.spreading.two.count as f64)
     }
 
     /// S. One instant and two paths are needed. Estimate and error are found like those of D, with
@@ -109,17 +109,17 @@ impl PeriodSums {
         }
         let variances = counted.iter().map(|period| period.four.two.variance());
         let sd = (variances.sum::<f64>() / counted.len() as f64).sqrt();
-        let error = match Measured::mean(&self.spread).measurement().standard_error {
+        let error = match Measured::mean_of_four(&self.spread).measurement().standard_error {
             0.0 => 0.0,
             error => error / (2.0 * sd),
         };
-        Measured::spread(sd, error, self.spread_tails.freedom(self.spread.count))
+        Measured::spread(sd, error, self.spread.error_law(), self.spread.two.count)
     }
 
     pub fn summary(&self, timeline: &Timeline, is_random: bool, drift_limit: Option<f64>) -> PeriodMoments {
-        let chance = |period: &SpreadMoments| is_random.then_some(period.units.count);
+        let chance = |period: &SpreadMoments| is_random.then_some(period.units.two.count);
         let two = |period: &SpreadMoments| period.four.two;
-        let mean_ends = |p: &SpreadMoments| Measured::mean(&p.units).in_range(Range::ANY, chance(p)).interval();
+        let mean_ends = |p: &SpreadMoments| Measured::mean_of_four(&p.units).in_range(Range::ANY, chance(p)).interval();
         let sd_ends = |p: &SpreadMoments| p.standard_deviation().in_range(Range::NOT_NEGATIVE, chance(p)).interval();
         PeriodMoments {
             drift_limit,
@@ -201,11 +201,9 @@ impl PeriodFold {
 
     pub fn finish(mut self) -> PeriodSums {
         let unit = self.unit;
-        self.sums.drift = Moments::of(&unit.means(&self.drift));
-        self.sums.spreading = Moments::of(&unit.means(&unbiased(self.spreading)));
-        let shares = unit.means(&unbiased(self.spread)).into_owned();
-        self.sums.spread = Moments::of(&shares);
-        self.sums.spread_tails = Tails::of(shares.iter().map(|share| share - self.sums.spread.mean));
+        self.sums.drift = FourMoments::of(&unit.means(&self.drift));
+        self.sums.spreading = FourMoments::of(&unit.means(&unbiased(self.spreading)));
+        self.sums.spread = FourMoments::of(&unit.means(&unbiased(self.spread)));
         self.sums.period_displacements = self.period_displacements.finish(unit);
         self.sums
     }
@@ -310,7 +308,8 @@ mod tests {
     /// and D = (7 - 1)/4. The contributions y = (9 - 1)/2, 1/2 and (4 - 1)/2 of the paths, times
     /// n/(n - 1) = 3/2, are 6, 3/4 and 9/4, with variance 7.3125. So the standard error of half
     /// their mean is sqrt(7.3125/3)/2. The slopes are 2, -1/2 and -3/2, with mean 0 and variance
-    /// 13/4.
+    /// 13/4. Of three paths, the jackknife has twice the error of a variance to first order. The ends are
+    /// those of a mean of the contributions.
     #[test]
     fn the_errors_of_drift_and_diffusion_of_unequal_paths_are_those_computed_by_hand() {
         let timeline = Timeline { end: 3.0, output_step: 3.0, period: Some(1.0), after: 0.0 };
@@ -321,9 +320,15 @@ mod tests {
         let totals = fold.finish();
         let d = totals.diffusion_coefficient(&timeline).measurement();
         let v = totals.drift_velocity(&timeline).measurement();
-        let t = 4.302_652_729_9; // Student's t with two degrees of freedom
-        for (e, value, error) in [(d, 1.5, (7.3125f64 / 3.0).sqrt() / 2.0), (v, 0.0, (3.25f64 / 3.0).sqrt())] {
-            let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + t * error)];
+        let arm = |contributions: &[f64]| {
+            let mean = Measured::mean_of_four(&FourMoments::of(contributions)).measurement();
+            (mean.high - mean.estimate) / mean.standard_error
+        };
+        let [arm_of_d, arm_of_v] = [arm(&[6.0, 0.75, 2.25]), arm(&[2.0, -0.5, -1.5])];
+        for (e, value, error, arm) in
+            [(d, 1.5, (7.3125f64 / 3.0).sqrt(), arm_of_d), (v, 0.0, (3.25f64 / 3.0).sqrt(), arm_of_v)]
+        {
+            let all = [(e.estimate, value), (e.standard_error, error), (e.high, value + arm * error)];
             assert!(
                 all.iter().all(|(got, expected)| (got - expected).abs() < 1e-9),
                 "{e:?}, expected {value} +- {error}"
@@ -365,7 +370,7 @@ mod tests {
         fold.fold(3, &[9.0, 9.0, 6.0]);
         let totals = fold.finish();
         let e = totals.spread_at_phase(&timeline).measurement();
-        let error = (18.1875f64 / 3.0).sqrt() / (2.0 * 5f64.sqrt());
+        let error = (18.1875f64 / 3.0).sqrt() / 5f64.sqrt();
         // Three numbers about their mean always have two degrees of freedom. 4.3 standard errors
         // are more than S, so that the upper end is infinite.
         let low = 5f64.sqrt() / (1.0 + 4.302_652_729_9 * error / 5f64.sqrt());
@@ -380,8 +385,7 @@ mod tests {
     /// For a single instant the spread at one phase is the standard deviation over paths. The only
     /// displacement from period to period has that standard deviation as well, except that n takes
     /// the place of n - 1. Both have the interval of a plain standard deviation of n numbers, to
-    /// which the long tail leaves fewer than n - 1 degrees of freedom, but with an error that is
-    /// larger by n/(n - 1).
+    /// which the long tail leaves fewer than n - 1 degrees of freedom.
     #[test]
     fn spreads_of_long_tailed_laws_have_the_intervals_of_a_standard_deviation() {
         let n = 40.0;
@@ -396,7 +400,7 @@ mod tests {
             (sums.period_displacements.sd(Replicate::Path).measurement(), sums.spread_at_phase(&timeline).measurement())
         };
         let relative_width = |low: f64, estimate: f64| estimate / low - 1.0;
-        let wanted = relative_width(plain.low, plain.estimate) * n / (n - 1.0);
+        let wanted = relative_width(plain.low, plain.estimate);
         let students_t = 2.022_690_9; // Student's t with 39 degrees of freedom
         assert!(relative_width(plain.low, plain.estimate) > 1.1 * students_t * plain.standard_error / plain.estimate);
         for (e, sd) in [(reported(0.0).0, plain.estimate * ((n - 1.0) / n).sqrt()), (reported(1.5).1, plain.estimate)] {

@@ -28,7 +28,7 @@ use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, batch_of};
 use crate::sums::codec::sums_of_fields;
 use crate::sums::fourier::{COLUMNS, Fourier, Numbers};
-use crate::sums::interval::student;
+use crate::sums::interval::{Measured, student};
 use crate::sums::jackknife::standard_error;
 use crate::sums::range::NORMAL;
 
@@ -135,6 +135,7 @@ impl SpectrumSums {
         let taper = segments.taper();
         let overlap = |l: usize| taper.iter().zip(&taper[l..]).map(|(a, b)| a * b).sum::<f64>();
         let overlaps: Vec<f64> = (0..segments.lags()).map(overlap).collect();
+        let paths = self.weights.iter().sum::<f64>() / segments.count as f64 + 1.0;
         let (energy, least) = (overlaps.first().copied().unwrap_or(f64::NAN), self.least_variance(segments));
         let [displacement, velocity] = std::array::from_fn(|variable| {
             let powers: Vec<Vec<f64>> = leave_outs.iter().map(|w| self.mean_power(variable, *w)).collect();
@@ -147,11 +148,13 @@ impl SpectrumSums {
                 powers.into_iter().map(|powers| powers.into_iter().map(scale).collect()).collect();
             let last = segments.frequencies() - 1;
             Fluctuations {
-                autocovariance_ends: ends(&covariances, |_, value, error, freedom| match error {
-                    _ if freedom < FEWEST - 1 => [f64::NAN; 2],
-                    error => [value - student(freedom) * error, value + student(freedom) * error],
+                autocovariance_ends: ends(&covariances, |_, value, without| match without.len() as u64 {
+                    0..FEWEST => [f64::NAN; 2],
+                    _ => Measured::jackknifed(value, without).about_mean_of(paths).interval(),
                 }),
-                spectrum_ends: ends(&spectra, |k, value, error, freedom| {
+                spectrum_ends: ends(&spectra, |k, value, without| {
+                    let freedom = without.len().saturating_sub(1) as u64;
+                    let error = if freedom == 0 { 0.0 } else { standard_error(without) };
                     // The transform is real at both ends, and its square has half the freedom.
                     let least = if k == 0 || k == last { 2.0 * least } else { least };
                     let wider = if freedom == 0 { 0.0 } else { student(freedom) / NORMAL };
@@ -204,14 +207,10 @@ impl SpectrumSums {
 const FEWEST: u64 = 5;
 
 /// The ends of the intervals of a curve, from the curve and the curves without each batch: of a place,
-/// the value there, its standard error (NaN from a single batch) and the degrees of freedom of that.
-fn ends(curves: &[Vec<f64>], interval: impl Fn(usize, f64, f64, u64) -> [f64; 2]) -> Ends {
+/// the value there, and the values without each batch.
+fn ends(curves: &[Vec<f64>], interval: impl Fn(usize, f64, &[f64]) -> [f64; 2]) -> Ends {
     let (curve, without) = (&curves[0], &curves[1..]);
-    let freedom = without.len().saturating_sub(1) as u64;
-    let at = |i: usize| {
-        let error = standard_error(&without.iter().map(|curve| curve[i]).collect::<Vec<f64>>());
-        interval(i, curve[i], if freedom == 0 { 0.0 } else { error }, freedom)
-    };
+    let at = |i: usize| interval(i, curve[i], &without.iter().map(|curve| curve[i]).collect::<Vec<f64>>());
     (0..curve.len()).map(at).collect()
 }
 

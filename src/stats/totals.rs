@@ -263,7 +263,7 @@ impl Totals {
             end: timeline.after,
             sticks: counts.early_sticks,
             slips: counts.early_slips,
-            displacement: Measured::mean(&sums.phases.cascade.early_displacement)
+            displacement: Measured::mean_of_four(&sums.phases.cascade.early_displacement)
                 .in_range(Range::ANY, counts.chance(counts.units))
                 .measurement(),
         }

@@ -15,6 +15,7 @@
 //! The spread of equal numbers is exactly zero.
 
 use super::codec::codec_of_fields;
+use super::interval::ErrorLaw;
 use super::merge::Merge;
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 
@@ -237,6 +238,11 @@ impl FourMoments {
             sum(values, |v| ((v - two.mean) * (v - two.mean)) * ((v - two.mean) * (v - two.mean))),
         );
         FourMoments { two, m3, m4 }
+    }
+
+    /// The law of the error of the mean.
+    pub fn error_law(&self) -> ErrorLaw {
+        ErrorLaw::of([self.two.m2, self.m3, self.m4], self.two.count)
     }
 
     /// Sum over values of ((v - mean)^2 - M_2/n)^2: the spread of the squared deviations.

@@ -2,6 +2,7 @@
 
 use super::bins::{Bins, Shape};
 use super::dyadic::{Ruler, width};
+use super::interval::ErrorLaw;
 use super::spread::Tails;
 
 /// Number of halvings of the range of values. They reach the last digit of any value but the
@@ -101,9 +102,9 @@ impl Ordered {
         }
     }
 
-    /// The relative error of the standard deviation of independent values, and its degrees of
-    /// freedom ([`super::spread`]). Values in a bin are taken to lie in its middle.
-    pub fn error_of_spread(&self) -> (f64, f64) {
+    /// The relative error of the standard deviation of independent values, and its law
+    /// ([`super::spread`]). Values in a bin are taken to lie in its middle.
+    pub fn error_of_spread(&self) -> (f64, ErrorLaw) {
         let (n, values) = (self.count(), self.weighted());
         let mean = values.iter().map(|(value, number)| number * value).sum::<f64>() / n as f64;
         let squares: Vec<(f64, f64)> =
@@ -111,7 +112,7 @@ impl Ordered {
         let variance = squares.iter().map(|(square, number)| number * square).sum::<f64>() / n as f64;
         let mut tails = Tails::default();
         squares.iter().for_each(|(square, number)| tails.add(square / variance - 1.0, *number));
-        (tails.squares().sqrt() / (2.0 * n as f64), tails.freedom(n))
+        (tails.squares().sqrt() / (2.0 * n as f64), tails.error_law(n))
     }
 
     /// The values in ascending order, and how many there are of each.

@@ -15,16 +15,17 @@
 //! that influences may be taken about the mean of each block.
 
 use super::codec::sums;
-use super::interval::Measured;
-use super::moments::{FourMoments, Moments};
+use super::interval::{ErrorLaw, Measured};
+use super::moments::FourMoments;
 use super::replicate::Replicate;
 
 sums! {
-    /// Sums over paths of the second and fourth powers of their influences on a standard deviation.
+    /// Sums over paths of the powers of their influences on a standard deviation.
     /// The unit of the influences does not matter, as long as it is the same for all.
     #[derive(Clone, Copy, Debug, Default, PartialEq)]
     pub(crate) struct Tails {
         squares: f64,
+        cubes: f64,
         fourths: f64,
     }
 }
@@ -41,6 +42,7 @@ impl Tails {
     pub fn add(&mut self, influence: f64, paths: f64) {
         let square = influence * influence;
         self.squares += paths * square;
+        self.cubes += paths * square * influence;
         self.fourths += paths * square * square;
     }
 
@@ -49,12 +51,9 @@ impl Tails {
         self.squares
     }
 
-    /// Degrees of freedom of the error that comes from this many paths.
-    pub fn freedom(&self, paths: u64) -> f64 {
-        let most = paths as f64 - 1.0;
-        let scatter = (self.fourths / self.squares / self.squares - 1.0 / paths as f64) / 2.0;
-        // Where the scatter cannot be determined, the degrees of freedom are the full m - 1.
-        if scatter * most > 1.0 && scatter.is_finite() { 1.0 / scatter } else { most }
+    /// The law of the error that comes from this many paths.
+    pub fn error_law(&self, paths: u64) -> ErrorLaw {
+        ErrorLaw::of([self.squares, self.cubes, self.fourths], paths)
     }
 }
 
@@ -64,7 +63,7 @@ sums! {
     pub(crate) struct SpreadMoments {
         pub four: FourMoments,
         /// Moments of the means of units.
-        pub units: Moments,
+        pub units: FourMoments,
         /// Powers of the influences of units on the variance.
         tails: Tails,
     }
@@ -75,15 +74,15 @@ impl SpreadMoments {
     pub fn of(values: &[f64], unit: Replicate) -> Self {
         let four = FourMoments::of(values);
         let (mean, square) = (four.two.mean, four.two.m2 / values.len() as f64);
-        let units = if unit == Replicate::Path { four.two } else { Moments::of(&unit.means(values)) };
+        let units = if unit == Replicate::Path { four } else { FourMoments::of(&unit.means(values)) };
         let influences: Vec<f64> = values.iter().map(|v| (v - mean) * (v - mean) - square).collect();
         SpreadMoments { four, units, tails: Tails::of(unit.means(&influences).iter().copied()) }
     }
 
-    /// The standard deviation over paths, with e_i = ((x_i - mean)^2 - sd^2) / (2 sd). The
+    /// The standard deviation over paths, with e_i = ((x_i - mean)^2 - M_2/n) n/(n - 1) / (2 sd). The
     /// influences of pairs are taken about the means of their blocks.
     pub fn standard_deviation(&self) -> Measured {
-        let n = self.units.count;
+        let n = self.units.two.count;
         let sd = self.four.two.variance().sqrt();
         let is_of_paths = n == self.four.two.count;
         let spread = if is_of_paths { self.four.spread_of_squares() } else { self.tails.squares() };
@@ -92,9 +91,9 @@ impl SpreadMoments {
         let error = match freedom {
             0 => f64::NAN,
             _ if sd == 0.0 => 0.0,
-            _ => (spread / (n as f64 * freedom as f64)).sqrt() / (2.0 * sd),
+            _ => (spread / (n as f64 * freedom as f64)).sqrt() * n as f64 / (freedom as f64 * 2.0 * sd),
         };
-        Measured::spread(sd, error, self.tails.freedom(n))
+        Measured::spread(sd, error, self.tails.error_law(n), n)
     }
 }
 
@@ -125,8 +124,23 @@ mod tests {
         assert!((sd.standard_error / expected - 1.0).abs() < 0.032, "{sd:?} {expected}");
         // (x^2 - 1) has the kurtosis 15 for a normal x, which gives 2 n/14 degrees of freedom. By
         // the eighth moment they are known to 4 %.
-        let freedom = moments.tails.freedom(100_000);
+        let freedom = moments.tails.error_law(100_000).freedom;
         assert!((freedom / (100_000.0 / 7.0) - 1.0).abs() < 0.16, "{freedom}");
+    }
+
+    /// The error of a variance s^2 by leaving out one number after the other, divided by twice the
+    /// standard deviation.
+    #[test]
+    fn the_error_of_a_standard_deviation_is_that_of_the_jackknife() {
+        let x = [3.0, 1.0, 4.0, 1.0, 5.0, 9.0, 2.0];
+        let variance = |x: &[f64]| {
+            let mean = x.iter().sum::<f64>() / x.len() as f64;
+            x.iter().map(|x| (x - mean) * (x - mean)).sum::<f64>() / (x.len() as f64 - 1.0)
+        };
+        let without: Vec<f64> = (0..x.len()).map(|i| variance(&[&x[..i], &x[i + 1..]].concat())).collect();
+        let expected = crate::sums::jackknife::standard_error(&without) / (2.0 * variance(&x).sqrt());
+        let sd = SpreadMoments::of(&x, Replicate::Path).standard_deviation().measurement();
+        assert!((sd.standard_error / expected - 1.0).abs() < 1e-12, "{sd:?} {expected}");
     }
 
     #[test]
@@ -135,7 +149,7 @@ mod tests {
         let one = SpreadMoments::of(&[3.0], Replicate::Path).standard_deviation().measurement();
         let numbers = [one.estimate, one.standard_error, one.low, one.high];
         assert!(numbers.iter().all(|x| x.to_bits() == f64::NAN.to_bits()), "{one:?}");
-        assert_eq!(SpreadMoments::of(&[2.0; 7], Replicate::Path).tails.freedom(7), 6.0);
+        assert_eq!(SpreadMoments::of(&[2.0; 7], Replicate::Path).tails.error_law(7), ErrorLaw::of_freedom(6.0));
     }
 
     /// Null: the interval of a standard deviation covers the truth in 95 % of all ensembles, both

@@ -15,6 +15,7 @@ mod bias_coverage;
 mod cuts;
 mod engine;
 mod ensemble;
+mod interval_coverage;
 mod multilevel;
 mod rare_events;
 mod store;

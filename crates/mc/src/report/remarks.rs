@@ -158,10 +158,17 @@ fn unsettled(summary: &Summary) -> Option<String> {
 fn bias(summary: &Summary, info: &RunInfo, all: bool) -> Option<String> {
     if summary.has_bias() {
         let meaning = "+- at 95 %; `corrected` subtracts it where it exceeds +-";
-        let words = beyond_intervals(summary).unwrap_or("of the step".into());
+        let words = beyond_intervals(summary).unwrap_or("of the step".into()) + &uncertain_biases(summary);
         return Some(if all { format!("{words}; {meaning}") } else { words });
     }
     info.no_bias.as_ref().map(|reason| format!("not estimated: {reason}"))
+}
+
+/// Says which statistics have no bias although others do.
+fn uncertain_biases(summary: &Summary) -> String {
+    let is_without = |e: &&Estimate| e.estimate.is_finite() && e.low < e.high && e.bias.is_none();
+    let names: Vec<&str> = summary.reported().filter(is_without).map(|e| e.statistic.name()).collect();
+    if names.is_empty() { names.concat() } else { format!("; too uncertain to be stated for {}", some_of(&names)) }
 }
 
 /// Says in how many statistics the bias of the step is certain and larger than the statistical
@@ -177,12 +184,12 @@ fn beyond_intervals(summary: &Summary) -> Option<String> {
     })
 }
 
-/// Says which numbers have no interval because too few paths carry them.
+/// Says which numbers have no interval because too few paths decide them.
 fn too_few(summary: &Summary) -> Option<String> {
     let is_without = |e: &&Estimate| e.estimate.is_finite() && e.standard_error.is_finite() && e.low.is_nan();
     let names: Vec<&str> = summary.estimates.iter().filter(is_without).map(|e| e.statistic.name()).collect();
     (!names.is_empty())
-        .then(|| format!("too few paths have sticks or slips to bound {}; run more paths", some_of(&names)))
+        .then(|| format!("too few paths determine {}, so it has no interval; run more paths", some_of(&names)))
 }
 
 /// The number of paths, and how the run ended.
@@ -264,7 +271,7 @@ mod tests {
             let e = &mut summary.estimates[statistic.index()];
             (e.estimate, e.standard_error, e.low, e.high) = (1.0, 0.5, f64::NAN, f64::NAN);
         }
-        let line = "too few paths have sticks or slips to bound stick_duration_mean, stick_duration_sd";
+        let line = "too few paths determine stick_duration_mean, stick_duration_sd";
         assert_eq!(too_few(&summary).map(|text| text.starts_with(line)), Some(true), "{:?}", too_few(&summary));
         // A single path has no errors at all, and another line says so.
         summary.estimates.iter_mut().for_each(|e| e.standard_error = f64::NAN);
