@@ -40,6 +40,9 @@ pub(super) struct Crossing {
     pub evidence: f64,
 }
 
+/// Times that are closer than this are the same, in seconds.
+const SAME: f64 = 1e-3;
+
 /// Number of temperatures at which the probability is computed.
 const POINTS: usize = 120;
 
@@ -70,10 +73,11 @@ impl Thermometer {
     }
 
     fn crossing_of(&self, temperatures: &[f64], window: &Window, sign: f64) -> Option<Crossing> {
-        let last = self.times.partition_point(|t| *t <= window.before).checked_sub(1)?;
-        let first = self.times.partition_point(|t| *t < window.since).min(last);
-        let end = self.times.partition_point(|t| *t < window.after).min(self.times.len() - 1);
-        let end = end.max(last + 1).min(self.times.len() - 1);
+        // Samples of the displacement are among the times, but for rounding of clocks that differ.
+        let until = |time: f64| self.times.partition_point(|t| *t <= time + SAME).checked_sub(1);
+        let last = until(window.before)?;
+        let first = until(window.since)?.min(last);
+        let end = until(window.after)?.max(last + 1).min(self.times.len() - 1);
         let u = |i: usize| sign * temperatures[i];
         let farthest = (first..=last).map(u).fold(f64::NEG_INFINITY, f64::max);
         let reached = (last + 1..=end).map(u).fold(f64::NEG_INFINITY, f64::max);

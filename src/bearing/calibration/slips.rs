@@ -46,7 +46,7 @@ pub struct Evidence {
     /// The slips in order of time.
     pub slips: Vec<Slip>,
     /// For each slip that follows one in the other direction, the difference of their temperatures
-    /// and the index of its block.
+    /// and the index of the block whose weight it has.
     pub reversals: Vec<(f64, usize)>,
     /// Sums for the regression of z on T during sticks, for each block.
     pub sums: Vec<LevelSums>,
@@ -71,6 +71,9 @@ const ROUNDS: usize = 6;
 /// A value farther from the median than this many standard deviations is unusual.
 const UNUSUAL: f64 = 2.5;
 
+/// A value farther than this is unusual even if slips are larger.
+const MOST_UNUSUAL: f64 = 4.0;
+
 impl Evidence {
     /// Find the slips of a record whose thermometer, where it is rough, moves like this one; `None`
     /// if there are none.
@@ -90,7 +93,7 @@ impl Evidence {
                 break;
             }
         }
-        let straight = Thermometer::of(record).moving(0.0);
+        let straight = rough.straight(record);
         // Means do not tell how a temperature moves between them.
         let is_told = record.averaged == [0.0; 2];
         let moves = |windows: &[(Window, f64)]| match is_told {
@@ -158,11 +161,7 @@ impl Evidence {
         }
         mark_usual(&mut slips, still);
         let is_whole = |from: usize, to: usize| !samples.starts.iter().any(|start| (from + 1..=to).contains(start));
-        let pairs =
-            slips.windows(2).filter(|pair| pair[0].sign != pair[1].sign && is_whole(pair[0].index, pair[1].index));
-        let changes =
-            pairs.map(|pair| ((pair[1].temperature - pair[0].temperature) * pair[1].sign, block(start, pair[1].time)));
-        let reversals = usual(changes.collect());
+        let reversals = usual(reversals(&slips, is_whole, |time| block(start, time)), thermometer.jump);
         let first = slips.first()?;
         let beginning = (!is_whole(0, first.index)).then(|| sticks.after[0]);
         Some(Evidence {
@@ -277,10 +276,75 @@ fn mark_usual(slips: &mut [Slip], still: f64) {
     }
 }
 
+/// The most reversals in a row that have one weight.
+const IN_A_ROW: usize = 6;
+
+/// The differences between slips and those before them in the other direction, each with the block
+/// whose weight it has.
+///
+/// If the body turns twice in a row, the slip in between is in two differences, both of which its error
+/// makes larger, or both smaller. With weights of their own they would count as independent, and
+/// intervals of A would be too narrow by up to the root of 2; so they have one weight.
+fn reversals(
+    slips: &[Slip],
+    is_whole: impl Fn(usize, usize) -> bool,
+    block: impl Fn(f64) -> usize,
+) -> Vec<(f64, usize)> {
+    let mut all = Vec::new();
+    let (mut row, mut of_row) = (0, 0);
+    for pair in slips.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        if a.sign == b.sign || !is_whole(a.index, b.index) {
+            row = 0;
+            continue;
+        }
+        if row % IN_A_ROW == 0 {
+            of_row = block(b.time);
+        }
+        row += 1;
+        all.push(((b.temperature - a.temperature) * b.sign, of_row));
+    }
+    all
+}
+
 /// The values that are not far from the median. If a slip was not seen, the difference at the next
-/// reversal is too large.
-fn usual(values: Vec<(f64, usize)>) -> Vec<(f64, usize)> {
+/// reversal is too large by G, of which half tells them apart, within what makes sense for the scatter.
+fn usual(values: Vec<(f64, usize)>, jump: f64) -> Vec<(f64, usize)> {
     let only: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));
-    values.into_iter().filter(|(value, _)| (value - middle).abs() <= UNUSUAL * wide).collect()
+    let most = (0.5 * jump).clamp(UNUSUAL * wide, MOST_UNUSUAL * wide);
+    values.into_iter().filter(|(value, _)| (value - middle).abs() <= most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slips up, down, up, up and down, a day apart, with a threshold of 3 K to either side; each is in
+    /// a block of its own. The first three make two differences that share a slip.
+    #[test]
+    fn differences_that_share_a_slip_have_one_weight() {
+        let level = Level { reading: 0.0, temperature: 0.0, variance: 1.0 };
+        let slip = |(index, (sign, temperature)): (usize, &(f64, f64))| {
+            let (sign, temperature, time) = (*sign, *temperature, index as f64);
+            Slip { index, time, sign, temperature, before: level, after: level, is_usual: true }
+        };
+        let turns = [(1.0, 3.0), (-1.0, -3.0), (1.0, 3.5), (1.0, 4.0), (-1.0, -2.0)];
+        let slips: Vec<Slip> = turns.iter().enumerate().map(slip).collect();
+        let all = reversals(&slips, |_, _| true, |time| time as usize);
+        assert_eq!(all, [(6.0, 1), (6.5, 1), (6.0, 4)]);
+        let apart = reversals(&slips, |from, _| from != 1, |time| time as usize);
+        assert_eq!(apart, [(6.0, 1), (6.0, 4)]);
+    }
+
+    /// A difference that is 0.6 K too large stays where slips are of 2 K, and goes where they are of 1 K;
+    /// 2.5 and 4 standard deviations are 0.37 and 0.59 K.
+    #[test]
+    fn a_slip_that_was_not_seen_makes_a_difference_unusual() {
+        let of = |far: f64, jump: f64| {
+            let values = [-0.2, -0.1, -0.1, 0.0, 0.0, 0.1, 0.1, 0.2, far].map(|off| (16.0 + off, 0));
+            usual(values.to_vec(), jump).len()
+        };
+        assert_eq!([of(0.5, 2.0), of(0.5, 0.9), of(0.7, 2.0), of(0.3, 0.1)], [9, 8, 8, 9]);
+    }
 }
