@@ -111,6 +111,8 @@ pub struct Calibration {
     pub modelled: Vec<f64>,
     /// The difference between measurement and model.
     pub residuals: Residuals,
+    /// The smallest and the largest A over the record, as shares of its mean, if friction changes.
+    pub friction_range: Option<[f64; 2]>,
     /// Reasons to be careful with the result.
     pub warnings: Vec<CalibrationWarning>,
 }
@@ -181,6 +183,7 @@ impl Calibration {
             residuals: residuals(&record, &modelled),
             modelled,
             record,
+            friction_range: None,
             warnings: Vec::new(),
         }
     }

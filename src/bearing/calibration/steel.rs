@@ -1,6 +1,6 @@
 //! The temperature of the steel, and the slips that are seen with it.
 
-use super::lag::{CONVINCING, LagProfile, is_small, lag_profile};
+use super::lag::{LagProfile, is_small, lag_profile};
 use super::question::Lag;
 use super::samples::{MeasuredRecord, interval};
 use super::slips::Evidence;
@@ -10,6 +10,11 @@ use crate::bearing::weather::{Imagined, imagined};
 
 /// The fewest usual slips that determine anything.
 const FEWEST_SLIPS: usize = 6;
+
+/// Largest number of searches for a lag, each with the slips that the lag before it shows, and the
+/// relative difference of two of them that are the same.
+const LAG_ROUNDS: u32 = 4;
+const SAME_LAG: f64 = 0.02;
 
 /// A record with the temperature of the steel in place of that of the air.
 pub struct Steel {
@@ -78,14 +83,17 @@ impl Steel {
             }
         };
         let mut used = given;
-        if let (Lag::Auto, Some(first)) = (lag, &profile)
-            && first.gain > CONVINCING
-            && let Some(second) = evidence_at(first.likeliest)
-        {
-            let again = lag_profile(air, &second);
-            used = again.likeliest;
+        for _ in 0..if lag == Lag::Auto { LAG_ROUNDS } else { 0 } {
+            let Some(found) = profile.as_ref().and_then(LagProfile::found) else { break };
+            let Some(next) = evidence_at(found) else { break };
+            let again = lag_profile(air, &next);
+            let is_same = (again.likeliest - found).abs() <= SAME_LAG * found;
+            used = again.found().unwrap_or(0.0);
             evidence = evidence_at(used);
             profile = Some(LagProfile { clock: clock.or(again.clock), ..again });
+            if is_same {
+                break;
+            }
         }
         let around = evidence.map(|evidence| match lag {
             Lag::Auto if used > 0.0 => AroundLag::lag(evidence, air, used),

@@ -23,7 +23,7 @@ pub struct Imagined {
 }
 
 /// Number of draws.
-const DRAWS: u64 = 12;
+const DRAWS: u64 = 48;
 
 /// Seed of the draws.
 const SEED: u64 = 0x1A_61;
