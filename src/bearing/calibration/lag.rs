@@ -117,3 +117,22 @@ impl LagProfile {
         low + (high - low) * (lag - a) / (b - a)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lag at the end of what is considered is none that was found, however likely it is.
+    #[test]
+    fn a_lag_at_the_end_of_the_search_is_none() {
+        let of = |likeliest: f64, gain: f64| LagProfile {
+            likeliest,
+            gain,
+            clock: None,
+            profile: vec![(0.0, gain), (7200.0, 0.0)],
+        };
+        assert_eq!(of(3600.0, 100.0).found(), Some(3600.0));
+        assert_eq!((of(7200.0, 100.0).found(), of(7200.0, 100.0).is_beyond()), (None, true));
+        assert_eq!((of(3600.0, 10.0).found(), of(7200.0, 10.0).is_beyond()), (None, false));
+    }
+}

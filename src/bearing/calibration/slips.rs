@@ -82,6 +82,11 @@ pub struct Evidence {
     pub beginning: Option<Level>,
 }
 
+/// Reversals are some tens in a record, and their errors have long tails, so their mean under random
+/// weights differs less from itself than from the truth, by this factor. It is measured in records with
+/// little noise, in which nothing else makes f_s uncertain.
+const FEW: f64 = 1.25;
+
 /// Jumps that are less than this many steps of the resolution of the sensor may be such steps.
 const COARSE: f64 = 3.5;
 
@@ -204,9 +209,14 @@ impl Evidence {
         LevelSums::weighted(&self.sums, weights).slope()
     }
 
-    /// f_d/(K beta), from the reversals, with these weights of the blocks.
+    /// f_d/(K beta), from the reversals, with these weights of the blocks, from which it differs by
+    /// more than their mean does.
     pub fn kinetic_reach(&self, weights: &[f64]) -> f64 {
-        0.5 * self.mean(weights, self.reversals.iter().map(|reversal| (reversal.change, reversal.block)))
+        let mean = |weights: &[f64]| {
+            0.5 * self.mean(weights, self.reversals.iter().map(|reversal| (reversal.change, reversal.block)))
+        };
+        let usual = mean(&self.unweighted());
+        usual + FEW * (mean(weights) - usual)
     }
 
     /// The mean of values, each with the index of its block, with these weights of the blocks.
@@ -308,6 +318,9 @@ fn mark_usual(slips: &mut [Slip], still: f64) {
     }
 }
 
+/// A jump of more than this many usual ones is that of several slips.
+const TWO: f64 = 1.5;
+
 /// The most reversals in a row that have one weight.
 const IN_A_ROW: usize = 6;
 
@@ -323,11 +336,15 @@ fn reversals(
     is_whole: impl Fn(usize, usize) -> bool,
     block: impl Fn(f64) -> usize,
 ) -> Vec<Reversal> {
+    let size = |slip: &Slip| slip.size(still);
+    let middle = median(&mut slips.iter().map(size).collect::<Vec<_>>());
     let mut all = Vec::new();
     let (mut row, mut of_row) = (0, 0);
     for pair in slips.windows(2) {
         let [a, b] = [pair[0], pair[1]];
-        if a.sign == b.sign || !is_whole(a.index, b.index) {
+        // Of two slips between two samples, the temperature of one is known, and they are no single one.
+        let is_single = size(&a).max(size(&b)) < TWO * middle;
+        if a.sign == b.sign || !is_single || !is_whole(a.index, b.index) {
             row = 0;
             continue;
         }

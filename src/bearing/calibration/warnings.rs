@@ -60,6 +60,12 @@ impl Case<'_> {
     fn estimate(&self, quantity: Quantity) -> ParameterEstimate {
         self.calibration.estimate(quantity)
     }
+
+    /// What the temperature moves from one sample to the next, in kelvin.
+    fn moved(&self) -> f64 {
+        let [times, _] = self.calibration.record.thermometer();
+        (self.calibration.roughness * interval(&times)).sqrt()
+    }
 }
 
 /// K_BP is not known.
@@ -149,8 +155,7 @@ const SPARSE: f64 = 0.75;
 /// The temperature moves far between two samples.
 fn sparse_samples(case: &Case) -> Option<String> {
     let jump = case.evidence.map(|_| case.estimate(Quantity::Jump).estimate)?;
-    let [times, _] = case.calibration.record.thermometer();
-    let moved = (case.calibration.roughness * interval(&times)).sqrt();
+    let moved = case.moved();
     (moved > SPARSE * jump).then(|| {
         format!(
             "the temperature moves by {moved:.2} K from one sample to the next, where a slip releases {jump:.2} K: f_s and \
@@ -205,9 +210,15 @@ fn temperature_elsewhere(case: &Case) -> Option<String> {
     })
 }
 
+/// What the temperature may move between two samples, as a share of the jump G, so that two slips at once
+/// are rare.
+const ONE_AT_ONCE: f64 = 0.3;
+
 /// Jumps have two sizes.
 fn two_sizes(case: &Case) -> Option<String> {
-    let [small, large] = case.assumed.sizes.filter(|_| saturated(case).is_none())?.map(|size| 1e3 * size);
+    let jump = case.estimate(Quantity::Jump).estimate;
+    let is_clear = case.moved() < ONE_AT_ONCE * jump && saturated(case).is_none();
+    let [small, large] = case.assumed.sizes.filter(|_| is_clear)?.map(|size| 1e3 * size);
     Some(format!(
         "jumps have two sizes, {small:.2} and {large:.2} mm, as if the sensor saw two bearings: K, f_s and f_d are those of \
          neither; measure each bearing with a sensor of its own"
