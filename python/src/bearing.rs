@@ -273,8 +273,7 @@ pub fn forecast<'py>(
     let stopped = || PyKeyboardInterrupt::new_err("interrupted before two parameter draws were done");
     let foreseen = foreseen.ok_or_else(stopped)?;
     let found = &foreseen.forecast;
-    remarks.extend(warnings(&foreseen.calibration));
-    remarks.extend(foreseen.warnings());
+    remarks.extend(foreseen.warnings().into_iter().map(|(_, text)| text));
     if is_interrupted {
         remarks.push(format!("interrupted: {} of {draws} parameter draws are included", found.years.len()));
     }

@@ -27,7 +27,7 @@ def calibrate(
     data: Any,
     displacement: Any = None,
     *,
-    method: Literal["slips", "err", "both"] = "both",
+    method: Literal["slips", "criterion", "both"] = "slips",
     fit: Sequence[str] = (),
     bounds: Mapping[str, tuple[float, float]] | None = None,
     starts: int = 10,
@@ -65,8 +65,8 @@ def calibrate(
             column; by default the one whose name begins with `displacement`. Otherwise
             displacements over time in metres, in any of the forms of the temperatures, with the
             same or other times.
-        method: "slips" to estimate from the slips, "err" for the least squares of the paper, or
-            "both".
+        method: "slips" to estimate from the slips, "criterion" for the least squares of the paper,
+            or "both".
         fit: the keys of the parameters to fit; all if none is given. The others keep the value that
             the scenario gives them.
         bounds: for the least squares, the lowest and the highest value of a parameter by its key,

@@ -4,12 +4,12 @@
 use crate::common::{estimate, event_driven_summary, paper, reference};
 use std::sync::atomic::AtomicBool;
 use stickslip::bias::{BiasPlan, Differences, NoBias, ReferenceRun};
+use stickslip::engine::Run;
 use stickslip::ensemble::Plan;
 use stickslip::model::{Drive, InitialNoise, Model, Noise};
+use stickslip::scenario::Scenario;
 use stickslip::scheme::{CorrectedVi, DEFAULT_TOLERANCE, DiscreteVi, EventDriven, Scheme, Simulate as _, Timeline};
 use stickslip::stats::{Bias, Record, Statistic, Summary};
-use stickslip::engine::Run;
-use stickslip::scenario::Scenario;
 
 const STATISTICS: [Statistic; 5] = [
     Statistic::StickDurationMean,

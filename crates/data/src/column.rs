@@ -60,6 +60,9 @@ pub(super) struct Column<'a> {
     said: ColumnRepairs,
 }
 
+/// Absolute zero in the unit in which its number is lowest, degrees Fahrenheit.
+const COLDEST: f64 = -459.67;
+
 impl<'a> Column<'a> {
     /// A column with the unit that is given, or that its name says.
     pub fn of(name: &str, wanted: &'a Wanted<'a>) -> Result<Self, ProblemAndRemedy> {
@@ -146,7 +149,12 @@ impl<'a> Column<'a> {
         if value.abs() > LARGEST_MEASURED {
             return Err(("is too large for a measurement", "fix the cell; if it marks a missing value, give MARK"));
         }
-        if self.unit.is_some_and(|unit| value < unit.least) {
+        let least = self.unit.map_or(f64::INFINITY, |unit| unit.least);
+        if self.wanted.quantity == ColumnQuantity::Temperature && value < COLDEST.min(least) {
+            self.said.cold += 1;
+            return Ok(());
+        }
+        if self.unit.is_some() && value < least {
             return Err(("is below absolute zero", "fix the unit; if it marks a missing value, give MARK"));
         }
         self.samples.push((when, value, place));

@@ -307,15 +307,20 @@ fn what_stands_out_is_said_and_kept() {
         let says = format!("kept `temperature_degC` = {mark} in line 52 and 2 others");
         assert!(table.repairs.sentences()[0].starts_with(&says), "{:?}", table.repairs);
     }
+    // A temperature below absolute zero in any unit is missing, whether a unit is known or not; one that
+    // is only below that of its unit speaks of a wrong unit.
     for mark in ["-9999", "-999.0", "-32768"] {
-        let error = read_as(&layout(""), record_with(&[(50, mark)]).as_bytes()).unwrap_err();
-        assert!(error.problem.contains("below absolute zero") && error.line == Some(52), "{error}");
-        assert!(error.remedy.contains(&format!("--missing {mark}")), "{error}");
+        for unit in ["degC", "north", "K"] {
+            let text = record_with(&[(50, mark)]).replace("degC", unit);
+            let table = read_as(&layout(""), text.as_bytes()).unwrap();
+            assert_eq!((table.columns[0].values.len(), table.repairs.columns[0].cold), (199, 1), "{mark} {unit}");
+            let says = format!("treated 1 value below absolute zero as missing in `temperature_{unit}`");
+            assert!(table.repairs.sentences().contains(&says), "{:?}", table.repairs);
+        }
     }
-    // A run of marks stands out as one does; without a unit there is no absolute zero.
-    let many: Vec<(usize, &str)> = (20..180).map(|i| (i, "-9999")).collect();
-    let table = read_as(&layout(""), record_with(&many).replace("degC", "north").as_bytes()).unwrap();
-    assert!(table.repairs.sentences()[0].contains("-9999 in line 22"), "{:?}", table.repairs);
+    let error = read_as(&layout(""), record_with(&[(50, "-300")]).as_bytes()).unwrap_err();
+    assert!(error.problem.contains("below absolute zero") && error.line == Some(52), "{error}");
+    assert!(error.remedy.contains("--missing -300"), "{error}");
     // A few in a row that differ from all around them are left out if that is asked for.
     let text = record_with(&[(50, "71.3"), (51, "72")]);
     let table = read_as(&layout(""), text.as_bytes()).unwrap();

@@ -35,6 +35,8 @@ pub struct ColumnRepairs {
     pub name: String,
     /// Number of cells without a value.
     pub missing: u64,
+    /// Number of temperatures that were left out, because they are below absolute zero in any unit.
+    pub cold: u64,
     /// Number of values that were left out, as the layout says, because they differ strongly from
     /// those around them.
     pub outliers: u64,
@@ -95,7 +97,12 @@ impl ColumnRepairs {
             "left out # value that differs strongly from those around it",
             "left out # values that differ strongly from those around them",
         );
-        let counted = [missing, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
+        let cold = many(
+            self.cold,
+            "treated # value below absolute zero as missing",
+            "treated # values below absolute zero as missing",
+        );
+        let counted = [missing, cold, outliers].into_iter().flatten().map(|said| format!("{said} in `{name}`"));
         let unit = self.assumed_unit.map(|unit| format!("unit of `{name}` not given; assuming {unit}"));
         let means = self.averaged.as_ref().map(|time| {
             format!(

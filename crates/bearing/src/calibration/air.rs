@@ -1,6 +1,6 @@
 //! The temperature that a synthetic record is made from.
 
-use super::thermometer::Thermometer;
+use super::thermometer::shown_roughness;
 use stickslip::model::Temperature;
 use stickslip::noise::{Stream, Transition};
 
@@ -58,7 +58,7 @@ impl Air {
 
     /// A measured temperature, which moves between samples as it moves from one to the next.
     pub fn measured(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
-        let Thermometer { times, temperatures, roughness, .. } = Thermometer::sampled(times, temperatures);
+        let roughness = shown_roughness(&times, &temperatures);
         Air { times, temperatures, stride: 1, roughness }
     }
 

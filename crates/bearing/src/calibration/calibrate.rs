@@ -1,6 +1,7 @@
 //! The steps from a record to a calibration.
 
 use super::by_slips::BySlips;
+use super::friction::Assumed;
 use super::misfit::FitObjective;
 use super::prepared::{check, upright};
 use super::quantity::Quantity;
@@ -11,6 +12,7 @@ use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
 use super::warnings::warnings;
 use super::zero::Zero;
+use crate::data::resolution;
 use std::sync::atomic::AtomicBool;
 
 /// Find the parameters of a bearing from a record.
@@ -58,6 +60,9 @@ fn fit(
         by_slips.check(question.shear_stiffness)?;
     }
     let evidence = by_slips.as_ref().and_then(BySlips::evidence);
+    if let Some(evidence) = evidence {
+        evidence.check_resolution(resolution(&record.samples().readings))?;
+    }
     if evidence.is_none() && question.method == CalibrationMethod::Slips {
         return Err(CalibrationError::NoSlips);
     }
@@ -74,7 +79,10 @@ fn fit(
         return Err(CalibrationError::NoBearing { quantity, value });
     }
     calibration.is_mirrored = is_mirrored;
-    calibration.warnings = warnings(&calibration, evidence);
+    let assumed = evidence
+        .map_or_else(Assumed::default, |evidence| evidence.assumed(&calibration.response, calibration.resolution));
+    calibration.friction_range = assumed.range;
+    calibration.warnings = warnings(&calibration, evidence, &assumed);
     Ok(calibration)
 }
 

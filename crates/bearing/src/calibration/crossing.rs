@@ -35,10 +35,15 @@ pub struct Window {
 pub(super) struct Crossing {
     /// Its mean, in kelvin.
     pub temperature: f64,
+    /// Its variance.
+    pub variance: f64,
     /// The integral of the probability over all temperatures, in kelvin. The larger it is, the
     /// better the movement between samples explains that the slip came here.
     pub evidence: f64,
 }
+
+/// Times that are closer than this are the same, in seconds.
+const SAME: f64 = 1e-3;
 
 /// Number of temperatures at which the probability is computed.
 const POINTS: usize = 120;
@@ -58,22 +63,23 @@ impl Thermometer {
         if self.drawn.is_empty() {
             return one(&self.temperatures);
         }
-        let (mut all, mut moment) = (0.0, 0.0);
-        for Crossing { temperature, evidence } in self.drawn.iter().filter_map(|drawn| one(drawn)) {
-            all += evidence;
-            moment += evidence * temperature;
-        }
+        let seen: Vec<Crossing> = self.drawn.iter().filter_map(|drawn| one(drawn)).collect();
+        let all: f64 = seen.iter().map(|one| one.evidence).sum();
         if all == 0.0 {
             return one(&self.temperatures);
         }
-        Some(Crossing { temperature: moment / all, evidence: all / self.drawn.len() as f64 })
+        let mean = |of: &dyn Fn(&Crossing) -> f64| seen.iter().map(|one| one.evidence * of(one)).sum::<f64>() / all;
+        let temperature = mean(&|one| one.temperature);
+        let variance = mean(&|one| one.variance + (one.temperature - temperature).powi(2));
+        Some(Crossing { temperature, variance, evidence: all / self.drawn.len() as f64 })
     }
 
     fn crossing_of(&self, temperatures: &[f64], window: &Window, sign: f64) -> Option<Crossing> {
-        let last = self.times.partition_point(|t| *t <= window.before).checked_sub(1)?;
-        let first = self.times.partition_point(|t| *t < window.since).min(last);
-        let end = self.times.partition_point(|t| *t < window.after).min(self.times.len() - 1);
-        let end = end.max(last + 1).min(self.times.len() - 1);
+        // Samples of the displacement are among the times, but for rounding of clocks that differ.
+        let until = |time: f64| self.times.partition_point(|t| *t <= time + SAME).checked_sub(1);
+        let last = until(window.before)?;
+        let first = until(window.since)?.min(last);
+        let end = until(window.after)?.max(last + 1).min(self.times.len() - 1);
         let u = |i: usize| sign * temperatures[i];
         let farthest = (first..=last).map(u).fold(f64::NEG_INFINITY, f64::max);
         let reached = (last + 1..=end).map(u).fold(f64::NEG_INFINITY, f64::max);
@@ -81,7 +87,8 @@ impl Thermometer {
         let wide = (last..end).map(gain).fold(0.0, f64::max).sqrt();
         if wide == 0.0 {
             let beyond = (reached - farthest).max(0.0);
-            return Some(Crossing { temperature: sign * (farthest + 0.5 * beyond), evidence: beyond });
+            let temperature = sign * (farthest + 0.5 * beyond);
+            return Some(Crossing { temperature, variance: beyond * beyond / 12.0, evidence: beyond });
         }
         let is_near = |i: &usize| (farthest - u(*i)) * (farthest - u(i + 1)) < 0.5 * NEGLIGIBLE * gain(*i);
         let before: Vec<usize> = (first..last).filter(is_near).collect();
@@ -91,7 +98,7 @@ impl Thermometer {
         };
         let length = (reached - farthest).max(0.0) + BEYOND * wide;
         let step = length / POINTS as f64;
-        let [mut all, mut moment] = [0.0; 2];
+        let [mut all, mut moment, mut square] = [0.0; 3];
         for point in 0..POINTS {
             let off = (point as f64 + 0.5) * step;
             let c = farthest + off;
@@ -100,9 +107,11 @@ impl Thermometer {
             let once = if self.jump.is_finite() { not(c + self.jump) } else { 1.0 } - not(c);
             all += so_far * once;
             moment += so_far * once * off;
+            square += so_far * once * off * off;
         }
-        let off = if all > 0.0 { moment / all } else { 0.0 };
-        Some(Crossing { temperature: sign * (farthest + off), evidence: all * step })
+        let [off, square] = if all > 0.0 { [moment / all, square / all] } else { [0.0; 2] };
+        let variance = (square - off * off).max(0.0);
+        Some(Crossing { temperature: sign * (farthest + off), variance, evidence: all * step })
     }
 }
 

@@ -56,7 +56,7 @@ impl Evidence {
             };
             return spread(&self.slips.iter().filter(|slip| slip.is_usual).map(off).collect::<Vec<_>>());
         }
-        let changes: Vec<f64> = self.reversals.iter().map(|(change, _)| *change).collect();
+        let changes: Vec<f64> = self.reversals.iter().map(|reversal| reversal.change).collect();
         if changes.len() < 2 { 0.0 } else { spread(&changes) / std::f64::consts::SQRT_2 }
     }
 }

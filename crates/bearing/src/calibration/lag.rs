@@ -6,17 +6,18 @@ use super::samples::{HOUR, MeasuredRecord};
 use super::slips::Evidence;
 use super::sticks::{bins, sticks};
 
-/// The longest lag that is considered, in seconds.
-pub const LONGEST: f64 = 4.0 * HOUR;
-
 /// A lag is accepted if twice the logarithm of the likelihood gains more than this.
 ///
 /// In synthetic records without a lag the gain is below 3, and below 10 with a thermometer that
 /// shows whole kelvins; a lag of five minutes gains 40.
 pub const CONVINCING: f64 = 15.0;
 
-/// The lags of the reported profile, in minutes.
-const MINUTES: [f64; 12] = [0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0];
+/// The lags of the reported profile, in minutes. The last one, two days, is the longest that is
+/// considered.
+const MINUTES: [f64; 19] = [
+    0.0, 5.0, 10.0, 15.0, 20.0, 30.0, 45.0, 60.0, 90.0, 120.0, 180.0, 240.0, 360.0, 480.0, 720.0, 1080.0, 1440.0,
+    2160.0, 2880.0,
+];
 
 /// By how many minutes two clocks may differ: what they gain in a year, and what summer time or a
 /// time zone that was forgotten make.
@@ -59,11 +60,18 @@ fn deviances(record: &MeasuredRecord, evidence: &Evidence, seconds: f64) -> impl
 pub fn lag_profile(record: &MeasuredRecord, evidence: &Evidence) -> LagProfile {
     let of = deviances(record, evidence, evidence.bin);
     let deviance = |lag: f64| of(&record.lagged(lag));
-    let likeliest = golden_section_minimum(0.0, LONGEST, 20, deviance);
-    let (at_best, without) = (deviance(likeliest), deviance(0.0));
-    let likeliest = if at_best < without { likeliest } else { 0.0 };
-    let lowest = at_best.min(without);
-    let profile = MINUTES.iter().map(|minutes| (60.0 * minutes, deviance(60.0 * minutes) - lowest)).collect();
+    let mut profile: Vec<(f64, f64)> = MINUTES.map(|minutes| 60.0 * minutes).map(|lag| (lag, deviance(lag))).to_vec();
+    let (without, last) = (profile[0].1, profile.len() - 1);
+    let best = (0..=last).min_by(|a, b| profile[*a].1.total_cmp(&profile[*b].1)).unwrap_or(0);
+    let (mut likeliest, mut lowest) = profile[best];
+    if best < last {
+        let found = golden_section_minimum(profile[best.saturating_sub(1)].0, profile[best + 1].0, 16, deviance);
+        let at_found = deviance(found);
+        if at_found < lowest {
+            (likeliest, lowest) = (found, at_found);
+        }
+    }
+    profile.iter_mut().for_each(|(_, deviance)| *deviance -= lowest);
     LagProfile { likeliest, gain: without - lowest, clock: clock(record, evidence, likeliest), profile }
 }
 
@@ -90,11 +98,41 @@ pub fn is_small(seconds: f64) -> bool {
 }
 
 impl LagProfile {
+    /// The most likely lag, if it is longer than none beyond doubt, and shorter than the longest that is
+    /// considered.
+    pub fn found(&self) -> Option<f64> {
+        (self.gain > CONVINCING && !self.is_beyond()).then_some(self.likeliest)
+    }
+
+    /// Whether an even longer lag than is considered may be more likely.
+    pub fn is_beyond(&self) -> bool {
+        self.gain > CONVINCING && self.profile.last().is_some_and(|(longest, _)| self.likeliest >= *longest)
+    }
+
     /// The deviance of a lag above the minimum, interpolated linearly between the lags of the
     /// profile.
     pub fn against(&self, lag: f64) -> f64 {
         let after = self.profile.iter().position(|(at, _)| *at >= lag).unwrap_or(self.profile.len() - 1).max(1);
         let ((a, low), (b, high)) = (self.profile[after - 1], self.profile[after]);
         low + (high - low) * (lag - a) / (b - a)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A lag at the end of what is considered is none that was found, however likely it is.
+    #[test]
+    fn a_lag_at_the_end_of_the_search_is_none() {
+        let of = |likeliest: f64, gain: f64| LagProfile {
+            likeliest,
+            gain,
+            clock: None,
+            profile: vec![(0.0, gain), (7200.0, 0.0)],
+        };
+        assert_eq!(of(3600.0, 100.0).found(), Some(3600.0));
+        assert_eq!((of(7200.0, 100.0).found(), of(7200.0, 100.0).is_beyond()), (None, true));
+        assert_eq!((of(3600.0, 10.0).found(), of(7200.0, 10.0).is_beyond()), (None, false));
     }
 }

@@ -21,6 +21,7 @@ mod crossing;
 mod detect;
 mod evolve;
 mod fit;
+mod friction;
 mod hold;
 mod lag;
 mod level;

@@ -4,7 +4,11 @@ use super::bearing::Response;
 use super::quantity::{Quantity, values};
 
 /// What holds of every bearing.
-pub(super) const CONDITION: &str = "A > 0, 0 < G <= 2 A and 0 < K/K_BP < 1";
+pub(super) const CONDITION: &str = "A > 0.05 K, 0 < G <= 2 A and 0 < K/K_BP < 1";
+
+/// The smallest A of a bearing, in kelvin. A bearing holds kelvins, and what thermometers tell is
+/// tenths.
+const LEAST: f64 = 0.05;
 
 /// A bearing that is not sheared has K/K_BP = 0, and noise makes the estimate a little smaller.
 /// Without K_BP no force is computed from it, so as much as this is allowed.
@@ -19,7 +23,7 @@ impl Response {
         let (reach, jump, shear) = (of(Quantity::Reach), of(Quantity::Jump), of(Quantity::Shear));
         let least = if shear_stiffness.is_some() { 0.0 } else { UNSHEARED };
         [
-            (Quantity::Reach, reach > 0.0 && reach.is_finite()),
+            (Quantity::Reach, reach > LEAST && reach.is_finite()),
             (Quantity::Jump, jump > 0.0 && jump.is_finite()),
             (Quantity::DynamicWay, jump <= 2.0 * reach),
             (Quantity::Dilatation, of(Quantity::Dilatation) > 0.0),
@@ -45,6 +49,7 @@ mod tests {
         };
         assert_eq!(of(motion, sensor), None);
         assert_eq!(of(Motion { reach: -4.0, ..motion }, sensor), Some(Quantity::Reach));
+        assert_eq!(of(Motion { reach: 0.04, jump: 0.01, ..motion }, sensor), Some(Quantity::Reach));
         assert_eq!(of(Motion { reach: f64::NAN, ..motion }, sensor), Some(Quantity::Reach));
         for jump in [-1.0, 0.0, f64::INFINITY] {
             assert_eq!(of(Motion { jump, ..motion }, sensor), Some(Quantity::Jump));

@@ -25,13 +25,14 @@ impl CalibrationMethod {
     pub fn name(self) -> &'static str {
         match self {
             CalibrationMethod::Slips => "slips",
-            CalibrationMethod::Err => "err",
+            CalibrationMethod::Err => "criterion",
             CalibrationMethod::Both => "both",
         }
     }
 
-    /// The method with this name.
+    /// The method with this name; `err` is an earlier name of the criterion.
     pub fn from_name(name: &str) -> Option<Self> {
+        let name = if name == "err" { "criterion" } else { name };
         [CalibrationMethod::Slips, CalibrationMethod::Err, CalibrationMethod::Both]
             .into_iter()
             .find(|method| method.name() == name)
@@ -71,11 +72,11 @@ pub struct CalibrationQuestion {
 }
 
 impl CalibrationQuestion {
-    /// The default question for a bearing: all parameters are fitted, by both methods.
+    /// The default question for a bearing: all parameters are fitted, from the slips.
     pub fn of(scene: &BridgeScene, record: &MeasuredRecord) -> Self {
         let first = record.temperatures.first().copied().unwrap_or(0.0);
         CalibrationQuestion {
-            method: CalibrationMethod::Both,
+            method: CalibrationMethod::Slips,
             shear_stiffness: scene.shear_stiffness,
             starts: 10,
             lag: Lag::Auto,
@@ -159,6 +160,17 @@ pub enum CalibrationError {
         /// Number of random weights that were tried.
         all: usize,
     },
+    /// The sensor shows steps that may be as large as jumps.
+    #[error(
+        "the displacement has a resolution of {:.3} mm, and the jumps that were found are of {:.3} mm: slips cannot be told \
+             from steps of the sensor", 1e3 * resolution, 1e3 * jump
+    )]
+    Coarse {
+        /// The usual size of the jumps, in metres.
+        jump: f64,
+        /// The resolution of the readings, in metres.
+        resolution: f64,
+    },
     /// The least squares find no bearing.
     #[error("the least squares give {}, and a bearing has {CONDITION}", stated(.quantity, .value))]
     NoBearing {
@@ -181,11 +193,14 @@ impl CalibrationError {
             CalibrationError::TooShort(_) => "measure for longer: weeks at least, with tens of slips",
             CalibrationError::Unsound(error) => error.remedy(),
             CalibrationError::NoSlips => {
-                "measure for longer, until tens of slips are in the record; the method `err` needs none, but beware of its \
+                "measure for longer, until tens of slips are in the record; the method `criterion` needs none, but beware of its \
                  estimates"
             }
             CalibrationError::Undetermined { .. } | CalibrationError::NoBearing { .. } => {
                 "measure for longer, until tens of slips are in the record"
+            }
+            CalibrationError::Coarse { .. } => {
+                "store the displacement with more digits, or take a sensor whose resolution is a fifth of a slip or better"
             }
             CalibrationError::NotSlips { .. } => {
                 "see that columns, units and K_BP are right; then the jumps have another cause, such as a crack that \

@@ -3,6 +3,7 @@
 use super::crossing::{Window, as_slips_say};
 use super::detect::{self, Jumps, trimmed_slope};
 use super::level::{Level, LevelSums};
+use super::question::CalibrationError;
 use super::samples::{MeasuredRecord, Samples, median, spread};
 use super::stick_analysis::{StickAnalysis, block};
 use super::sticks::bin_length;
@@ -20,6 +21,8 @@ pub struct Slip {
     pub sign: f64,
     /// The temperature at which it began (`crossing.rs`).
     pub temperature: f64,
+    /// The variance of that temperature, as far as samples do not tell it.
+    pub variance: f64,
     /// The level of z before it, from all samples of its stick.
     pub before: Level,
     /// The level after it.
@@ -40,14 +43,28 @@ impl Slip {
     }
 }
 
+/// The difference between a slip and the one before it in the other direction.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reversal {
+    /// By how many kelvin the temperature changed: 2 A - G.
+    pub change: f64,
+    /// The variance of that, as far as samples do not tell it.
+    pub variance: f64,
+    /// By how much the later slip is larger, in the unit of displacement.
+    pub growth: f64,
+    /// The time of the later slip, in seconds.
+    pub time: f64,
+    /// The index of the block whose weight it has.
+    pub block: usize,
+}
+
 /// Everything that the samples show of slips, and of the sticks between them.
 #[derive(Clone, Debug)]
 pub struct Evidence {
     /// The slips in order of time.
     pub slips: Vec<Slip>,
-    /// For each slip that follows one in the other direction, the difference of their temperatures
-    /// and the index of its block.
-    pub reversals: Vec<(f64, usize)>,
+    /// For each slip that follows one in the other direction, the difference of their temperatures.
+    pub reversals: Vec<Reversal>,
     /// Sums for the regression of z on T during sticks, for each block.
     pub sums: Vec<LevelSums>,
     /// The size of a usual jump divided by the standard deviation of the noise.
@@ -65,11 +82,22 @@ pub struct Evidence {
     pub beginning: Option<Level>,
 }
 
+/// Reversals are some tens in a record, and their errors have long tails, so their mean under random
+/// weights differs less from itself than from the truth, by this factor. It is measured in records with
+/// little noise, in which nothing else makes f_s uncertain.
+const FEW: f64 = 1.25;
+
+/// Jumps that are less than this many steps of the resolution of the sensor may be such steps.
+const COARSE: f64 = 3.5;
+
 /// Largest number of repeated searches for slips.
 const ROUNDS: usize = 6;
 
 /// A value farther from the median than this many standard deviations is unusual.
 const UNUSUAL: f64 = 2.5;
+
+/// A value farther than this is unusual even if slips are larger.
+const MOST_UNUSUAL: f64 = 4.0;
 
 impl Evidence {
     /// Find the slips of a record whose thermometer, where it is rough, moves like this one; `None`
@@ -90,7 +118,7 @@ impl Evidence {
                 break;
             }
         }
-        let straight = Thermometer::of(record).moving(0.0);
+        let straight = rough.straight(record);
         // Means do not tell how a temperature moves between them.
         let is_told = record.averaged == [0.0; 2];
         let moves = |windows: &[(Window, f64)]| match is_told {
@@ -142,6 +170,7 @@ impl Evidence {
                 time: 0.5 * (samples.times[i - 1] + samples.times[i]),
                 sign,
                 temperature: f64::NAN,
+                variance: 0.0,
                 before: sticks.before[i - 1],
                 after: sticks.after[i],
                 is_usual: false,
@@ -154,15 +183,12 @@ impl Evidence {
         }
         let thermometer = moves(&windows);
         for (slip, (window, sign)) in slips.iter_mut().zip(&windows) {
-            slip.temperature = thermometer.crossing(window, *sign)?.temperature;
+            let crossing = thermometer.crossing(window, *sign)?;
+            (slip.temperature, slip.variance) = (crossing.temperature, crossing.variance);
         }
         mark_usual(&mut slips, still);
         let is_whole = |from: usize, to: usize| !samples.starts.iter().any(|start| (from + 1..=to).contains(start));
-        let pairs =
-            slips.windows(2).filter(|pair| pair[0].sign != pair[1].sign && is_whole(pair[0].index, pair[1].index));
-        let changes =
-            pairs.map(|pair| ((pair[1].temperature - pair[0].temperature) * pair[1].sign, block(start, pair[1].time)));
-        let reversals = usual(changes.collect());
+        let reversals = usual(reversals(&slips, still, is_whole, |time| block(start, time)), thermometer.jump);
         let first = slips.first()?;
         let beginning = (!is_whole(0, first.index)).then(|| sticks.after[0]);
         Some(Evidence {
@@ -183,9 +209,14 @@ impl Evidence {
         LevelSums::weighted(&self.sums, weights).slope()
     }
 
-    /// f_d/(K beta), from the reversals, with these weights of the blocks.
+    /// f_d/(K beta), from the reversals, with these weights of the blocks, from which it differs by
+    /// more than their mean does.
     pub fn kinetic_reach(&self, weights: &[f64]) -> f64 {
-        0.5 * self.mean(weights, self.reversals.iter().copied())
+        let mean = |weights: &[f64]| {
+            0.5 * self.mean(weights, self.reversals.iter().map(|reversal| (reversal.change, reversal.block)))
+        };
+        let usual = mean(&self.unweighted());
+        usual + FEW * (mean(weights) - usual)
     }
 
     /// The mean of values, each with the index of its block, with these weights of the blocks.
@@ -237,6 +268,16 @@ impl Evidence {
         self.slips.iter().map(mixed).collect()
     }
 
+    /// Check that the jumps are larger than steps of a sensor of this resolution.
+    pub fn check_resolution(&self, resolution: f64) -> Result<(), CalibrationError> {
+        let still = self.still(&self.unweighted());
+        let jump = median(&mut self.slips.iter().map(|slip| slip.size(still)).collect::<Vec<_>>());
+        match jump < COARSE * resolution {
+            true => Err(CalibrationError::Coarse { jump, resolution }),
+            false => Ok(()),
+        }
+    }
+
     /// The index of the block of a time.
     pub fn block(&self, time: f64) -> usize {
         block(self.zero.start, time)
@@ -277,10 +318,97 @@ fn mark_usual(slips: &mut [Slip], still: f64) {
     }
 }
 
+/// A jump of more than this many usual ones is that of several slips.
+const TWO: f64 = 1.5;
+
+/// The most reversals in a row that have one weight.
+const IN_A_ROW: usize = 6;
+
+/// The differences between slips and those before them in the other direction, each with the block
+/// whose weight it has.
+///
+/// If the body turns twice in a row, the slip in between is in two differences, both of which its error
+/// makes larger, or both smaller. With weights of their own they would count as independent, and
+/// intervals of A would be too narrow by up to the root of 2; so they have one weight.
+fn reversals(
+    slips: &[Slip],
+    still: f64,
+    is_whole: impl Fn(usize, usize) -> bool,
+    block: impl Fn(f64) -> usize,
+) -> Vec<Reversal> {
+    let size = |slip: &Slip| slip.size(still);
+    let middle = median(&mut slips.iter().map(size).collect::<Vec<_>>());
+    let mut all = Vec::new();
+    let (mut row, mut of_row) = (0, 0);
+    for pair in slips.windows(2) {
+        let [a, b] = [pair[0], pair[1]];
+        // Of two slips between two samples, the temperature of one is known, and they are no single one.
+        let is_single = size(&a).max(size(&b)) < TWO * middle;
+        if a.sign == b.sign || !is_single || !is_whole(a.index, b.index) {
+            row = 0;
+            continue;
+        }
+        if row % IN_A_ROW == 0 {
+            of_row = block(b.time);
+        }
+        row += 1;
+        all.push(Reversal {
+            change: (b.temperature - a.temperature) * b.sign,
+            variance: a.variance + b.variance,
+            growth: b.size(still) - a.size(still),
+            time: b.time,
+            block: of_row,
+        });
+    }
+    all
+}
+
 /// The values that are not far from the median. If a slip was not seen, the difference at the next
-/// reversal is too large.
-fn usual(values: Vec<(f64, usize)>) -> Vec<(f64, usize)> {
-    let only: Vec<f64> = values.iter().map(|(value, _)| *value).collect();
+/// reversal is too large by G, of which half tells them apart, within what makes sense for the scatter.
+fn usual(reversals: Vec<Reversal>, jump: f64) -> Vec<Reversal> {
+    let only: Vec<f64> = reversals.iter().map(|reversal| reversal.change).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));
-    values.into_iter().filter(|(value, _)| (value - middle).abs() <= UNUSUAL * wide).collect()
+    let most = (0.5 * jump).clamp(UNUSUAL * wide, MOST_UNUSUAL * wide);
+    reversals.into_iter().filter(|reversal| (reversal.change - middle).abs() <= most).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Slips up, down, up, up and down, a day apart, with a threshold of 3 K to either side; each is in
+    /// a block of its own. The first three make two differences that share a slip.
+    #[test]
+    fn differences_that_share_a_slip_have_one_weight() {
+        let level = Level { reading: 0.0, temperature: 0.0, variance: 1.0 };
+        let slip = |(index, (sign, temperature)): (usize, &(f64, f64))| {
+            let (sign, temperature, time) = (*sign, *temperature, index as f64);
+            Slip { index, time, sign, temperature, variance: 0.1, before: level, after: level, is_usual: true }
+        };
+        let turns = [(1.0, 3.0), (-1.0, -3.0), (1.0, 3.5), (1.0, 4.0), (-1.0, -2.0)];
+        let slips: Vec<Slip> = turns.iter().enumerate().map(slip).collect();
+        let of = |is_whole: &dyn Fn(usize, usize) -> bool| -> Vec<(f64, usize)> {
+            let all = reversals(&slips, 0.0, is_whole, |time| time as usize);
+            all.iter().map(|reversal| (reversal.change, reversal.block)).collect()
+        };
+        assert_eq!(of(&|_, _| true), [(6.0, 1), (6.5, 1), (6.0, 4)]);
+        assert_eq!(of(&|from, _| from != 1), [(6.0, 1), (6.0, 4)]);
+    }
+
+    /// A difference that is 0.6 K too large stays where slips are of 2 K, and goes where they are of 1 K;
+    /// 2.5 and 4 standard deviations are 0.37 and 0.59 K.
+    #[test]
+    fn a_slip_that_was_not_seen_makes_a_difference_unusual() {
+        let of = |far: f64, jump: f64| {
+            let values = [-0.2, -0.1, -0.1, 0.0, 0.0, 0.1, 0.1, 0.2, far].map(|off| Reversal {
+                change: 16.0 + off,
+                variance: 0.0,
+                growth: 0.0,
+                time: 0.0,
+                block: 0,
+            });
+            usual(values.to_vec(), jump).len()
+        };
+        assert_eq!([of(0.5, 2.0), of(0.5, 0.9), of(0.7, 2.0), of(0.3, 0.1)], [9, 8, 8, 9]);
+    }
 }

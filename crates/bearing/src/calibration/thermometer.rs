@@ -1,10 +1,10 @@
 //! A temperature at its own samples, and how it moves between them.
 
-use super::samples::{MeasuredRecord, interval, starts, stretches};
+use super::samples::{MeasuredRecord, starts, stretches};
 use crate::weather::Imagined;
-use std::ops::Range;
 
-/// The samples of a thermometer, and what is known of the temperature between them.
+/// A temperature at the times of all samples, of the thermometer and of the displacement, and what is
+/// known of it between them.
 ///
 /// Between two samples the temperature is a Brownian bridge, whose variance grows by `roughness` in
 /// the unit of time. This holds for the noise of a scenario, for every time between samples that is
@@ -22,39 +22,31 @@ pub struct Thermometer {
     /// G, if it is known: where a slip came, the temperature did not go on by that much, which would
     /// have made two.
     pub jump: f64,
-    /// The index at which each stretch without a gap begins.
-    starts: Vec<usize>,
 }
 
 impl Thermometer {
-    /// The thermometer's own samples of a record, and the roughness that they show.
+    /// The temperatures of a record, with the roughness that the thermometer's own samples show.
     pub fn of(record: &MeasuredRecord) -> Self {
         let [times, temperatures] = record.thermometer();
-        Thermometer::sampled(times, temperatures)
-    }
-
-    /// A thermometer with these samples, and the roughness that they show.
-    pub fn sampled(times: Vec<f64>, temperatures: Vec<f64>) -> Self {
-        let starts = starts(&times);
-        let mut course =
-            Thermometer { times, temperatures, roughness: 0.0, drawn: Vec::new(), jump: f64::INFINITY, starts };
-        course.roughness = course.shown_roughness();
-        course
-    }
-
-    /// The same by a clock that goes so many seconds ahead.
-    pub fn shifted(mut self, seconds: f64) -> Self {
-        self.times.iter_mut().for_each(|time| *time += seconds);
-        self
+        let roughness = shown_roughness(&times, &temperatures);
+        let [times, temperatures] = [&record.times, &record.temperatures].map(Vec::clone);
+        Thermometer { times, temperatures, roughness, drawn: Vec::new(), jump: f64::INFINITY }
     }
 
     /// A temperature that was imagined.
     pub fn imagined(of: Imagined) -> Self {
         let Imagined { times, mean, drawn, roughness, .. } = of;
-        Thermometer { starts: starts(&times), times, temperatures: mean, drawn, roughness, jump: f64::INFINITY }
+        Thermometer { times, temperatures: mean, drawn, roughness, jump: f64::INFINITY }
     }
 
-    /// The same samples with another roughness between them; 0 for straight lines.
+    /// The temperatures of a record in straight lines, at the same times.
+    pub fn straight(&self, record: &MeasuredRecord) -> Self {
+        let here = MeasuredRecord { times: self.times.clone(), ..MeasuredRecord::default() };
+        let temperatures = here.with_temperatures(&record.times, &record.temperatures).temperatures;
+        Thermometer { temperatures, roughness: 0.0, drawn: Vec::new(), ..self.clone() }
+    }
+
+    /// The same with another roughness; 0 for straight lines.
     pub fn moving(self, roughness: f64) -> Self {
         Thermometer { roughness, ..self }
     }
@@ -64,48 +56,43 @@ impl Thermometer {
         Thermometer { jump: if jump > 0.0 { jump } else { f64::INFINITY }, ..self }
     }
 
-    /// The stretches without a gap.
-    pub fn stretches(&self) -> impl Iterator<Item = Range<usize>> {
-        stretches(&self.starts, self.times.len())
-    }
-
-    /// By how many kelvin a level has to be closer, so that the samples go beyond it as often as
-    /// the temperature between them goes beyond the level itself. That is 0.5826 standard
+    /// By how many kelvin a level has to be closer, so that samples of this interval go beyond it as
+    /// often as the temperature between them goes beyond the level itself. That is 0.5826 standard
     /// deviations of what the temperature gains from one sample to the next; 0.5826 is
     /// -zeta(1/2)/sqrt(2 pi) (Broadie, Glasserman and Kou, *Mathematical Finance* 7, 1997).
-    pub fn overlooked(&self) -> f64 {
-        let overlooked = 0.582_597_157_9 * (self.roughness * interval(&self.times)).sqrt();
+    pub fn overlooked(&self, interval: f64) -> f64 {
+        let overlooked = 0.582_597_157_9 * (self.roughness * interval).sqrt();
         if overlooked.is_finite() { overlooked } else { 0.0 }
     }
+}
 
-    /// The roughness, from how far a sample is from the straight line between those one before and
-    /// one after it, and between those two before and two after it.
-    ///
-    /// For a diffusion, the mean square of that distance grows with the time between the samples, g
-    /// = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
-    /// What is smooth adds a part that grows at least as g^3. Of two mean squares only one such
-    /// part can be told, so it is the one that leaves less roughness.
-    fn shown_roughness(&self) -> f64 {
-        let (t, x) = (&self.times, &self.temperatures);
-        let mean_square = |step: usize| {
-            let mut sums = [0.0; 3];
-            for stretch in self.stretches() {
-                for i in stretch.start + step..stretch.end.saturating_sub(step) {
-                    let [before, after] = [t[i] - t[i - step], t[i + step] - t[i]];
-                    let share = before / (before + after);
-                    let off = x[i] - x[i - step] - share * (x[i + step] - x[i - step]);
-                    sums = [sums[0] + off * off, sums[1] + share * after, sums[2] + 1.0];
-                }
+/// The roughness of samples at these times, from how far a sample is from the straight line between those one before and
+/// one after it, and between those two before and two after it.
+///
+/// For a diffusion, the mean square of that distance grows with the time between the samples, g
+/// = ab/(a + b) for samples a before and b after. The thermometer's own noise adds a constant.
+/// What is smooth adds a part that grows at least as g^3. Of two mean squares only one such
+/// part can be told, so it is the one that leaves less roughness.
+pub fn shown_roughness(t: &[f64], x: &[f64]) -> f64 {
+    let starts = starts(t);
+    let mean_square = |step: usize| {
+        let mut sums = [0.0; 3];
+        for stretch in stretches(&starts, t.len()) {
+            for i in stretch.start + step..stretch.end.saturating_sub(step) {
+                let [before, after] = [t[i] - t[i - step], t[i + step] - t[i]];
+                let share = before / (before + after);
+                let off = x[i] - x[i - step] - share * (x[i + step] - x[i - step]);
+                sums = [sums[0] + off * off, sums[1] + share * after, sums[2] + 1.0];
             }
-            [sums[0] / sums[2], sums[1] / sums[2]]
-        };
-        let ([one, g], [two, h]) = (mean_square(1), mean_square(2));
-        let less_noise = (two - one) / (h - g);
-        let [cube_g, cube_h] = [g, h].map(|g| g * g * g);
-        let less_smooth = (one * cube_h - two * cube_g) / (g * cube_h - h * cube_g);
-        let roughness = less_noise.min(less_smooth).max(0.0);
-        if roughness.is_finite() { roughness } else { 0.0 }
-    }
+        }
+        [sums[0] / sums[2], sums[1] / sums[2]]
+    };
+    let ([one, g], [two, h]) = (mean_square(1), mean_square(2));
+    let less_noise = (two - one) / (h - g);
+    let [cube_g, cube_h] = [g, h].map(|g| g * g * g);
+    let less_smooth = (one * cube_h - two * cube_g) / (g * cube_h - h * cube_g);
+    let roughness = less_noise.min(less_smooth).max(0.0);
+    if roughness.is_finite() { roughness } else { 0.0 }
 }
 
 #[cfg(test)]

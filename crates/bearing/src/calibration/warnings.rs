@@ -2,6 +2,7 @@
 //!
 //! A warning is one row of the list below: its name, and the function that says it where it is due.
 
+use super::friction::Assumed;
 use super::lag::{CONVINCING, is_small};
 use super::quantity::Quantity;
 use super::question::{CalibrationMethod, Lag};
@@ -14,6 +15,7 @@ use super::warning::CalibrationWarning;
 struct Case<'a> {
     calibration: &'a Calibration,
     evidence: Option<&'a Evidence>,
+    assumed: &'a Assumed,
 }
 
 /// Says a warning in a sentence or two, if it is due.
@@ -29,7 +31,12 @@ const ALL: &[(&str, Says)] = &[
     ("few_slips", few_slips),
     ("sparse_samples", sparse_samples),
     ("scatter", scatter),
+    ("friction_changes", friction_changes),
+    ("temperature_elsewhere", temperature_elsewhere),
+    ("two_sizes", two_sizes),
+    ("saturated", saturated),
     ("lag", lag),
+    ("lag_beyond", lag_beyond),
     ("other_lag", other_lag),
     ("clocks", clocks),
     ("zero_set", zero_set),
@@ -40,14 +47,24 @@ const ALL: &[(&str, Says)] = &[
 ];
 
 /// The warnings of a calibration. `evidence` is given if slips were seen.
-pub(super) fn warnings(calibration: &Calibration, evidence: Option<&Evidence>) -> Vec<CalibrationWarning> {
-    let case = Case { calibration, evidence };
+pub(super) fn warnings(
+    calibration: &Calibration,
+    evidence: Option<&Evidence>,
+    assumed: &Assumed,
+) -> Vec<CalibrationWarning> {
+    let case = Case { calibration, evidence, assumed };
     ALL.iter().filter_map(|(name, says)| Some(CalibrationWarning { name, text: says(&case)? })).collect()
 }
 
 impl Case<'_> {
     fn estimate(&self, quantity: Quantity) -> ParameterEstimate {
         self.calibration.estimate(quantity)
+    }
+
+    /// What the temperature moves from one sample to the next, in kelvin.
+    fn moved(&self) -> f64 {
+        let [times, _] = self.calibration.record.thermometer();
+        (self.calibration.roughness * interval(&times)).sqrt()
     }
 }
 
@@ -114,7 +131,7 @@ fn gap_not_identified(case: &Case) -> Option<String> {
     let is_identified = case.calibration.standard_error(Quantity::Jump) < IDENTIFIED * jump;
     let explained = case.evidence.map_or(1.0, |evidence| evidence.explained(&case.calibration.response));
     let text = "f_s - f_d is not identified: slips are too few, or do not explain all of the way, because they are \
-                hardly larger than the noise or the body slides without them";
+                hardly larger than the noise, the body slides without them, or the sensor sees several bearings";
     (!is_identified || explained < EXPLAINED).then(|| text.into())
 }
 
@@ -133,13 +150,12 @@ fn few_slips(case: &Case) -> Option<String> {
 
 /// What the temperature may move between two samples, as a share of the jump G. Beyond, estimates were
 /// off by one per cent.
-const SPARSE: f64 = 0.9;
+const SPARSE: f64 = 0.75;
 
 /// The temperature moves far between two samples.
 fn sparse_samples(case: &Case) -> Option<String> {
     let jump = case.evidence.map(|_| case.estimate(Quantity::Jump).estimate)?;
-    let [times, _] = case.calibration.record.thermometer();
-    let moved = (case.calibration.roughness * interval(&times)).sqrt();
+    let moved = case.moved();
     (moved > SPARSE * jump).then(|| {
         format!(
             "the temperature moves by {moved:.2} K from one sample to the next, where a slip releases {jump:.2} K: f_s and \
@@ -160,6 +176,88 @@ fn scatter(case: &Case) -> Option<String> {
          slips are more accurate than the least squares, which assume a constant f_s",
         100.0 * share
     ))
+}
+
+/// A changes over the record.
+fn friction_changes(case: &Case) -> Option<String> {
+    let range = case.assumed.range?;
+    let (quantity, factor, unit) = match case.calibration.question.shear_stiffness {
+        Some(_) => (Quantity::Static, 1e-3, "kN"),
+        None => (Quantity::StaticWay, 1e3, "mm"),
+    };
+    let [low, high] = range.map(|share| factor * share * case.estimate(quantity).estimate);
+    Some(format!(
+        "{} changes over the record, from {low:.3} to {high:.3} {unit}, as the temperatures and sizes of slips against their \
+         dates show: the estimates and intervals are those of its mean, and a forecast takes friction from this range",
+        quantity.symbol()
+    ))
+}
+
+/// The scatter of the temperatures of slips, as a multiple of what samples explain, above which they are
+/// not those of the steel.
+const ELSEWHERE: f64 = 1.8;
+
+/// The temperatures at which slips begin scatter too much.
+fn temperature_elsewhere(case: &Case) -> Option<String> {
+    let Assumed { scatter, expected, range: None, sizes: None } = *case.assumed else { return None };
+    (scatter > ELSEWHERE * expected).then(|| {
+        format!(
+            "half of the change of temperature between slips to either side scatters by {scatter:.2} K, and noise explains \
+             {expected:.2} K: the thermometer does not show the temperature of the steel, as one at another place or slower \
+             than the steel; f_s and f_d may be too small by 5 to 20 %, which is not in their intervals; put the thermometer \
+             on the steel"
+        )
+    })
+}
+
+/// What the temperature may move between two samples, as a share of the jump G, so that two slips at once
+/// are rare.
+const ONE_AT_ONCE: f64 = 0.3;
+
+/// Jumps have two sizes.
+fn two_sizes(case: &Case) -> Option<String> {
+    let jump = case.estimate(Quantity::Jump).estimate;
+    let is_clear = case.moved() < ONE_AT_ONCE * jump && saturated(case).is_none();
+    let [small, large] = case.assumed.sizes.filter(|_| is_clear)?.map(|size| 1e3 * size);
+    Some(format!(
+        "jumps have two sizes, {small:.2} and {large:.2} mm, as if the sensor saw two bearings: K, f_s and f_d are those of \
+         neither; measure each bearing with a sensor of its own"
+    ))
+}
+
+/// A sensor at the end of its range stays there for as many samples.
+const STAYS: usize = 12;
+
+/// Readings stay at the largest or the smallest value.
+fn saturated(case: &Case) -> Option<String> {
+    let samples = case.calibration.record.samples();
+    let end = |sign: f64| {
+        let of = |reading: &f64| sign * reading;
+        let end = samples.readings.iter().map(of).fold(f64::NEG_INFINITY, f64::max);
+        let count = |from: f64, to: f64| samples.readings.iter().map(of).filter(|z| (from..=to).contains(z)).count();
+        let at_end = count(end, end);
+        // Of a sensor with a coarse resolution, as many readings are a step further in.
+        let next = samples.readings.iter().map(of).filter(|z| *z < end).fold(f64::NEG_INFINITY, f64::max);
+        (at_end >= STAYS && at_end > 4 * count(next, next)).then_some((at_end, sign * end))
+    };
+    let (count, reading) = [1.0, -1.0].into_iter().find_map(end)?;
+    Some(format!(
+        "{count} readings are {:.3} mm, beyond which there is none: the sensor seems to be at the end of its range, and slips \
+         there are not seen; leave these readings out, and move the sensor",
+        1e3 * reading
+    ))
+}
+
+/// The steel may lag behind the thermometer by more than is considered.
+fn lag_beyond(case: &Case) -> Option<String> {
+    let profile = case.calibration.lag_profile.as_ref().filter(|profile| profile.is_beyond())?;
+    let longest = profile.profile.last()?.0 / HOUR;
+    (case.calibration.question.lag == Lag::Auto).then(|| {
+        format!(
+            "a lag of {longest:.0} h or more behind the thermometer fits best, which is no lag of steel: it is not used, and \
+             f_s, f_d and K may be far off; measure the temperature of the steel"
+        )
+    })
 }
 
 /// The steel lags behind the thermometer.
@@ -306,7 +404,9 @@ mod tests {
             let mut is_identified = |error: f64| {
                 let [low, high] = [1.0 - quantile * error, 1.0 + quantile * error];
                 calibration.estimates[Quantity::Jump as usize] = ParameterEstimate { estimate: 1.0, low, high };
-                warnings(&calibration, None).iter().all(|warning| warning.name() != "gap_not_identified")
+                warnings(&calibration, None, &Assumed::default())
+                    .iter()
+                    .all(|warning| warning.name() != "gap_not_identified")
             };
             assert_eq!([0.2, 0.3].map(&mut is_identified), [true, false], "{level}");
         }

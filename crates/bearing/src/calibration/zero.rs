@@ -81,6 +81,10 @@ const STEP: f64 = 40.0;
 /// The same for a drift, which has one place.
 const DRIFT: f64 = 20.0;
 
+/// Middles of one day count as one, because noise of the sensor that lasts is the same in them, in
+/// seconds.
+const DAY: f64 = 86_400.0;
+
 /// A step must have as many jumps on each side.
 const BESIDE: usize = 5;
 
@@ -137,7 +141,8 @@ impl ZeroColumns {
     /// they have to gain.
     fn gain_over(&self, fewer: &Self, middles: &[Middle]) -> f64 {
         let squares = |columns: &Self| columns.line(middles).map_or(f64::NAN, |line| line.squares);
-        let gain = middles.len() as f64 * libm::log(squares(fewer) / squares(self));
+        let days = middles.chunk_by(|a, b| libm::floor(a.time / DAY) == libm::floor(b.time / DAY)).count();
+        let gain = days as f64 * libm::log(squares(fewer) / squares(self));
         let price = if self.drifts == fewer.drifts { STEP } else { DRIFT };
         if gain.is_nan() { f64::NEG_INFINITY } else { gain - price }
     }

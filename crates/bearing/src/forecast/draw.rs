@@ -51,6 +51,8 @@ pub struct BearingDraws {
     estimates: [f64; DRAWN.len()],
     errors: Matrix,
     shear_stiffness: Option<f64>,
+    /// A in the record, as shares of its mean, if friction changes.
+    range: Option<[f64; 2]>,
 }
 
 impl BearingDraws {
@@ -72,7 +74,8 @@ impl BearingDraws {
             let diagonal = |i: usize, j: usize| if i == j { finite(sds[i]) } else { 0.0 };
             (0..DRAWN.len()).map(|i| (0..DRAWN.len()).map(|j| diagonal(i, j)).collect()).collect()
         });
-        BearingDraws { estimates, errors, shear_stiffness: calibration.question.shear_stiffness }
+        let (shear_stiffness, range) = (calibration.question.shear_stiffness, calibration.friction_range);
+        BearingDraws { estimates, errors, shear_stiffness, range }
     }
 
     /// The most likely bearing.
@@ -84,7 +87,13 @@ impl BearingDraws {
     /// drawn before it. `None` if many draws in a row gave no possible bearing.
     pub fn draw(&self, random: &mut Stream) -> Option<(DrawnBearing, u64)> {
         (0..REPEATS).find_map(|before| {
-            let bearing = self.at(&DRAWN.map(|_| random.normal()));
+            let mut bearing = self.at(&DRAWN.map(|_| random.normal()));
+            if let Some([low, high]) = self.range {
+                // Friction that changes is that of any day of the record.
+                let share = low + (high - low) * random.uniform();
+                let Motion { reach, jump, .. } = &mut bearing.response.motion;
+                (*reach, *jump) = (share * *reach, share * *jump);
+            }
             self.is_possible(&bearing).then_some((bearing, before))
         })
     }

@@ -74,9 +74,12 @@ impl Foreseen {
         Ok(forecast.map(|forecast| Foreseen { calibration, weather, forecast }))
     }
 
-    /// Reasons why the years may mislead, besides those of the calibration.
-    pub fn warnings(&self) -> Vec<String> {
-        self.weather.warnings().into_iter().chain(self.forecast.warnings()).collect()
+    /// Reasons why the years may mislead: those of the calibration, of the weather and of the years,
+    /// each with its name.
+    pub fn warnings(&self) -> Vec<(String, String)> {
+        let of_bearing = self.calibration.warnings.iter().map(|warning| (warning.name().into(), warning.to_string()));
+        let of_weather = self.weather.warnings().into_iter().map(|text| ("weather".to_string(), text));
+        of_bearing.chain(of_weather).chain(self.forecast.warnings()).collect()
     }
 }
 

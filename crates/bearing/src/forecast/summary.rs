@@ -127,7 +127,7 @@ impl Forecast {
     }
 
     /// Reasons to be careful with the result.
-    pub fn warnings(&self) -> Vec<String> {
+    pub fn warnings(&self) -> Vec<(String, String)> {
         let Forecast { showed: Showed { slips, duration, .. }, usual: [low, high], .. } = self;
         let another = (slips < low || slips > high).then(|| {
             format!(
@@ -143,7 +143,8 @@ impl Forecast {
                 self.redrawn
             )
         });
-        another.into_iter().chain(redrawn).collect()
+        let named = |name: &str, text: Option<String>| text.map(|text| (name.to_string(), text));
+        named("record_unlike_forecast", another).into_iter().chain(named("draws_redrawn", redrawn)).collect()
     }
 
     /// The forecast of a quantity, if it can be known.

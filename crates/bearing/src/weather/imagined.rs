@@ -23,7 +23,7 @@ pub struct Imagined {
 }
 
 /// Number of draws.
-const DRAWS: u64 = 12;
+const DRAWS: u64 = 48;
 
 /// Seed of the draws.
 const SEED: u64 = 0x1A_61;
@@ -40,12 +40,16 @@ const SHARE: f64 = 0.1;
 /// temperature gains from one sample to the next.
 const NOISY: f64 = 0.15;
 
+/// Times that are closer than this are the same, in seconds.
+const SAME: f64 = 1e-3;
+
 /// The most parts of the time between two samples.
 const PARTS: f64 = 12.0;
 
-/// Imagine the temperature of these samples, each a mean over `window` seconds around its time, if
-/// they do not tell it by themselves as a diffusion that is sampled without noise.
-pub fn imagined(times: &[f64], temperatures: &[f64], interval: f64, window: f64) -> Option<Imagined> {
+/// Imagine the temperature of these samples, given as times and values, each a mean over `window`
+/// seconds around its time, at the times `wanted` as well; if the samples do not tell it by themselves, as a
+/// diffusion that is sampled at these times without noise.
+pub fn imagined([times, temperatures]: [&[f64]; 2], wanted: &[f64], interval: f64, window: f64) -> Option<Imagined> {
     let periods = usual(times).0;
     let pieces = times.len().div_ceil(PIECE);
     let every = times.len().div_ceil(MOST);
@@ -60,13 +64,14 @@ pub fn imagined(times: &[f64], temperatures: &[f64], interval: f64, window: f64)
     let rates = processes.iter().filter(|(_, variance)| *variance > 1e-6).map(|(rate, _)| *rate);
     let fastest = rates.fold(0.0, f64::max);
     let is_noisy = white > NOISY * NOISY * roughness * interval;
-    if !(window > 0.0 || is_noisy || fastest * interval > SHARE) {
+    if !(window > 0.0 || is_noisy || fastest * interval > SHARE || wanted != times) {
         return None;
     }
     let whole = ProcessSearch::new([times, temperatures], &periods, 2, false, window);
     let step = (SHARE / fastest).min(if window > 0.0 { 0.5 * window } else { interval }).max(interval / PARTS);
     let half = 0.5 * window;
     let mut nodes: Vec<WeatherNode> = Vec::new();
+    let mut wanted = wanted.iter().copied().peekable();
     for (time, left) in times.iter().zip(whole.left()) {
         let [begin, end] = [time - half, time + half];
         match nodes.last_mut() {
@@ -75,13 +80,21 @@ pub fn imagined(times: &[f64], temperatures: &[f64], interval: f64, window: f64)
             _ if window > 0.0 => nodes.push(WeatherNode { time: begin, sample: None, opens: true }),
             _ => (),
         }
-        if let Some(WeatherNode { time: from, .. }) = nodes.last().copied() {
-            let parts = ((end - from) / step - 1e-6).ceil().clamp(1.0, 4.0 * PARTS);
+        let last = nodes.last().map(|node| node.time);
+        let mut until = |to: f64, sample: Option<f64>| {
+            let from = nodes.last().map_or(to, |node| node.time);
+            let parts = ((to - from) / step - 1e-6).ceil().clamp(1.0, 4.0 * PARTS);
             let part =
-                |k: u32| WeatherNode { time: from + f64::from(k) * (end - from) / parts, sample: None, opens: false };
+                |k: u32| WeatherNode { time: from + f64::from(k) * (to - from) / parts, sample: None, opens: false };
             nodes.extend((1..parts as u32).map(part));
+            nodes.push(WeatherNode { time: to, sample, opens: false });
+        };
+        while let Some(time) = wanted.next_if(|time| *time < end + SAME) {
+            if last.is_some_and(|last| time > last + SAME) && time < end - SAME {
+                until(time, None);
+            }
         }
-        nodes.push(WeatherNode { time: end, sample: Some(*left), opens: false });
+        until(end, Some(*left));
     }
     let shape = Shape { processes, smoothing: 0.0, window, white };
     let smoother = Smoother::new(&shape, &nodes);

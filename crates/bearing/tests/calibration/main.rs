@@ -5,6 +5,7 @@
 
 mod accuracy;
 mod bridge;
+mod causes;
 mod flaws;
 mod forecast;
 mod limits;

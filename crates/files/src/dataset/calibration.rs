@@ -109,6 +109,10 @@ fn attributes(walk: &mut Walk, stored: &mut StoredCalibration) -> Walked {
     walk.attribute("temperature_resolution", &mut calibration.resolution)?;
     walk.attribute("temperature_roughness", &mut calibration.roughness)?;
     walk.attribute("sensor_drift", &mut calibration.zero.drift)?;
+    let [mut low, mut high] = [0, 1].map(|i| calibration.friction_range.map(|range| range[i]));
+    walk.attribute("friction_low", &mut low)?;
+    walk.attribute("friction_high", &mut high)?;
+    calibration.friction_range = low.zip(high).map(|(low, high)| [low, high]);
     if let Some(profile) = walk.present(&LAG, &mut calibration.lag_profile) {
         walk.attribute("lag_likeliest", &mut profile.likeliest)?;
         walk.attribute("lag_gain", &mut profile.gain)?;

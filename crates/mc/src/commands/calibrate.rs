@@ -6,9 +6,10 @@ use crate::arguments::measurements::Source;
 use crate::output::numbers::parse_duration;
 use crate::report::{self, bearing};
 use crate::session::cost::STUDY_BYTES;
-use crate::{Failure, note, print, stop_on_signals, warn};
-use std::path::PathBuf;
+use crate::{Failure, note, print, stop_on_signals, warn, writable};
+use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
+use stickslip::scenario::BridgeScene;
 use stickslip_bearing::calibration::{CalibrationMethod, CalibrationQuestion, Lag, NotHeld, Quantity, calibrate};
 use stickslip_files::dataset::Dataset;
 use stickslip_files::store::{self, StoredCalibration};
@@ -19,8 +20,8 @@ use stickslip_files::store::{self, StoredCalibration};
 pub struct Arguments {
     #[command(flatten)]
     source: Source,
-    /// Estimate from the slips, by the least squares of the paper (err), or by both
-    #[arg(long, value_name = "slips|err|both", default_value = "both", value_parser = method)]
+    /// Estimate from the slips, by the least squares of the paper (criterion), or by both
+    #[arg(long, value_name = "slips|criterion|both", default_value = "slips", value_parser = method)]
     method: CalibrationMethod,
     /// The keys of the parameters to fit; the others keep the value that the scenario gives them
     /// [default: all]
@@ -36,10 +37,10 @@ pub struct Arguments {
     /// Delay of the temperature of the steel behind the thermometer, e.g. 15m; `auto` estimates it
     #[arg(long, value_name = "auto|TIME", default_value = "auto", value_parser = lag)]
     lag: Lag,
-    /// Write everything to FILE: estimates, slips, starting points with their results, the
-    /// measurements and the model
-    #[arg(short, long, value_name = "FILE.h5")]
-    output: Option<PathBuf>,
+    /// Write everything to FILE.h5: estimates, slips, starting points with their results, the
+    /// measurements and the model; or the scenario with the estimates to FILE.toml; repeatable
+    #[arg(short, long, value_name = "FILE.h5|FILE.toml")]
+    output: Vec<PathBuf>,
     /// Overwrite an earlier file
     #[arg(long, requires = "output")]
     force: bool,
@@ -51,8 +52,11 @@ pub struct Arguments {
 impl Arguments {
     pub fn call(&self) -> Result<(), Failure> {
         let scene = self.source.scene()?;
-        if let Some(output) = &self.output {
-            writable_hdf5(output, self.force, self.source.inputs()?)?;
+        for output in &self.output {
+            match is_scenario(output) {
+                true => writable(output, self.force, self.source.inputs()?)?,
+                false => writable_hdf5(output, self.force, self.source.inputs()?)?,
+            }
         }
         let record = self.source.record(&scene)?;
         let question = CalibrationQuestion {
@@ -69,19 +73,56 @@ impl Arguments {
         let calibration = calibrate(&record, &question, threads, &stop)
             .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?;
         let stored = StoredCalibration::of(&scene.title, &scene.text, calibration);
-        if let Some(output) = &self.output {
-            store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?;
+        for output in &self.output {
+            match is_scenario(output) {
+                true => store::write_whole(output, fitted(&stored)?.as_bytes(), self.force)?,
+                false => store::write_dataset(output, Dataset::of_calibration(&stored), self.force)?,
+            }
         }
         stored.warnings.iter().for_each(|(_, warning)| warn(warning));
         print(&match self.json {
             true => report::json::of_calibration(&stored),
             false => report::text(&bearing::calibration(&stored.title, &stored.calibration, false)),
         })?;
-        if let Some(output) = &self.output {
-            note(&format!("{} has all of it; `mc plot {0}` draws it", output.display()));
+        for output in &self.output {
+            match is_scenario(output) {
+                true => note(&format!("{} is the scenario with the estimates", output.display())),
+                false => note(&format!("{} has all of it; `mc plot {0}` draws it", output.display())),
+            }
         }
         if stop.load(Ordering::Relaxed) { Err(Failure::Interrupted) } else { Ok(()) }
     }
+}
+
+fn is_scenario(output: &Path) -> bool {
+    output.extension().is_some_and(|ending| ending == "toml")
+}
+
+/// The text of the scenario with the estimates in place of its values. The initial displacement stays, because it is that of the record.
+fn fitted(stored: &StoredCalibration) -> Result<String, Failure> {
+    let known = Quantity::FITTED.into_iter().filter(|quantity| *quantity != Quantity::Displacement);
+    let mut lines: Vec<String> = stored.scenario_text.lines().map(String::from).collect();
+    for quantity in known {
+        let value = stored.calibration.estimate(quantity).estimate;
+        let Some((table, key)) = quantity.key().split_once('.').filter(|_| value.is_finite()) else { continue };
+        let line = format!("{key} = {value:.6e}");
+        let is_header = |line: &String| line.trim_start().starts_with('[');
+        let is_key = |line: &String| line.split('=').next().is_some_and(|name| name.trim() == key);
+        match lines.iter().position(|line| line.trim() == format!("[{table}]")) {
+            Some(header) => {
+                let end = lines[header + 1..].iter().position(is_header).map_or(lines.len(), |end| header + 1 + end);
+                match lines[header + 1..end].iter().position(is_key) {
+                    Some(at) => lines[header + 1 + at] = line,
+                    None => lines.insert(header + 1, line),
+                }
+            }
+            None => lines.extend([String::new(), format!("[{table}]"), line]),
+        }
+    }
+    let text = lines.join("\n") + "\n";
+    // Tables in other forms would now be there twice, which this refuses.
+    BridgeScene::parse("the scenario with the estimates", &text, &[])?;
+    Ok(text)
 }
 
 impl From<NotHeld> for Failure {
@@ -95,7 +136,7 @@ impl From<NotHeld> for Failure {
 }
 
 fn method(text: &str) -> Result<CalibrationMethod, String> {
-    CalibrationMethod::from_name(text).ok_or_else(|| "write slips, err or both".to_string())
+    CalibrationMethod::from_name(text).ok_or_else(|| "write slips, criterion or both".to_string())
 }
 
 fn parameter(text: &str) -> Result<Quantity, String> {

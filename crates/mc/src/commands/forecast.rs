@@ -73,8 +73,8 @@ impl Arguments {
         let foreseen = Foreseen::of(&scene, &record, &question, usize::from(self.processes), threads, &stop)
             .map_err(|error| Failure::run_of(self.source.shown(), &error, error.remedy()))?
             .ok_or(Failure::Interrupted)?;
-        foreseen.calibration.warnings.iter().for_each(warn);
-        foreseen.warnings().into_iter().for_each(warn);
+        let warnings = foreseen.warnings();
+        warnings.iter().for_each(|(_, text)| warn(text));
         let found = &foreseen.forecast;
         let content = |output: &Path| match is_page(output) {
             true => report::of_forecast(&scene, &foreseen),
@@ -84,7 +84,9 @@ impl Arguments {
             self.output.iter().map(|output| (output.as_path(), content(output))).collect();
         store::write_together(&files, self.force)?;
         match self.json {
-            true => print_data(&dataset::json(&Dataset::of_forecast(&scene.title, &scene.text, found), None))?,
+            true => {
+                print_data(&dataset::json_with(&Dataset::of_forecast(&scene.title, &scene.text, found), &warnings))?
+            }
             false => print(&text(&bearing::forecast(&scene.title, found)))?,
         }
         for output in &self.output {

@@ -105,11 +105,11 @@ fn of_bearing(stored: &StoredCalibration, foreseen: Option<&Foreseen>) -> String
     let mut report = report::bearing::calibration(title, calibration, true);
     let years = foreseen.map(|foreseen| report::bearing::forecast(title, &foreseen.forecast).tables);
     report.tables.splice(0..0, years.unwrap_or_default());
-    let own = stored.warnings.iter().map(|(_, text)| text.clone());
+    let warnings = foreseen.map_or_else(|| stored.warnings.clone(), Foreseen::warnings);
     let program = stored.other_program.clone().unwrap_or_else(crate::version);
     let page = Page {
         report,
-        warnings: own.chain(foreseen.map(Foreseen::warnings).unwrap_or_default()).collect(),
+        warnings: warnings.into_iter().map(|(_, text)| text).collect(),
         words: vec![("Results from the record", report::bearing::seen(calibration)), ("Not included", LEFT_OUT.into())],
         pictures: pictures(&Subject::Calibration { title, calibration }),
         scenario: scenario_text,

@@ -1,24 +1,34 @@
 //! A data set as one JSON object, in the form that `xarray.Dataset.from_dict` reads.
 
-use crate::output::document::document;
+use crate::output::document::{document, named};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 use stickslip_files::dataset::{Attribute, Column, Dataset, Entry};
 
 /// The data set that is in this file, or will be. Numbers that are not finite are null.
 pub fn json(dataset: &Dataset, file: Option<&Path>) -> String {
+    document("data set", object(dataset, file))
+}
+
+/// The same of a data set that is in no file, with the warnings about it, each with its name.
+pub fn json_with(dataset: &Dataset, warnings: &[(String, String)]) -> String {
+    let mut object = object(dataset, None);
+    object["warnings"] = named(warnings);
+    document("data set", object)
+}
+
+fn object(dataset: &Dataset, file: Option<&Path>) -> Value {
     let is_coordinate = |entry: &&Entry| entry.axes == [entry.name.as_str()];
     let (coordinates, others): (Vec<&Entry>, Vec<&Entry>) = dataset.entries.iter().partition(is_coordinate);
     let all = |entries: Vec<&Entry>| -> Map<String, Value> {
         entries.into_iter().map(|entry| (entry.name.clone(), variable(dataset, entry))).collect()
     };
-    let object = json!({
+    json!({
         "file": file.map(|file| file.display().to_string()),
         "attrs": attributes(&dataset.attributes),
         "coords": all(coordinates),
         "data_vars": all(others),
-    });
-    document("data set", object)
+    })
 }
 
 fn variable(dataset: &Dataset, entry: &Entry) -> Value {

@@ -12,7 +12,8 @@ const DATA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/bridge/t
 fn the_shipped_twin_is_calibrated_in_one_command() {
     let folder = tempfile::tempdir().expect("a folder");
     let path = folder.path();
-    let printed = done(path, &["calibrate", SCENARIO, DATA, "--json", "-o", "fit.h5"]);
+    let printed =
+        done(path, &["calibrate", SCENARIO, DATA, "--method", "both", "--json", "-o", "fit.h5", "-o", "fitted.toml"]);
     let reported = json(&printed);
     let keys = [
         "bearing.offset",
@@ -48,6 +49,15 @@ fn the_shipped_twin_is_calibrated_in_one_command() {
     let row = csv.lines().find(|line| line.starts_with("fit.h5,oscillator.stiffness,K,")).expect("a row");
     let there: f64 = row.split(',').nth(3).and_then(|cell| cell.parse().ok()).expect("a number");
     assert!((there / stiffness - 1.0).abs() < 1e-15, "{csv}");
+    // The scenario with the estimates has them, and everything else of the scenario.
+    let [fitted, scenario] = [path.join("fitted.toml").as_path(), SCENARIO.as_ref()]
+        .map(|file| std::fs::read_to_string(file).expect("a scenario"));
+    for (key, of) in [("stiffness", "oscillator.stiffness"), ("static", "friction.static")] {
+        let value = parameters[of]["estimate"].as_f64().expect("a number");
+        assert!(fitted.contains(&format!("{key} = {value:.6e}\n")), "{fitted}");
+    }
+    assert!(fitted.contains("2.0e9") && fitted.lines().count() <= scenario.lines().count() + 1, "{fitted}");
+    done(path, &["calibrate", "fitted.toml", DATA, "--json"]);
     refused(path, &["show", "fit.h5", "--statistics", "jump_mean"], 2, &["fit.h5 is a calibration"]);
     done(path, &["plot", "fit.h5", "-o", "page.svg"]);
     refused(path, &["calibrate", SCENARIO, DATA, "--method", "slips", "-o", "fit.h5"], 2, &["--force"]);
@@ -112,7 +122,7 @@ fn what_cannot_be_used_is_refused_in_words() {
         ("clockless.csv", &[], 2, "no unit of time"),
         ("short.csv", &["--displacement", "gauge"], 2, "gauge"),
         (DATA, &["--lag", "soon"], 2, "15m"),
-        (DATA, &["--method", "magic"], 2, "slips, err or both"),
+        (DATA, &["--method", "magic"], 2, "slips, criterion or both"),
         (DATA, &["--fit", "friction.gap"], 2, "friction.static"),
         (DATA, &["--bounds", "friction.static=6e5:4e5"], 2, "below"),
         (DATA, &["--fit", "friction.static"], 2, "initial.displacement"),

@@ -1,0 +1,124 @@
+//! What slips say beyond the one bearing with constant friction under the measured temperature that
+//! the estimates assume: friction that changes over the record, slips that begin at other temperatures than
+//! the measured one explains, and jumps of two sizes.
+
+use super::bearing::Response;
+use super::samples::spread;
+use super::slips::{Evidence, Reversal};
+use crate::bearing::linear::Normal;
+
+/// How far friction and the temperatures of slips are from what the estimates assume.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Assumed {
+    /// The smallest and the largest A over the record, as shares of its mean, if it changes.
+    pub range: Option<[f64; 2]>,
+    /// The standard deviation of the temperatures at which slips begin, in kelvin, beyond the noise of the
+    /// thermometer and what it does between samples.
+    pub scatter: f64,
+    /// The same as it is to be expected.
+    pub expected: f64,
+    /// The two sizes of jumps, in the unit of displacement, if there are two.
+    pub sizes: Option<[f64; 2]>,
+}
+
+/// A parabola over time, by least squares.
+struct Parabola {
+    coefficients: Vec<f64>,
+    /// Twice the logarithm of the likelihood that it gains over a constant.
+    gain: f64,
+    /// The root mean square of the residuals.
+    rest: f64,
+}
+
+/// Twice the logarithm of the likelihood that a change of friction over time has to gain. Neighbouring
+/// values have errors in common, so chance gains more than it would if they were independent.
+const CONVINCING: f64 = 25.0;
+
+/// A smaller change of A than this share of it does no harm.
+const HARMLESS: f64 = 0.05;
+
+/// The fewest values from which a change is told.
+const FEWEST: usize = 10;
+
+impl Parabola {
+    /// The parabola through values at times from -1 to 1; `None` if they do not tell it.
+    fn of(values: &[(f64, f64)]) -> Option<Self> {
+        let rest = |columns: usize| {
+            let mut normal = Normal::of(columns);
+            values.iter().for_each(|(u, y)| normal.add(&[1.0, *u, u * u][..columns], *y, 1.0));
+            let found = normal.solve()?;
+            let off = |(u, y): &(f64, f64)| {
+                let at: f64 = found.iter().zip([1.0, *u, u * u]).map(|(a, b)| a * b).sum();
+                (y - at).powi(2)
+            };
+            Some((values.iter().map(off).sum::<f64>(), found))
+        };
+        let n = values.len() as f64;
+        let (constant, (squares, coefficients)) = (rest(1)?.0, rest(3)?);
+        let gain = n * libm::log(constant / squares);
+        (values.len() >= FEWEST).then(|| Parabola { coefficients, gain, rest: (squares / (n - 3.0)).sqrt() })
+    }
+
+    fn at(&self, u: f64) -> f64 {
+        self.coefficients.iter().zip([1.0, u, u * u]).map(|(a, b)| a * b).sum()
+    }
+}
+
+impl Evidence {
+    /// How far friction and the temperatures of slips are from what this response assumes, if the
+    /// thermometer has this resolution.
+    pub fn assumed(&self, response: &Response, resolution: f64) -> Assumed {
+        let still = response.sensor.still;
+        let [begin, end] = [self.slips.first(), self.slips.last()].map(|slip| slip.map_or(0.0, |slip| slip.time));
+        let place = |time: f64| 2.0 * (time - begin) / (end - begin) - 1.0;
+        let usual = self.slips.iter().filter(|slip| slip.is_usual);
+        let jumps: Vec<(f64, f64)> =
+            usual.map(|slip| (place(slip.time), slip.size(still) / response.sensor.moving)).collect();
+        // A slip with a larger f_s than the one before it comes later, and is larger.
+        let kinetic = |reversal: &Reversal| 0.5 * reversal.change - 0.25 * reversal.growth / response.sensor.moving;
+        let changes: Vec<(f64, f64)> =
+            self.reversals.iter().map(|reversal| (place(reversal.time), kinetic(reversal))).collect();
+        let expected: f64 = self.reversals.iter().map(|reversal| 0.25 * reversal.variance).sum();
+        let expected = (expected / changes.len() as f64 + resolution * resolution / 24.0).sqrt();
+        let sizes = self.sizes(still);
+        let Some((kinetic, jump)) = Parabola::of(&changes).zip(Parabola::of(&jumps)) else {
+            return Assumed { sizes, expected, ..Assumed::default() };
+        };
+        let reaches = || changes.iter().map(|(u, _)| kinetic.at(*u) + 0.5 * jump.at(*u));
+        let reach = response.motion.reach;
+        let range = [reaches().fold(f64::INFINITY, f64::min), reaches().fold(0.0, f64::max)].map(|at| at / reach);
+        let is_convincing = kinetic.gain.max(jump.gain) > CONVINCING && range[1] - range[0] > HARMLESS;
+        let is_sound = range[0] > 0.0 && range[1].is_finite();
+        Assumed { range: (is_convincing && is_sound).then_some(range), scatter: kinetic.rest, expected, sizes }
+    }
+
+    /// The two sizes of jumps, if there are two: the split that leaves the least squares has two groups
+    /// that are far apart against their widths with little between them, and the larger jumps are no two at
+    /// once.
+    fn sizes(&self, still: f64) -> Option<[f64; 2]> {
+        let mut sizes: Vec<f64> = self.slips.iter().map(|slip| slip.size(still)).collect();
+        sizes.sort_by(f64::total_cmp);
+        let least = FEWEST.max(sizes.len() / 8);
+        let mean = |of: &[f64]| of.iter().sum::<f64>() / of.len() as f64;
+        let between = |k: &usize| {
+            let (low, high) = sizes.split_at(*k);
+            (low.len() * high.len()) as f64 * (mean(high) - mean(low)).powi(2)
+        };
+        let split = (least..sizes.len().saturating_sub(least)).max_by(|a, b| between(a).total_cmp(&between(b)))?;
+        let (low, high) = sizes.split_at(split);
+        let middles = [mean(low), mean(high)];
+        let ratio = middles[1] / middles[0];
+        let wide = middles[1] - middles[0];
+        let is_apart = wide > APART * spread(low).max(spread(high));
+        let between = [middles[0] + wide / 3.0, middles[1] - wide / 3.0];
+        let between = sizes.iter().filter(|size| (between[0]..between[1]).contains(size)).count();
+        (is_apart && 8 * between < split.min(sizes.len() - split) && !TWO_AT_ONCE.contains(&ratio)).then_some(middles)
+    }
+}
+
+/// Two sizes are apart if their difference is as many standard deviations of each. The halves of a normal
+/// law are 3.2 apart.
+const APART: f64 = 5.0;
+
+/// The ratio of the sizes of two slips at once and one.
+const TWO_AT_ONCE: std::ops::Range<f64> = 1.8..2.2;
