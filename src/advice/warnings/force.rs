@@ -3,8 +3,8 @@
 use super::case::Case;
 use super::steepness::{expression, scales};
 use crate::model::{Doubt, beyond_hold, doubts};
-use crate::numbers::short;
 use crate::scheme::Kind;
+use stickslip_data::numbers::short;
 
 /// The expression has a jump, or grows faster than linearly and does not confine. The paper's
 /// existence theorem (its section 2.1) takes b to be locally Lipschitz and to grow at most

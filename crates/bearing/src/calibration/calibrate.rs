@@ -12,8 +12,8 @@ use super::starts::{Search, around, around_guess, starts};
 use super::steel::Steel;
 use super::warnings::warnings;
 use super::zero::Zero;
-use crate::data::resolution;
 use std::sync::atomic::AtomicBool;
+use stickslip_data::resolution;
 
 /// Find the parameters of a bearing from a record.
 ///

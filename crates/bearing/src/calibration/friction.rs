@@ -5,7 +5,7 @@
 use super::bearing::Response;
 use super::samples::spread;
 use super::slips::{Evidence, Reversal};
-use crate::bearing::linear::Normal;
+use crate::linear::Normal;
 
 /// How far friction and the temperatures of slips are from what the estimates assume.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
