@@ -1,5 +1,6 @@
 //! The list of reported statistics: one row for each, from which tables, files, pictures and the
-//! bias of the step take what they say of it. Its formula is in [`super::totals`].
+//! bias of the step take what they say of it. Its formula is in the file of its measure
+//! ([`super::measure`]).
 
 use super::certain::Certain;
 use super::dimension::Dimension;

@@ -10,7 +10,8 @@
 //! grid, fourier              counts of pairs in cells of a plane, and the discrete Fourier transform
 //! batches, jackknife         groups of paths, and the errors that follow from their scatter
 //! interval, range, quantile  an estimate with its 95 % interval
-//! unit                       what is independent: a path, or a pair of paths
+//! measurement                plain numbers and curves with their intervals
+//! replicate                  what is independent: a path, or a pair of paths
 //! ```
 
 pub(crate) mod batches;

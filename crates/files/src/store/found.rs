@@ -2,7 +2,7 @@
 //! `mc resume` meets, and whether it is ours.
 //!
 //! ```text
-//! NAME           a finished file, which finished.rs looks through
+//! NAME           a finished file, which content.rs checks
 //! NAME.partial   what is unfinished: the folder of a run, or the points of a sweep in a file
 //! ```
 

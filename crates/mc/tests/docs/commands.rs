@@ -125,7 +125,8 @@ const INPUTS: &str = r#"
 "#;
 
 /// Options with which a command is cheap.
-const CHEAP: [(&str, &str, &str); 4] = [
+const CHEAP: [(&str, &str, &str); 5] = [
+    ("mc calibrate ", "--method", "slips"),
     ("mc sweep ", "--paths", "64"),
     ("mc trade ", "--budget", "1s"),
     ("mc forecast ", "--draws", "2"),
