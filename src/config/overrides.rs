@@ -3,8 +3,9 @@
 use super::error::{Fault, ScenarioError};
 use std::fmt;
 
-/// The tables that describe the body and what acts on it.
-const PHYSICS: [&str; 6] = ["oscillator", "friction", "temperature", "input", "force", "initial"];
+/// The tables that do not describe the body and what acts on it.
+const NOT_PHYSICS: [&str; 9] =
+    ["title", "displacement", "bearing", "time", "scheme", "statistics", "ensemble", "record", "units"];
 
 /// The longest value that a title shows, in bytes.
 const LONGEST_SHOWN: usize = 40;
@@ -73,7 +74,7 @@ impl Override {
     /// is long.
     pub(super) fn change_of_physics(&self) -> Option<String> {
         let table = self.key.split('.').next().unwrap_or_default();
-        let is_physics = PHYSICS.contains(&table);
+        let is_physics = !NOT_PHYSICS.contains(&table);
         is_physics.then(|| match self.value.len() <= LONGEST_SHOWN {
             true => format!("{} = {}", self.key, self.value),
             false => self.key.clone(),

@@ -338,7 +338,7 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
     for (set, reason) in [
         (&["oscillator.mass=1e-300", "oscillator.stiffness=1e90"][..], "K/m = inf"),
         (&["oscillator.mass=1e90", "oscillator.stiffness=1e-300"], "K/m = 0e0"),
-        (&["oscillator.dilatation=1e308"], "above 1e100"),
+        (&["oscillator.dilatation=1e308"], "must not exceed 1e100"),
         (&["oscillator.dilatation=5e99"], "reach 4"),
         (&["oscillator.mass=1e-10", "oscillator.damping=1e95"], "alpha/m"),
         (&["temperature.noise.relaxation_rate=1e-320", "temperature.noise.diffusion=1e90"], "sigma / sqrt(2 theta)"),
@@ -737,7 +737,9 @@ fn a_parameter_of_the_force_is_a_key_by_itself_and_numbers_may_begin_with_a_poin
         let sets: Vec<Override> = sets.iter().map(|set| Override::set(set).unwrap()).collect();
         Scenario::parse("x", text, &sets).unwrap()
     };
-    assert_eq!(with(&["k3=.5"]), with(&["parameters.k3=0.5"]));
+    let [short, long] = [with(&["k3=.5"]), with(&["parameters.k3=0.5"])];
+    assert_eq!(Scenario { title: long.title.clone(), ..short.clone() }, long);
+    assert!(short.title.ends_with(" (changed: k3 = .5)"), "{}", short.title);
     assert_eq!(with(&["k3=-.5"]).number_at("k3"), Some(-0.5));
     assert!(Scenario::parse("x", text, &[Override::set("nothing=.5").unwrap()]).is_err());
 }

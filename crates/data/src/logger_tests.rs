@@ -261,7 +261,7 @@ fn a_unit_is_found_wherever_it_stands_in_a_name() {
     assert!((rise("T", Some("degF"), ["50", "59"]).unwrap() - 5.0).abs() < 1e-12);
     assert!((rise("T", Some("\u{b0}F"), ["50", "59"]).unwrap() - 5.0).abs() < 1e-12);
     assert!(rise("temperature_C_F", None, ["50", "59"]).unwrap_err().problem.contains("two units"));
-    assert!(rise("temperature (mV)", None, ["50", "59"]).unwrap_err().problem.contains("not known, `mV`"));
+    assert!(rise("temperature (mV)", None, ["50", "59"]).unwrap_err().problem.contains("the unknown unit `mV`"));
     let said =
         |name: &str| read_as(&layout(""), format!("time_s,{name}\n0,1\n1,2\n").as_bytes()).unwrap().repairs.sentences();
     assert_eq!(said("temperature"), ["unit of `temperature` not given; assuming degrees Celsius or kelvin"]);
@@ -304,7 +304,7 @@ fn what_stands_out_is_said_and_kept() {
         let text = record_with(&[(50, mark), (51, mark), (120, mark)]);
         let table = read_as(&layout(""), text.as_bytes()).unwrap();
         assert_eq!(table.columns[0].values.len(), 200, "{mark}");
-        let says = format!("kept `temperature_degC` = {mark} in line 52 and 2 others");
+        let says = format!("kept the outlier `temperature_degC` = {mark} in line 52 and 2 others");
         assert!(table.repairs.sentences()[0].starts_with(&says), "{:?}", table.repairs);
     }
     // A temperature below absolute zero in any unit is missing, whether a unit is known or not; one that

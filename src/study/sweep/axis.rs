@@ -261,7 +261,7 @@ mod tests {
     #[test]
     fn a_mistake_is_shown_where_it_is() {
         let cases = [
-            ("rho", "rho", "no `=`"),
+            ("rho", "rho", "missing `=`"),
             ("rho=temperature.noise.intensity=0:1:x", "x", "not a number of values"),
             ("rho=temperature.noise.intensity=0:1:1", "1", "not a number of values"),
             ("rho=k=0:one:5", "one", "not a finite number"),

@@ -89,7 +89,7 @@ fn latex_cell(cell: &str) -> String {
         '^' | '~' => format!("\\{letter}{{}}"),
         _ => letter.to_string(),
     };
-    Statistic::from_name(cell).map_or(cell, Statistic::words).chars().map(escaped).collect()
+    Statistic::from_name(cell).map_or(cell, |statistic| statistic.words()).chars().map(escaped).collect()
 }
 
 #[cfg(test)]
