@@ -32,7 +32,7 @@ pub use event_driven::{
 };
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use glide::{Along, Glide};
+pub use glide::{Along, Course, Glide};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
 pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
@@ -91,7 +91,9 @@ pub trait Observer {
     }
 
     /// A piece of the motion of one path. Those of a path arrive in time order, each before the
-    /// state at [`Instant::End`]; the last one may reach beyond the end.
+    /// state at [`Instant::End`]. A piece is as it is wherever the path is observed: it may begin
+    /// before an instant and end after it, may arrive before or after the state at an instant within
+    /// or before it, and the last ones may lie beyond the end. A step arrives before all later states.
     fn glide(&mut self, _lane: usize, _glide: &Glide) {}
 
     /// Whether the results of these paths are no longer needed. A scheme then returns soon, and the

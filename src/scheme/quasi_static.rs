@@ -185,6 +185,9 @@ impl Swing {
             let (x, v) = self.at(0.0, direction, excess, since);
             [x, v, (stiffness * (reach - x) - 2.0 * damping * v) / mass]
         };
+        // With |b| at the start, the temperature that is held.
+        let pull = direction.value() * (self.threshold + excess) + stiffness * x0;
+        let temperature = Some(pull / self.oscillator.force_per_temperature()).filter(|held| held.is_finite());
         let pieces = ((until - from) / response.duration * PIECES).ceil().max(1.0);
         let at = |i: f64| from + (until - from) * (i / pieces);
         let (mut here, mut i) = (state(from), 0.0);
@@ -202,7 +205,7 @@ impl Swing {
                 displacement: x0 + here[0],
                 way: there[0] - here[0],
                 velocity: [here[1], there[1]],
-                along: Along::Smooth { acceleration: [here[2], there[2]] },
+                along: Along::Smooth { acceleration: [here[2], there[2]], temperature },
             });
             (here, i) = (there, i + 1.0);
         }
@@ -306,10 +309,11 @@ impl Stretches for NoiselessRecursion {
         })
     }
 
-    fn glides(&self, part: &Part, duration: f64, tell: impl FnMut(Glide)) -> Resolved<()> {
+    /// The whole slip, so that its pieces do not depend on the end of the run.
+    fn glides(&self, part: &Part, _: f64, tell: impl FnMut(Glide)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
-            let until = duration.min(self.slip.response.duration);
-            self.slip.glides(part.start.value(), x, direction, excess, [0.0, until], tell);
+            let whole = [0.0, self.slip.response.duration];
+            self.slip.glides(part.start.value(), x, direction, excess, whole, tell);
         }
         Ok(())
     }

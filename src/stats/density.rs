@@ -6,7 +6,9 @@
 //! those of the time in motion, and their integrals are its share. The density of x is that of all
 //! time.
 //!
-//! Times are counted in whole ticks, which merge exactly in any order.
+//! A piece of the motion is a polynomial, and the time that it spends in a bin is that between its
+//! passages of the edges. Passages are rounded to whole ticks before they are subtracted, so times are
+//! whole numbers of ticks, which merge exactly in any order, and bins into coarser bins.
 
 use super::motion::counted_part;
 use super::{Densities, DensityCurve};
@@ -15,6 +17,7 @@ use crate::scheme::{Along, Glide, Timeline};
 use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::codec::sums;
+use crate::sums::dyadic::nearest;
 use crate::sums::grid::Grid;
 use ndarray::Array2;
 
@@ -22,24 +25,12 @@ use ndarray::Array2;
 const ONE: [usize; 2] = [256, 1];
 const TWO: [usize; 2] = [64, 64];
 
-/// States are counted when so many of them wait.
-const WAITING: usize = 1 << 12;
-
 /// Ticks of the counted time of a path.
 const TICKS: f64 = (1u64 << 38) as f64;
 
 /// A bin that fewer batches of paths have visited than this has no interval: where bodies wander,
 /// a few visits do not show how many there may be.
 const FEWEST: usize = 8;
-
-/// The states of a glide that are counted, each at the same place of an equal part of its time.
-const PARTS: u32 = 8;
-
-/// The place in a part, from 0 to 1, of a glide that begins at this tick. It looks random, so that
-/// many slips of one form are seen at all their velocities, and not at eight of them.
-fn place(tick: u64) -> f64 {
-    (tick.wrapping_mul(0x9E37_79B9_7F4A_7C15) >> 11) as f64 / (1u64 << 53) as f64
-}
 
 sums! {
     /// Counts of ticks.
@@ -102,18 +93,20 @@ impl DensityCounts {
     }
 }
 
-/// A state (x, x'), its ticks and its batch.
-type State = ([f64; 2], u64, usize);
+/// The tick of a time after the burn-in, with `rate` ticks in a unit of time. A step that is counted may
+/// begin before the end of the burn-in, so that ticks begin earlier.
+fn tick(time: f64, rate: f64) -> u64 {
+    nearest((TICKS + time * rate).max(0.0)) as u64
+}
 
 /// Counts the times of one block of paths.
 pub(super) struct DensityFold {
     timeline: Timeline,
+    /// Ticks of a unit of time.
+    rate: f64,
     /// The batch of each lane, and where it is at rest since when, if it is.
     batches: Vec<usize>,
     rests: Vec<Option<(f64, f64)>>,
-    /// The states that wait to be counted.
-    resting: Vec<State>,
-    moving: Vec<State>,
     counts: DensityCounts,
 }
 
@@ -122,17 +115,11 @@ impl DensityFold {
     pub fn new(timeline: &Timeline, x0: f64, units: &[u64]) -> Self {
         DensityFold {
             timeline: *timeline,
+            rate: TICKS / timeline.counted(),
             batches: units.iter().map(|unit| batch_of(*unit)).collect(),
             rests: vec![Some((0.0, x0)); units.len()],
-            resting: Vec::new(),
-            moving: Vec::new(),
             counts: DensityCounts::default(),
         }
-    }
-
-    /// The ticks of a time.
-    fn ticks(&self, time: f64) -> u64 {
-        (time / self.timeline.counted() * TICKS).round() as u64
     }
 
     /// Add an event.
@@ -147,59 +134,58 @@ impl DensityFold {
     /// The stick of a path, if it is in one, is over at this time.
     fn leave(&mut self, lane: usize, time: f64) {
         let Some((since, x)) = self.rests[lane].take() else { return };
-        let ticks = self.ticks((time - since.max(self.timeline.after)).max(0.0));
-        if ticks > 0 {
-            let batch = self.batches[lane];
-            self.counts.at_rest[batch] += ticks;
-            self.resting.push(([x, 0.0], ticks, batch));
-            self.count_if_many();
+        let DensityFold { timeline: Timeline { after, .. }, rate, .. } = *self;
+        let (ticks, batch) = ([since.max(after), time].map(|time| tick(time - after, rate)), self.batches[lane]);
+        if ticks[0] < ticks[1] {
+            self.counts.at_rest[batch] += ticks[1] - ticks[0];
+            self.counts.all[batch] += ticks[1] - ticks[0];
+            self.counts.displacement.pass([[x, 0.0]; 2], ticks, batch, |_, _| 0);
         }
     }
 
-    /// Add a piece of the motion.
+    /// Add a piece of the motion: the time that it spends in each bin. A step is in the bin of its
+    /// start.
     pub fn glide(&mut self, lane: usize, glide: &Glide) {
-        let ([from, to], batch) = (counted_part(&self.timeline, glide), self.batches[lane]);
-        let parts = if let Along::Step { .. } = glide.along { 1 } else { PARTS };
-        let ticks = self.ticks((to - from) * glide.length / f64::from(parts));
-        let place = place(self.ticks(glide.start));
-        for i in 0..if ticks > 0 { parts } else { 0 } {
-            let part = (f64::from(i) + place) / f64::from(parts);
-            let [way, v, _] = match glide.along {
-                Along::Step { .. } => glide.at(0.0),
-                Along::Smooth { .. } => glide.at(from + (to - from) * part),
-            };
-            let state = [glide.displacement + way, v];
-            // A path that diverges is left out later, and must not stretch the bins until then.
-            if state.iter().all(|number| number.is_finite()) {
-                self.moving.push((state, ticks, batch));
+        let counted = counted_part(&self.timeline, glide);
+        if let Along::Step { .. } = glide.along {
+            let state = [glide.displacement, glide.velocity[0]];
+            self.pass(lane, glide, counted, [state; 2], |_, _| 0.0);
+        } else {
+            let course = glide.course();
+            for part in course.turns(counted).pairs() {
+                let ends = part.map(|place| course.at(place));
+                self.pass(lane, glide, part, ends, |variable, edge| course.passes(variable, edge, part));
             }
         }
-        self.count_if_many();
     }
 
-    fn count_if_many(&mut self) {
-        if self.resting.len() + self.moving.len() >= WAITING {
-            self.count();
+    /// Count the time between two places of a glide, between which x and x' are monotone and pass
+    /// edges at `place`.
+    fn pass(
+        &mut self,
+        lane: usize,
+        glide: &Glide,
+        part: [f64; 2],
+        ends: [[f64; 2]; 2],
+        place: impl Fn(usize, f64) -> f64,
+    ) {
+        let (after, rate) = (self.timeline.after, self.rate);
+        let tick = |place: f64| tick(glide.start + place * glide.length - after, rate);
+        let (ticks, batch) = (part.map(tick), self.batches[lane]);
+        if ticks[0] >= ticks[1] {
+            return;
         }
-    }
-
-    fn count(&mut self) {
-        let DensityFold { resting, moving, counts, .. } = self;
-        for (_, ticks, batch) in resting.iter().chain(&*moving) {
-            counts.all[*batch] += ticks;
-        }
-        let of = |variable: usize| move |(state, ticks, batch): &State| ([state[variable], 0.0], *ticks, *batch);
-        counts.displacement.count(resting.iter().chain(&*moving).map(of(0)));
-        counts.velocity.count(moving.iter().map(of(1)));
-        counts.joint.count(moving.iter().map(|(state, ticks, _)| (*state, *ticks, 0)));
-        resting.clear();
-        moving.clear();
+        let crossing = |variable, edge| tick(place(variable, edge));
+        let one = |variable: usize| ends.map(|state| [state[variable], 0.0]);
+        self.counts.all[batch] += ticks[1] - ticks[0];
+        self.counts.displacement.pass(one(0), ticks, batch, |_, edge| crossing(0, edge));
+        self.counts.velocity.pass(one(1), ticks, batch, |_, edge| crossing(1, edge));
+        self.counts.joint.pass(ends, ticks, 0, crossing);
     }
 
     /// The counts of the whole time.
     pub fn finish(mut self) -> DensityCounts {
         (0..self.rests.len()).for_each(|lane| self.leave(lane, self.timeline.end));
-        self.count();
         self.counts
     }
 }

@@ -34,7 +34,8 @@ impl PathFolds {
         PathFolds {
             paths: vec![path; count],
             laws: record.laws.then(|| vec![LawFold::counted_after(timeline.after); count]),
-            motion: (record.has_motion() || model.has_load()).then(|| vec![MotionFold::starting_at(model); count]),
+            motion: (record.has_motion() || model.has_load())
+                .then(|| vec![MotionFold::starting_at(model, timeline); count]),
             model: model.clone(),
             timeline: *timeline,
             record: *record,

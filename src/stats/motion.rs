@@ -14,9 +14,13 @@
 //! scheme with a step by the forces at its start times the way of the step, since these are the
 //! forces that move the body. What is left of the energy balance is then what the scheme creates.
 //!
-//! Under noise T is not smooth within a glide, but its work follows from what it does: on a glide
-//! it is the change of the kinetic energy and of that of the spring, plus the works of damping and
-//! friction, less that of g. The balance then closes up to rounding, and tells nothing more.
+//! Under noise T is not smooth within a glide, but its work follows from what it does: it is the
+//! change of the kinetic energy and of that of the spring, plus the works of damping and friction,
+//! less that of g. The balance then closes up to rounding, and tells nothing more. Where a scheme
+//! holds T during a glide, its work is that of the T that is held.
+//!
+//! A glide counts as far as it lies in the counted time, whenever it arrives. A step counts whole, if
+//! it lies between the states at the end of the burn-in and at the end, which are those at steps.
 
 use super::path::PathFold;
 use crate::model::{Model, Sign};
@@ -44,6 +48,10 @@ impl Works {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct MotionFold {
     pub start: f64,
+    /// Whether the burn-in is over.
+    is_counted: bool,
+    /// Whether the work of the temperature follows from the balance.
+    is_balanced: bool,
     /// The largest |x - x0| at events, and the largest |x'|, so far.
     pub largest: [f64; 2],
     pub works: Works,
@@ -62,10 +70,11 @@ const NODES: [[f64; 2]; 5] = [
 
 impl MotionFold {
     /// A path at x0 and x'(0).
-    pub fn starting_at(model: &Model) -> Self {
+    pub fn starting_at(model: &Model, timeline: &Timeline) -> Self {
         let x = model.initial_displacement;
         let works = Works { stored: [stored(model, x, model.initial_velocity); 2], ..Works::default() };
-        MotionFold { start: x, largest: [0.0; 2], works, travel: 0.0 }
+        let is_counted = timeline.after == 0.0;
+        MotionFold { start: x, is_counted, is_balanced: false, largest: [0.0; 2], works, travel: 0.0 }
     }
 
     /// Add an event at this x.
@@ -76,67 +85,66 @@ impl MotionFold {
     /// Add a piece of the motion, as far as it lies on the timeline.
     pub fn glide(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
         let [from, to] = counted_part(timeline, glide);
-        let until = if glide.end() > timeline.end { to } else { 1.0 };
-        self.largest[1] = self.largest[1].max(glide.largest_speed(until));
-        if from >= to {
+        if glide.start < timeline.end {
+            self.largest[1] = self.largest[1].max(glide.largest_speed(to));
+        }
+        let is_counted = if let Along::Step { .. } = glide.along { self.is_counted } else { from < to };
+        if !is_counted {
             return;
         }
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
         let has_load = model.has_load();
-        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v) * way;
-        let acceleration = match glide.along {
-            Along::Smooth { acceleration } => acceleration,
+        let dry = |time: f64, x: f64, v: f64, way: f64| model.sliding_friction(Sign::of(way), time, x, v);
+        let held = match glide.along {
+            Along::Smooth { temperature, .. } => temperature,
             Along::Step { temperature } => {
                 let Glide { start, displacement, way, velocity: [v, _], .. } = *glide;
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
                 if has_load {
-                    works.friction += dry(start, displacement, v, way);
+                    works.friction += dry(start, displacement, v, way) * way;
                 }
                 return;
             }
         };
-        let (mut of_damping, mut of_own, mut of_mean, mut of_friction) = (0.0, 0.0, 0.0, 0.0);
-        let is_random = model.temperature.is_random();
-        for [node, weight] in NODES {
-            let part = from + (to - from) * node;
+        let mut more = Works::default();
+        let is_followed = held.is_none() && !model.temperature.is_random();
+        // The integral from the start until `from` is taken off, so that parts add up to the whole also
+        // where Gauss's rule is not exact.
+        let integrals = [(to, 1.0), (from, -1.0)].into_iter().filter(|(until, _)| *until > 0.0);
+        for ((until, sign), [node, weight]) in integrals.flat_map(|integral| NODES.map(|node| (integral, node))) {
+            let part = until * node;
             let ([way, v, _], time) = (glide.at(part), glide.start + part * glide.length);
-            let weight = weight * (to - from) * glide.length * v;
-            of_damping += 2.0 * body.damping * v * weight;
+            let weight = sign * weight * until * glide.length * v;
+            more.damping += 2.0 * body.damping * v * weight;
             if model.force.is_some() {
-                of_own += own(time, glide.displacement + way, v) * weight;
+                more.own_force += own(time, glide.displacement + way, v) * weight;
             }
             if has_load {
-                of_friction += dry(time, glide.displacement + way, v, weight);
+                more.friction += dry(time, glide.displacement + way, v, v) * weight;
             }
-            if !is_random {
-                of_mean += body.force_per_temperature() * model.temperature.mean(time) * weight;
+            if is_followed {
+                more.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;
             }
         }
-        works.damping += of_damping;
-        works.own_force += of_own;
-        works.friction += of_friction;
-        works.temperature += match is_random {
-            false => of_mean,
-            true => {
-                let whole = Glide { along: Along::Smooth { acceleration }, ..*glide };
-                let [[way0, v0, _], [way1, v1, _]] = [from, to].map(|part| whole.at(part));
-                let way = way1 - way0;
-                let spring = body.stiffness * way * (glide.displacement + 0.5 * (way0 + way1));
-                let kinetic = 0.5 * body.mass * (v1 - v0) * (v1 + v0);
-                let of_friction = if has_load { of_friction } else { model.friction.dynamic_force * way.abs() };
-                kinetic + spring + of_damping + of_friction - of_own
-            }
-        };
+        if let Some(temperature) = held {
+            let [start, end] = [from, to].map(|part| glide.at(part)[0]);
+            more.temperature += body.force_per_temperature() * temperature * (end - start);
+        }
+        works.temperature += more.temperature;
+        works.own_force += more.own_force;
+        works.damping += more.damping;
+        works.friction += more.friction;
+        self.is_balanced |= held.is_none() && !is_followed;
     }
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
     /// without a load, and is told that with one.
     pub fn at(&mut self, model: &Model, instant: Instant, [x, v]: [f64; 2], path: &mut PathFold) {
         match instant {
-            Instant::Counting => self.works = Works { stored: [stored(model, x, v); 2], ..Works::default() },
+            Instant::Counting => (self.is_counted, self.works.stored[0]) = (true, stored(model, x, v)),
             Instant::End => {
                 self.event(x);
                 self.works.stored[1] = stored(model, x, v);
@@ -145,6 +153,9 @@ impl MotionFold {
                     path.friction_work = self.works.friction;
                 } else {
                     self.works.friction = path.friction_work;
+                }
+                if self.is_balanced {
+                    self.works.temperature = -self.residual();
                 }
             }
             Instant::Output(_) | Instant::Period(_) => {}
@@ -171,7 +182,7 @@ pub(super) fn counted_part(timeline: &Timeline, glide: &Glide) -> [f64; 2] {
         Along::Smooth { .. } => [part(timeline.after), part(timeline.end)],
         Along::Step { .. } => {
             let middle = glide.start + 0.5 * glide.length;
-            if middle > timeline.after && middle < timeline.end { [0.0, 1.0] } else { [0.0; 2] }
+            if middle > timeline.after && middle <= timeline.end { [0.0, 1.0] } else { [0.0; 2] }
         }
     }
 }

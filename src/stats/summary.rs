@@ -141,8 +141,7 @@ pub struct DensityCurve {
     pub ends: Ends,
 }
 
-/// The share of the counted time that the body spends in each part of its phase plane, from the
-/// rows of the output grid.
+/// The share of the counted time that the body spends in each part of its phase plane.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Densities {
     /// Of x, at all times.

@@ -9,6 +9,7 @@
 use super::Merge;
 use super::codec::{Codec, Damaged, Reader};
 use super::dyadic::{exponent, width};
+use std::cmp::Ordering;
 
 /// Indices of cells are whole numbers that an f64 holds with room for a fraction.
 const INDEX_BITS: i32 = 45;
@@ -76,6 +77,11 @@ impl GridAxis {
         self.first + self.cells as i64
     }
 
+    /// Whether the axis stays as it is with a number in this cell.
+    fn has(self, cell: i64) -> bool {
+        self.first <= cell && cell < self.end() && cell.unsigned_abs() < 1 << INDEX_BITS
+    }
+
     /// The place among the cells of `coarser` of place `place` among these.
     fn place_in(self, coarser: GridAxis, place: usize) -> usize {
         let up = (coarser.level - self.level).min(63) as u32;
@@ -137,28 +143,53 @@ impl Grid {
         self.counts.chunks(self.batches)
     }
 
-    /// Count these pairs, each so many times and with its batch. A pair is left out if one of its
-    /// numbers is none or is farther than any cell; it is of a path that diverges.
-    pub fn count(&mut self, pairs: impl Iterator<Item = ([f64; 2], u64, usize)> + Clone) {
-        let pairs = pairs.filter(|(pair, ..)| pair.iter().all(|number| number.abs() <= FARTHEST));
-        let mut ends = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-        for (pair, ..) in pairs.clone() {
-            for (ends, number) in ends.iter_mut().zip(pair) {
-                // Faster than `min` and `max`, which look for NaN.
-                *ends =
-                    [if number < ends[0] { number } else { ends[0] }, if number > ends[1] { number } else { ends[1] }];
-            }
-        }
-        if ends[0][0] > ends[0][1] {
+    /// Count the ticks from `first` to `last` of a motion from one pair of numbers to another on which
+    /// both numbers are monotone. `crossing` is the tick at which the number of an axis passes an
+    /// edge, and depends on nothing else. Then the ticks of a cell do not depend on the cells that it
+    /// was formed of. A motion is left out if one of its numbers is none or is farther than any cell;
+    /// it is of a path that diverges.
+    pub fn pass(
+        &mut self,
+        [from, to]: [[f64; 2]; 2],
+        [first, last]: [u64; 2],
+        batch: usize,
+        crossing: impl Fn(usize, f64) -> u64,
+    ) {
+        if !from.iter().chain(&to).all(|number| number.abs() <= FARTHEST) {
             return;
         }
-        let needed: [GridAxis; 2] = std::array::from_fn(|i| GridAxis::over(ends[i], self.most[i]));
-        self.rise_to(std::array::from_fn(|i| self.axes[i].with(needed[i], self.most[i])));
-        let inverse = self.axes.map(|axis| width(-axis.level));
-        let [first, second] = self.axes;
-        for ([x, y], times, batch) in pairs {
-            let (row, column) = (cell(x, inverse[0]) - first.first, cell(y, inverse[1]) - second.first);
-            self.counts[(row as usize * second.cells + column as usize) * self.batches + batch] += times;
+        // The cells of both ends along both axes.
+        let cells = |axes: [GridAxis; 2]| {
+            let inverse = axes.map(|axis| width(-axis.level));
+            [from, to].map(|pair| [cell(pair[0], inverse[0]), cell(pair[1], inverse[1])])
+        };
+        let mut ends = cells(self.axes);
+        if !ends.iter().all(|cells| self.axes[0].has(cells[0]) && self.axes[1].has(cells[1])) {
+            self.rise_to(std::array::from_fn(|i| {
+                let needed = GridAxis::over([from[i].min(to[i]), from[i].max(to[i])], self.most[i]);
+                self.axes[i].with(needed, self.most[i])
+            }));
+            ends = cells(self.axes);
+        }
+        let ([mut at, end], axes) = (ends, self.axes);
+        // When the motion leaves the cell along an axis; never, if it ends there.
+        let leaves = |i: usize, at: i64| match at.cmp(&end[i]) {
+            Ordering::Less => crossing(i, (at + 1) as f64 * width(axes[i].level)),
+            Ordering::Equal => u64::MAX,
+            Ordering::Greater => crossing(i, at as f64 * width(axes[i].level)),
+        };
+        let (mut next, mut now) = ([leaves(0, at[0]), leaves(1, at[1])], first);
+        loop {
+            let i = usize::from(next[1] < next[0]);
+            let until = next[i].clamp(now, last);
+            let [row, column] = std::array::from_fn(|i| (at[i] - axes[i].first) as usize);
+            self.counts[(row * axes[1].cells + column) * self.batches + batch] += until - now;
+            if next[i] == u64::MAX {
+                return;
+            }
+            now = until;
+            at[i] += (end[i] - at[i]).signum();
+            next[i] = leaves(i, at[i]);
         }
     }
 
@@ -230,18 +261,38 @@ mod tests {
         proptest::collection::vec(number, 1..60)
     }
 
-    fn grid(of: &[f64]) -> Grid {
+    impl Grid {
+        /// Counts a pair some times.
+        fn count(&mut self, pair: [f64; 2], times: u64, batch: usize) {
+            self.pass([pair; 2], [0, times], batch, |_, _| 0);
+        }
+    }
+
+    fn grid<'x>(of: impl IntoIterator<Item = &'x f64>) -> Grid {
         let mut grid = Grid::empty([16, 4], 2);
-        of.iter().for_each(|x| grid.count(std::iter::once(([*x, -x], 1, usize::from(*x > 0.0)))));
+        of.into_iter().for_each(|x| grid.count([*x, -x], 1, usize::from(*x > 0.0)));
+        grid
+    }
+
+    /// Motions from one number to the next, along both axes, in the order of their indices.
+    fn motions(numbers: &[f64], order: impl Iterator<Item = usize>) -> Grid {
+        let mut grid = Grid::empty([16, 4], 2);
+        for i in order {
+            let ([a, b], start) = ([numbers[i], numbers[i + 1]], (i as u64) << 40);
+            let crossing = |axis: usize, edge: f64| {
+                let edge = if axis == 0 { edge } else { -edge };
+                start + ((edge - a) / (b - a) * (1u64 << 40) as f64).round() as u64
+            };
+            grid.pass([[a, -a], [b, -b]], [start, start + (1 << 40)], i % 2, crossing);
+        }
         grid
     }
 
     proptest! {
         #[test]
         fn counts_are_those_of_all_numbers_however_they_are_merged(a in numbers(), b in numbers()) {
-            let whole = grid(&[a.clone(), b.clone()].concat());
-            let mut other = Grid::empty([16, 4], 2);
-            other.count(b.iter().chain(&a).map(|x| ([*x, -x], 1, usize::from(*x > 0.0))));
+            let whole = grid(a.iter().chain(&b));
+            let other = grid(b.iter().chain(&a));
             let mut merged = grid(&b);
             merged.merge(&grid(&a));
             prop_assert_eq!(&whole, &other);
@@ -260,6 +311,16 @@ mod tests {
             back.read(&mut Reader::new(&bytes)).expect("its own bytes");
             prop_assert_eq!(back, whole);
         }
+
+        #[test]
+        fn the_ticks_of_a_cell_do_not_depend_on_finer_cells(numbers in numbers()) {
+            let whole = motions(&numbers, 0..numbers.len() - 1);
+            prop_assert_eq!(&motions(&numbers, (0..numbers.len() - 1).rev()), &whole);
+            let mut merged = motions(&numbers, (1..numbers.len() - 1).step_by(2));
+            merged.merge(&motions(&numbers, (0..numbers.len() - 1).step_by(2)));
+            prop_assert_eq!(&merged, &whole);
+            prop_assert_eq!(whole.cells().flatten().sum::<u64>(), (numbers.len() as u64 - 1) << 40);
+        }
     }
 
     /// Such numbers are observed of paths that diverge, until their block is simulated without them.
@@ -272,12 +333,13 @@ mod tests {
         for first in &numbers {
             let mut grid = Grid::empty([16, 4], 2);
             for x in &numbers {
-                grid.count([([*first, 1.0], 1, 0), ([*x, *first], 1, 1)].into_iter());
+                grid.count([*first, 1.0], 1, 0);
+                grid.count([*x, *first], 1, 1);
             }
             let of_first = if first.abs() <= FARTHEST { sound + numbers.len() as u64 } else { 0 };
             assert_eq!(count(&grid), of_first, "{first}");
             let mut whole = Grid::empty([16, 4], 2);
-            whole.count(numbers.iter().map(|x| ([*x, *x], 1, 0)));
+            numbers.iter().for_each(|x| whole.count([*x, *x], 1, 0));
             whole.merge(&grid);
             assert_eq!(count(&whole), of_first + sound, "{first}");
         }
@@ -286,9 +348,10 @@ mod tests {
     #[test]
     fn equal_numbers_have_one_cell_and_the_others_about_as_many_as_there_may_be() {
         let mut grid = Grid::empty([256, 1], 1);
-        grid.count([([0.0, 0.0], 2, 0), ([0.0, 0.0], 1, 0)].into_iter());
+        grid.count([0.0, 0.0], 2, 0);
+        grid.count([0.0, 0.0], 1, 0);
         assert_eq!((grid.axes()[0].cells(), grid.cells().next().unwrap()[0]), (1, 3));
-        grid.count((0..1000).map(|i| ([f64::from(i) / 1000.0 - 0.3, 0.0], 1, 0)));
+        (0..1000).for_each(|i| grid.count([f64::from(i) / 1000.0 - 0.3, 0.0], 1, 0));
         assert!((128..=256).contains(&grid.axes()[0].cells()), "{:?}", grid.axes());
         assert_eq!(grid.cells().map(|counts| counts[0]).sum::<u64>(), 1003);
     }

@@ -238,7 +238,7 @@ impl Slip<'_> {
             displacement: x0 + eps * travel,
             way: eps * interval.travel,
             velocity: [eps * start.velocity, eps * velocity],
-            along: Along::Smooth { acceleration: [eps * start.acceleration, eps * acceleration] },
+            along: Along::Smooth { acceleration: [eps * start.acceleration, eps * acceleration], temperature: None },
         }
     }
 
@@ -262,7 +262,7 @@ impl Slip<'_> {
             displacement: piece.displacement,
             way: path.displacement - piece.displacement,
             velocity: [piece.velocity, path.motion],
-            along: Along::Smooth { acceleration: [piece.acceleration; 2] },
+            along: Along::Smooth { acceleration: [piece.acceleration; 2], temperature: None },
         });
         path.noise = end_noise;
         path.force =

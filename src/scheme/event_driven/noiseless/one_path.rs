@@ -334,7 +334,7 @@ impl Stretches for Noiseless {
                 displacement: leg.from.displacement + here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
-                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
+                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration], temperature: None },
             });
             (here, i) = (there, i + 1.0);
         }

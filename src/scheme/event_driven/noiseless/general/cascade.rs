@@ -293,7 +293,7 @@ impl Stretches for GeneralNoiseless {
                 displacement: here.displacement,
                 way: there.displacement - here.displacement,
                 velocity: [here.velocity, there.velocity],
-                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration] },
+                along: Along::Smooth { acceleration: [here.acceleration, there.acceleration], temperature: None },
             });
             here = there;
         }
