@@ -10,6 +10,7 @@ mod discrete_vi;
 mod event_driven;
 mod event_driven_limits;
 mod general_force;
+mod identities;
 mod inputs;
 mod laws;
 mod load;

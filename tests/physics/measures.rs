@@ -142,25 +142,6 @@ fn under_white_noise_and_friction_the_velocity_has_boltzmanns_law() {
     }
 }
 
-/// The share of the time at rest is counted in ticks by the densities, and summed from durations of
-/// sticks by the cascade; the joint density holds the rest of the time.
-#[test]
-fn densities_hold_all_the_time_and_rest_as_long_as_sticks_last() {
-    let more = "record = { density = true, paths = false }
-         temperature = { harmonics = [{ amplitude = 1.0, angular_frequency = 0.25 }], noise = { intensity = 0.25 } }
-         ensemble = { paths = 64 }
-         scheme = { kind = \"event-driven\" }";
-    let summary = run(&scenario(&body([1.0, 0.0], [0.6, 0.5], [60.0, 10.0, 0.2], more)));
-    let densities = summary.densities.as_ref().expect("asked for");
-    let sticking = summary.estimate(Statistic::StickingFraction).estimate;
-    assert!((0.05..0.95).contains(&sticking), "{sticking}");
-    assert!((densities.at_rest - sticking).abs() < 1e-5, "{} {sticking}", densities.at_rest);
-    let [rows, columns] = &densities.joint_edges;
-    let area = |i: usize, j: usize| (rows[i + 1] - rows[i]) * (columns[j + 1] - columns[j]);
-    let moving: f64 = densities.joint.indexed_iter().map(|((i, j), density)| density * area(i, j)).sum();
-    assert!((moving + densities.at_rest - 1.0).abs() < 1e-6, "{moving}");
-}
-
 /// With 6 seeds of 2000 paths no bin was farther away than 2.3 standard errors; 16 runs of 128 paths,
 /// as here, passed on 2026-11-26.
 #[test]
