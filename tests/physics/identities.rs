@@ -264,12 +264,12 @@ fn densities_of_a_sine_are_its_closed_form() {
     assert!(x < 1e-9 && v < 1e-9, "{x} {v}");
 }
 
-/// A step of a scheme with a step is its state, held for the step: the density is that of the rows at
-/// all steps, and so are its mean and variance.
+/// A step of a scheme with a step is its state, held for the step: densities are those of the rows at
+/// all steps, and works are sums of the forces at the start of each step times its way.
 #[test]
-fn densities_of_a_stepping_scheme_are_those_of_its_steps() {
+fn densities_and_works_of_a_stepping_scheme_are_those_of_its_steps() {
     for scheme in ["discrete-vi", "corrected-vi"] {
-        let lines = format!("{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01", SCENES[0].1);
+        let lines = format!("{}\n{NOISE}\nscheme.kind = {scheme:?}\ntime.step = 0.01", SCENES[1].1);
         let mut scenario = scene(scheme, &lines, 4, [5.0, 20.0]);
         (scenario.time.output_step, scenario.record.trajectories) = (0.01, 1);
         let (summary, column) = recorded(&scenario);
@@ -281,6 +281,16 @@ fn densities_of_a_stepping_scheme_are_those_of_its_steps() {
         let at_v = off(&found.velocity, |edge| count(&|n| !resting[n] && v[n] < edge));
         assert!(at_x < 1e-9 && at_v < 1e-9, "{scheme}: {at_x} {at_v}");
         assert!((found.at_rest - count(&|n| resting[n])).abs() < 1e-9, "{scheme}");
+        let temperature = column("temperature");
+        let sum = |force: &dyn Fn(usize) -> f64| held.clone().map(|n| force(n) * (x[n + 1] - x[n])).sum::<f64>();
+        for (statistic, expected) in [
+            (Statistic::TemperatureWorkMean, sum(&|n| temperature[n])),
+            (Statistic::DampingWorkMean, sum(&|n| 0.2 * v[n])),
+            (Statistic::FrictionWorkMean, sum(&|n| (x[n + 1] - x[n]).signum() * (1.0 + 0.3 * (2.0 * x[n]).sin()))),
+        ] {
+            let found = summary.estimate(statistic).estimate;
+            assert!((found / expected - 1.0).abs() < 1e-12, "{scheme}: {found} {expected}, {}", statistic.name());
+        }
     }
 }
 
