@@ -129,9 +129,12 @@ impl BesideRun {
         let paths = run.valid_paths();
         let bias_of = |e: &Estimate| {
             let extrapolated = self.extrapolated.iter().find(|found| found.statistic == e.statistic);
-            let extrapolated = extrapolated.filter(|found| found.is_typical_of(e, paths)).map(|found| found.bias);
+            // Without a reference run there is nothing better.
+            let is_typical = |found: &&Extrapolated| self.referenced.is_none() || found.is_typical_of(e, paths);
+            let typical = extrapolated.filter(is_typical).map(|found| found.bias);
             let referenced = referenced.iter().find(|(of, _)| *of == e.statistic).map(|(_, bias)| *bias);
-            chosen(extrapolated, referenced).filter(|bias| is_informative(bias, e))
+            let bias = chosen(typical, referenced).filter(|bias| is_informative(bias, e))?;
+            Some(Bias { order: extrapolated.and_then(|found| found.bias.order), ..bias })
         };
         run.estimates.iter().filter_map(|e| Some((e.statistic, bias_of(e)?))).collect()
     }
