@@ -18,7 +18,7 @@ use stickslip::sums::{Codec, Damaged, Reader};
 /// The first bytes of a state.
 pub(crate) const MAGIC: &[u8; 8] = b"sticksav";
 /// Version of the contents.
-const VERSION: u64 = 5;
+const VERSION: u64 = 6;
 
 /// What a run is asked to do. It is the same in every saved state of the run.
 #[derive(Clone, Debug, PartialEq)]
