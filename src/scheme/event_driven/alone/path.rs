@@ -155,7 +155,7 @@ pub fn cross<C: Cascade>(
             Phase::Static => force,
             Phase::Slip(direction) => scene.slipping(direction, force, x, time),
         };
-        emit(Event { force: scene.told(force, x, 0.0, time), ..event });
+        emit(event);
     }
     path.noise = end_noise;
     Ok(())
@@ -166,8 +166,9 @@ pub fn cross<C: Cascade>(
 fn thrown<M>(scene: &Scene, path: &mut Path<M>) -> Event {
     let (x, v) = (path.displacement, scene.initial_velocity);
     let (direction, free) = (Sign::of(v), path.force - 2.0 * scene.oscillator.damping * v);
-    path.force = free + (scene.own.at(Some(direction), x, v, 0.0) - scene.own.hold(x, 0.0).pull);
-    let force = scene.told(free, x, v, 0.0);
+    let moving = |direction| free + (scene.own.at(direction, x, v, 0.0) - scene.own.hold(x, 0.0).pull);
+    path.force = moving(Some(direction));
+    let force = moving(None);
     Event { kind: EventKind::SlipStarted(direction), time: 0.0, displacement: x, force }
 }
 

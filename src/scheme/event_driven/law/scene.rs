@@ -153,16 +153,6 @@ impl Scene {
         }
     }
 
-    /// The b of the model with this x', from b in a stick there without its damping.
-    #[inline(always)]
-    pub fn told(&self, held: f64, x: f64, velocity: f64, time: f64) -> f64 {
-        if self.own.is_some() && (velocity != 0.0 || self.own.has_load()) {
-            held + (self.own.at(None, x, velocity, time) - self.own.hold(x, time).pull)
-        } else {
-            held
-        }
-    }
-
     /// K x - g(x, 0, t): the force that holds against B and n in a stick.
     #[inline(always)]
     pub fn spring(&self, x: f64, time: f64) -> f64 {

@@ -72,9 +72,13 @@ impl Forces {
             return 0.0;
         }
         let rounding = 2.0 * f64::EPSILON * t;
-        let [before, after] = [t - rounding, t + rounding].map(|t| self.own.hold(x, t));
-        let of_limits = [0, 1].map(|i| (after.excess[i] - before.excess[i]).abs());
-        (after.pull - before.pull).abs() + of_limits[0].max(of_limits[1])
+        // Both sides are compared with the middle, because a peak is equally high on both.
+        let [before, here, after] = [t - rounding, t, t + rounding].map(|t| self.own.hold(x, t));
+        let change = |a: Hold, b: Hold| {
+            let of_limits = [0, 1].map(|i| (b.excess[i] - a.excess[i]).abs());
+            (b.pull - a.pull).abs() + of_limits[0].max(of_limits[1])
+        };
+        change(before, here) + change(here, after)
     }
 
     /// Whether b at a fixed x and x' changes with time.
