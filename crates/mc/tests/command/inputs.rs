@@ -94,7 +94,7 @@ fn an_at2_file_is_the_same_numbers_as_in_csv() {
     for (header, rows, says) in [
         ("NPTS=    501, DT=   .0200 SEC,", rows.clone(), "has 500 values, but its header says NPTS = 501"),
         ("NPTS=    500, DT=  -.0200 SEC,", rows.clone(), "is not the header of a record"),
-        ("NPTS=    500, DT=   .0200 SEC,", rows.replacen(&values[7], "  none", 1), "quake.AT2:6: `none` is no number"),
+        ("NPTS=    500, DT=   .0200 SEC,", rows.replacen(&values[7], "  none", 1), "quake.AT2:6: `none` is not a number"),
     ] {
         record(header, &rows);
         refused(here.path(), &["check", "at2.toml"], 2, &[says, "input.ag.file", "fix: "]);
@@ -128,7 +128,7 @@ fn what_is_no_input_is_refused_with_its_row_and_a_remedy() {
     };
     let row = sound.lines().nth(3).expect("a row");
     file(row, "0.04,", &["quake.csv:4", "`acc (g)` = \"\" is not a number", "not repaired"]);
-    file(row, "0.04,NaN", &["quake.csv:4", "`acc (g)` = \"NaN\" is no number"]);
+    file(row, "0.04,NaN", &["quake.csv:4", "`acc (g)` = \"NaN\" is not a number"]);
     file(row, "0.04,strong", &["quake.csv:4", "`acc (g)` = \"strong\" is not a number"]);
     file(row, "0.01,0.5", &["quake.csv:4", "= 0.5 is not later than", "in line 3", "sort the rows"]);
     file(row, "0.02,0.5", &["quake.csv:4", "= 0.5 is not later than"]);
