@@ -167,9 +167,12 @@ fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
     let here = bridge(&(mended.join("\n") + "\n"));
     let here = here.path();
     let warned = ok(&mc(here, &["check", "scene/bridge.toml", "--json"]));
-    for part in
-        ["repaired-series", "sorted 1 row", "left out 1 duplicate row", "left out 1 cell without a value in `temperature_degC`"]
-    {
+    for part in [
+        "repaired-series",
+        "sorted 1 row",
+        "left out 1 duplicate row",
+        "left out 1 cell without a value in `temperature_degC`",
+    ] {
         assert!(warned.contains(part), "{part}: {warned}");
     }
     assert!(!warned.contains("weather-twice"));

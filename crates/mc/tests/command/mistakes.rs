@@ -74,7 +74,10 @@ const MISTAKES: &[Mistake] = &[
     mistake("run scene.toml --set temperature.harmonics.3.phase=1", &["has 1 entries", "number them from 0"]),
     mistake("run scene.toml --set units.time=5", &["`units.time` = 5", "a string", "quotes"]),
     mistake("run scene.toml --set ensemble.antithetic=yes", &["`ensemble.antithetic`", "true or false"]),
-    mistake("run scene.toml --set ensemble.antithetic=true --paths 11", &["an even number of paths", "odd", "paths = 12"]),
+    mistake(
+        "run scene.toml --set ensemble.antithetic=true --paths 11",
+        &["an even number of paths", "odd", "paths = 12"],
+    ),
     mistake("run scene.toml --set statistics.after=100", &["`statistics.after` = 100.0", "raise `time.end`"]),
     mistake("run scene.toml --set time.output_step=0.013", &["`time.output_step` = 0.013", "0.01 or 0.02"]),
     mistake("run scene.toml --set oscillator.mass=nan", &["is not a number", "m, mass"]),
@@ -86,7 +89,10 @@ const MISTAKES: &[Mistake] = &[
     mistake("run scene.toml --scheme event-driven --tolerance 2", &["--tolerance 2", "1e-9 to 0.1"]),
     mistake("run scene.toml --set temperature.noise.1.intensity=1", &["`temperature.noise`"]),
     // Mistakes in how a run ends.
-    mistake("run scene.toml --until stick_mean~<~1%", &["stick_mean", "unknown statistic", "one of stick_duration_mean"]),
+    mistake(
+        "run scene.toml --until stick_mean~<~1%",
+        &["stick_mean", "unknown statistic", "one of stick_duration_mean"],
+    ),
     mistake("run scene.toml --until stick_duration_mean~<~lots", &["lots", "stick_duration_mean < 0.5%"]),
     mistake("check scene.toml --until stick_duration_mean~<~1%", &["goal of mc run", "remove it here"]),
     mistake("run scene.toml --max-time soon", &["'soon'", "--max-time", "4h50m"]),

@@ -572,7 +572,10 @@ fn a_goal_that_the_time_limit_cuts_off_is_told() {
     let output = mc(&here, &[&["run", RHO025], &goal[..]].concat());
     let (out, said) = (text(&output.stdout), text(&output.stderr));
     assert!(output.status.success() && out.contains("ended by time limit"), "{out}{said}");
-    assert!(said.contains("stick_duration_mean < 1e-5 was not reached after") && said.contains("try --paths"), "{said}");
+    assert!(
+        said.contains("stick_duration_mean < 1e-5 was not reached after") && said.contains("try --paths"),
+        "{said}"
+    );
     // The heading has the number of paths that were simulated, not the largest possible one.
     assert!(!out.contains("1 000 000 000"), "{out}");
 }
