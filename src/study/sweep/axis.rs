@@ -262,8 +262,8 @@ mod tests {
     fn a_mistake_is_shown_where_it_is() {
         let cases = [
             ("rho", "rho", "missing `=`"),
-            ("rho=temperature.noise.intensity=0:1:x", "x", "not a number of values"),
-            ("rho=temperature.noise.intensity=0:1:1", "1", "not a number of values"),
+            ("rho=temperature.noise.intensity=0:1:x", "x", "must be a number of values"),
+            ("rho=temperature.noise.intensity=0:1:1", "1", "must be a number of values"),
             ("rho=k=0:one:5", "one", "not a finite number"),
             ("k=lag:1:2:5", "lag", "unknown grid"),
             ("k=log:0:2:5", "0", "above 0"),

@@ -36,9 +36,11 @@ impl RunQuestion {
     /// equal.
     pub(crate) fn difference_from(&self, other: &RunQuestion) -> Option<String> {
         let (mine, theirs) = (self.scenario.to_toml(), other.scenario.to_toml());
-        let lines = || mine.lines().zip(theirs.lines());
+        let lines = || mine.lines().zip(theirs.lines()).filter(|(mine, theirs)| mine != theirs);
         let said = |line: &str| line.split("  #").next().unwrap_or("").trim().to_string();
-        if let Some((mine, theirs)) = lines().find(|(mine, theirs)| mine != theirs) {
+        // A title lists what was changed, so the changed key says more.
+        let changed = lines().find(|(mine, _)| !mine.starts_with("title = "));
+        if let Some((mine, theirs)) = changed.or_else(|| lines().next()) {
             return Some(format!("it has `{}`, but this one has `{}`", said(mine), said(theirs)));
         }
         if mine != theirs {

@@ -177,7 +177,10 @@ fn difference(stored: &StoredSweep, question: &SweepQuestion) -> Option<String> 
     compared.iter().find_map(|(theirs, mine)| {
         let most = theirs.len().max(mine.len());
         let at = |list: &[String], i: usize| list.get(i).cloned().unwrap_or_else(|| "nothing".into());
-        let i = (0..most).find(|&i| theirs.get(i) != mine.get(i))?;
+        let differs = |&i: &usize| theirs.get(i) != mine.get(i);
+        // A title lists what was changed, so the changed key says more.
+        let is_title = |&i: &usize| at(theirs, i).starts_with("title = ");
+        let i = (0..most).find(|i| differs(i) && !is_title(i)).or_else(|| (0..most).find(differs))?;
         Some(format!("it has `{}`, but this sweep has `{}`", at(theirs, i), at(mine, i)))
     })
 }

@@ -177,7 +177,7 @@ fn beyond_intervals(summary: &Summary) -> Option<String> {
     let dominated = summary.dominated_by_bias();
     (!dominated.is_empty()).then(|| {
         format!(
-            "of the step exceeds {} of {} intervals; `event-driven` has none",
+            "of the step exceeds the interval for {} of {} statistics; `event-driven` has none",
             dominated.len(),
             summary.asked.len(),
         )
@@ -372,6 +372,6 @@ mod tests {
         summary.estimates[0].bias = bias(0.0955, 0.0311);
         summary.estimates[1].bias = bias(0.5, 0.1);
         let line = beyond_intervals(&summary).expect("two are dominated");
-        assert!(line.contains("exceeds 2 of 21 intervals"), "{line}");
+        assert!(line.contains("exceeds the interval for 2 of 21 statistics"), "{line}");
     }
 }

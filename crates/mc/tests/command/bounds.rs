@@ -75,7 +75,7 @@ fn a_number_of_threads_that_cannot_be_is_an_error() {
     for threads in [0, 1025, 1 << 63, usize::MAX] {
         let error = Run::of(&scenario).paths(10).threads(threads).simulate().expect_err("refused");
         assert!(matches!(error, RunError::Threads(ThreadsError::OutOfRange(said)) if said == threads), "{error}");
-        assert!(error.to_string().contains("1 to 1024"), "{error}");
+        assert!(error.to_string().contains("between 1 and 1024"), "{error}");
     }
 }
 

@@ -138,7 +138,11 @@ fn an_at2_file_is_the_same_numbers_as_in_csv() {
     for (header, rows, says) in [
         ("NPTS=    501, DT=   .0200 SEC,", rows.clone(), "has 500 values, but its header says NPTS = 501"),
         ("NPTS=    500, DT=  -.0200 SEC,", rows.clone(), "is not the header of a record"),
-        ("NPTS=    500, DT=   .0200 SEC,", rows.replacen(&values[7], "  none", 1), "quake.AT2:6: `none` is no number"),
+        (
+            "NPTS=    500, DT=   .0200 SEC,",
+            rows.replacen(&values[7], "  none", 1),
+            "quake.AT2:6: `none` is not a number",
+        ),
     ] {
         record(header, &rows);
         refused(here.path(), &["check", "at2.toml"], 2, &[says, "input.ag.file", "fix: "]);

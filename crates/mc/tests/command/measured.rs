@@ -167,9 +167,12 @@ fn repairs_are_reported_and_noise_on_top_of_a_series_is_warned_of() {
     let here = bridge(&(mended.join("\n") + "\n"));
     let here = here.path();
     let warned = ok(&mc(here, &["check", "scene/bridge.toml", "--json"]));
-    for part in
-        ["repaired-series", "sorted 1 row", "left out 1 row", "left out 1 cell without a value in `temperature_degC`"]
-    {
+    for part in [
+        "repaired-series",
+        "sorted 1 row",
+        "left out 1 duplicate row",
+        "left out 1 cell without a value in `temperature_degC`",
+    ] {
         assert!(warned.contains(part), "{part}: {warned}");
     }
     assert!(!warned.contains("weather-twice"));
@@ -256,7 +259,7 @@ fn a_pulse_in_a_quiet_record_is_kept() {
     );
     std::fs::write(here.join("block.toml"), scenario).expect("written");
     let checked = ok(&mc(here, &["check", "block.toml", "--json"]));
-    assert!(checked.contains("kept `acc` = ") && checked.contains("in line 254"), "{checked}");
+    assert!(checked.contains("kept the outlier `acc` = ") && checked.contains("in line 254"), "{checked}");
     let end = |set: &str| {
         ok(&mc(here, &["run", "block.toml", "-o", "block.h5", "--force", "--paths", "1", "--set", set]));
         let shown: Value = serde_json::from_str(&ok(&mc(here, &["show", "block.h5", "--json"]))).expect("JSON");

@@ -39,7 +39,7 @@ const MISTAKES: &[Mistake] = &[
     mistake("show done.h5 --cite --json", &["'--cite'", "'--json'", "cannot be used with"]),
     mistake("run scene.toml -o r.csv", &["-o r.csv", "HDF5", "-o r.h5", "mc show r.h5 --format csv"]),
     mistake("replay done.h5 --path 1 -o r.csv", &["-o r.csv", "mc show r.h5 --format csv"]),
-    mistake("report done.h5 -o r.pdf", &["-o r.pdf", "a page for a browser", "mc plot done.h5 -o r.pdf"]),
+    mistake("report done.h5 -o r.pdf", &["-o r.pdf", "an HTML page", "mc plot done.h5 -o r.pdf"]),
     // Mistakes in the file.
     mistake("run absent.toml", &["absent.toml", "No such file", "mc init"]),
     mistake("run shaw.toml", &["shaw.toml", "mc init --from shaw"]),
@@ -74,7 +74,10 @@ const MISTAKES: &[Mistake] = &[
     mistake("run scene.toml --set temperature.harmonics.3.phase=1", &["has 1 entries", "number them from 0"]),
     mistake("run scene.toml --set units.time=5", &["`units.time` = 5", "a string", "quotes"]),
     mistake("run scene.toml --set ensemble.antithetic=yes", &["`ensemble.antithetic`", "true or false"]),
-    mistake("run scene.toml --set ensemble.antithetic=true --paths 11", &["pairs", "odd", "paths = 12"]),
+    mistake(
+        "run scene.toml --set ensemble.antithetic=true --paths 11",
+        &["an even number of paths", "odd", "paths = 12"],
+    ),
     mistake("run scene.toml --set statistics.after=100", &["`statistics.after` = 100.0", "raise `time.end`"]),
     mistake("run scene.toml --set time.output_step=0.013", &["`time.output_step` = 0.013", "0.01 or 0.02"]),
     mistake("run scene.toml --set oscillator.mass=nan", &["is not a number", "m, mass"]),
@@ -86,9 +89,12 @@ const MISTAKES: &[Mistake] = &[
     mistake("run scene.toml --scheme event-driven --tolerance 2", &["--tolerance 2", "1e-9 to 0.1"]),
     mistake("run scene.toml --set temperature.noise.1.intensity=1", &["`temperature.noise`"]),
     // Mistakes in how a run ends.
-    mistake("run scene.toml --until stick_mean~<~1%", &["stick_mean", "no statistic", "one of stick_duration_mean"]),
+    mistake(
+        "run scene.toml --until stick_mean~<~1%",
+        &["stick_mean", "unknown statistic", "one of stick_duration_mean"],
+    ),
     mistake("run scene.toml --until stick_duration_mean~<~lots", &["lots", "stick_duration_mean < 0.5%"]),
-    mistake("check scene.toml --until stick_duration_mean~<~1%", &["goal of mc run", "leave it out"]),
+    mistake("check scene.toml --until stick_duration_mean~<~1%", &["goal of mc run", "remove it here"]),
     mistake("run scene.toml --max-time soon", &["'soon'", "--max-time", "4h50m"]),
     mistake("run scene.toml --accuracy 200%", &["'200%'", "--accuracy"]),
     mistake("run scene.toml --accuracy 1% --paths 100", &["--paths 100", "remove one of them"]),
@@ -99,15 +105,15 @@ const MISTAKES: &[Mistake] = &[
     mistake("run scene.toml --threads 1025", &["'1025'", "--threads", "1..=1024"]),
     mistake(
         "run scene.toml --set temperature.harmonics.0.phase=1e16",
-        &["phase", "1e16", "loses its precision", "fix: "],
+        &["phase", "1e16", "limit of double precision", "fix: "],
     ),
     mistake("run scene.toml --scheme event-driven --until 1e14", &["w t reach 2.5e13", "lower `time.end`"]),
     // Mistakes in where results are written.
     mistake("run scene.toml -o nowhere/a.h5", &["the directory nowhere", "create it"]),
     mistake("run scene.toml -o done.h5", &["done.h5 already exists", "--force"]),
-    mistake("run scene.toml -o scene.toml --force", &["scene.toml", "made from", "-o"]),
+    mistake("run scene.toml -o scene.toml --force", &["scene.toml", "is an input", "-o"]),
     mistake("run scene.toml -o -", &["standard output", "-o"]),
-    mistake("init -o scene.toml", &["scene.toml exists", "--force"]),
+    mistake("init -o scene.toml", &["scene.toml already exists", "--force"]),
     mistake("plot done.h5 -o fan.gif", &["fan.gif", ".svg"]),
     // Mistakes with results.
     mistake("show absent.h5", &["absent.h5", "No such file"]),

@@ -113,7 +113,7 @@ fn what_cannot_be_drawn_is_refused_in_words() {
     let never = ["run", "scenarios/never-slips.toml", "--quiet", "--paths", "2", "-o", "never.h5"];
     done(path, &never);
     for (arguments, code, says) in [
-        (&["run.h5", "-o", "old.svg"][..], 2, "old.svg exists"),
+        (&["run.h5", "-o", "old.svg"][..], 2, "old.svg already exists"),
         (&["run.h5", "-o", "picture.jpg"], 2, ".svg, .png or .pdf"),
         (&["run.h5", "--only", "ventilator"], 2, "path, fan, sticks"),
         (&["run.h5", "--only", "path.D"], 2, "no panel D, but A to C"),

@@ -65,7 +65,7 @@ fn what_is_no_run_is_refused() {
     let folder = tempfile::tempdir().expect("a folder");
     std::fs::write(folder.path().join("old.html"), "mine").expect("written");
     for (arguments, says) in [
-        (&["old.h5"][..], "old.html exists"),
+        (&["old.h5"][..], "old.html already exists"),
         (&["absent.h5", "-o", "a.html"], "absent.h5"),
         (&["old.html", "-o", "a.html"], "not an HDF5 file"),
     ] {

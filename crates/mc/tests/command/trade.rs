@@ -323,7 +323,7 @@ fn the_command_refuses_before_it_measures() {
         (vec!["--budget", "soon"], "60s"),
         (vec!["--budget", "0"], "one second"),
         (vec!["--statistic", "stick_duration"], "stick_duration_mean"),
-        (vec!["-o", "old.h5"], "old.png exists"),
+        (vec!["-o", "old.h5"], "old.png already exists"),
         (vec!["-o", "picture.svg"], "picture.svg is the name of a picture"),
         (vec!["-o", "absent/trade.h5"], "the directory absent"),
         (vec!["--set", "time.end=0"], "`time.end` = 0"),

@@ -368,7 +368,7 @@ fn a_run_that_was_chosen_for_an_accuracy_is_continued_as_it_was_chosen() {
     }
     // If it is ended early, it has not reached the accuracy, and says so.
     let early = command::mc(here.path(), &["resume", "b.h5", "--end", "--quiet"]);
-    assert!(text(&early.stderr).contains("relative error of 0.1 % is not reached"), "{}", text(&early.stderr));
+    assert!(text(&early.stderr).contains("relative error of 0.1 % was not reached"), "{}", text(&early.stderr));
     let resumed = command::mc(here.path(), RESUME);
     assert!(resumed.status.success() && !text(&resumed.stderr).contains("not reached"), "{}", text(&resumed.stderr));
     let stored = store::read(&here.path().join("a.h5")).expect("whole");
