@@ -368,7 +368,7 @@ fn reversals(
 fn usual(reversals: Vec<Reversal>, jump: f64) -> Vec<Reversal> {
     let only: Vec<f64> = reversals.iter().map(|reversal| reversal.change).collect();
     let (middle, wide) = (median(&mut only.clone()), spread(&only));
-    let most = (0.5 * jump).clamp(UNUSUAL * wide, MOST_UNUSUAL * wide);
+    let most = (0.5 * jump).max(UNUSUAL * wide).min(MOST_UNUSUAL * wide);
     reversals.into_iter().filter(|reversal| (reversal.change - middle).abs() <= most).collect()
 }
 
