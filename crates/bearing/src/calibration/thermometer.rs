@@ -144,7 +144,7 @@ mod tests {
         assert!(steel < 0.05, "{steel}");
         assert!(course((0..3000).map(cycle).collect()).roughness < 1e-3 * truth);
         // 0.5826 times the square root of 2.25e-4 K^2/s times 600 s is 0.2141 K.
-        let overlooked = Thermometer::of(&air).moving(truth).overlooked();
+        let overlooked = Thermometer::of(&air).moving(truth).overlooked(STEP);
         assert!((overlooked - 0.2141).abs() < 1e-4, "{overlooked}");
     }
 }
