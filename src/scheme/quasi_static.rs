@@ -42,8 +42,8 @@
 
 use super::columns::Seen;
 use super::event_driven::{
-    self, Cascade, Cell, End, ExactTime, Glance, Known, Noiseless, OneByOne, Path, Resolved, Route, Scene, Simulated,
-    StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft, check_friction,
+    self, Cascade, Cell, End, ExactTime, Glance, Known, Noiseless, Path, Resolved, Route, ScalarPaths, Scene,
+    Simulated, StepRules, Stretch, Stretches, Watch, WatchedPiece, Watching, WithUnfeltNoise, WorkLeft, check_friction,
     noise_between,
 };
 use super::{
@@ -453,7 +453,7 @@ impl Simulate for QuasiStaticSimulation {
             Exits::Noisy(cascade) => {
                 let observer = Watching::new(observer);
                 let (is_stopped, follows) = (|| observer.borrow().is_stopped(), observer.borrow().follows());
-                let mut all = OneByOne::new(cascade.as_ref(), seed, paths, &is_stopped, follows);
+                let mut all = ScalarPaths::new(cascade.as_ref(), seed, paths, &is_stopped, follows);
                 event_driven::simulate(&mut all, paths.len(), &observer)
             }
             Exits::Noiseless(cascade) => {

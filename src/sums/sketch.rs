@@ -324,10 +324,10 @@ mod tests {
             }
             let expected = by_definition(&values, &shape);
             prop_assert_eq!(&parts[0].ordered(), &expected);
-            let mut one_by_one = Sketch::empty(shape);
-            values.iter().for_each(|&value| one_by_one.push(value));
-            prop_assert_eq!(&one_by_one.ordered(), &expected);
-            prop_assert_eq!(&through_bytes(&one_by_one).ordered(), &expected);
+            let mut paths = Sketch::empty(shape);
+            values.iter().for_each(|&value| paths.push(value));
+            prop_assert_eq!(&paths.ordered(), &expected);
+            prop_assert_eq!(&through_bytes(&paths).ordered(), &expected);
         }
 
         #[test]
@@ -423,12 +423,12 @@ mod tests {
     #[test]
     fn many_values_at_once_are_the_same_as_a_few_at_a_time() {
         let values: Vec<f64> = (0..300_000).map(|i| if i % 3 == 0 { f64::from(i) } else { 7.0 }).collect();
-        let (mut one_by_one, mut parts) = (Sketch::empty(SHAPE), Sketch::empty(SHAPE));
-        values.iter().for_each(|&value| one_by_one.push(value));
+        let (mut paths, mut parts) = (Sketch::empty(SHAPE), Sketch::empty(SHAPE));
+        values.iter().for_each(|&value| paths.push(value));
         parts.extend_by_parts(&[&values[..1], &values[1..200_001], &[], &values[200_001..]]);
-        assert_eq!(of(&values, SHAPE), one_by_one);
-        assert_eq!(parts, one_by_one);
-        assert_eq!(one_by_one.ordered().count(), 300_000);
+        assert_eq!(of(&values, SHAPE), paths);
+        assert_eq!(parts, paths);
+        assert_eq!(paths.ordered().count(), 300_000);
     }
 
     #[test]

@@ -84,7 +84,7 @@ fn a_thrown_body_under_a_force_of_its_own_is_that_of_the_closed_form() {
     }
 }
 
-/// Under noise, paths that go abreast, alone and with the motion followed are the same, and the mean
+/// Under noise, paths that go vectorised, alone and with the motion followed are the same, and the mean
 /// of x(t_end) of a body without friction is that of the free oscillation, x0 cos t + v0 sin t, whatever
 /// the noise. Null: within 4 standard errors, 1 in 16 000.
 #[test]

@@ -2,8 +2,8 @@
 //! event-driven and quasi-static.
 //!
 //! All paths that are simulated together cross the same cells, one cell or a run of up to 64,
-//! before any of them goes on. They do so [alone](super::alone), one after the other, or
-//! [abreast](super::abreast). Within a cell, a path is taken phase by phase:
+//! before any of them goes on. They do so [alone](super::scalar), one after the other, or
+//! [vectorised](super::vectorised). Within a cell, a path is taken phase by phase:
 //!
 //! ```text
 //! n at the end of the cell    drawn from its law given n at the start: the skeleton
@@ -13,8 +13,8 @@
 //!
 //! The state at an instant inside a cell is drawn separately and does not change the path.
 
-use super::alone::{Cascade, Follower, Glances, Path, PendingNodes, cross};
 use super::law::{Cell, Glance};
+use super::scalar::{Cascade, Follower, Glances, Path, PendingNodes, cross};
 use super::work::Simulated;
 use crate::model::Event;
 use crate::noise::looking_place;

@@ -4,10 +4,10 @@
 //! ```text
 //! law          what holds between two times at which a path is known
 //! noiseless    without noise: phases are closed forms, events are roots; there is no time step
-//! noisy        with noise: the constants, and whether paths go alone or abreast
+//! noisy        with noise: the constants, and whether paths go alone or vectorised
 //!   cell_loop    the loop over cells of time
 //!   alone        a path crosses a cell event by event, one path after the other
-//!   abreast      all paths that are simulated together cross a cell together, in lanes
+//!   vectorised      all paths that are simulated together cross a cell together, in lanes
 //! user_force   a force of the user's own, if there is one
 //! work         a limit on the computing time of one path
 //! ```
@@ -15,24 +15,24 @@
 //! [`EventDriven`] is the scheme with its tolerance; [`EventDrivenSimulation`] is the scheme on one
 //! model.
 
-mod abreast;
-mod alone;
 mod cell_loop;
 mod law;
 mod noiseless;
 mod noisy;
+mod scalar;
 mod simulation;
 mod user_force;
+mod vectorised;
 mod work;
 
 pub use law::{DEFAULT_TOLERANCE, DrivenOscillator, HarmonicResponse, Resolution, SlipTransition, TOLERANCES};
 pub use simulation::EventDrivenSimulation;
 pub use work::{Simulated, Unresolved};
 
-pub(super) use alone::{Cascade, OneByOne, Path, Route, Watch, WatchedPiece};
 pub(super) use cell_loop::{Watching, simulate};
 pub(super) use law::{Cell, Glance, Known, Scene, StepRules, noise_between};
 pub(super) use noiseless::{End, ExactTime, Noiseless, Stretch, Stretches, WithUnfeltNoise};
+pub(super) use scalar::{Cascade, Path, Route, ScalarPaths, Watch, WatchedPiece};
 pub(super) use work::{Resolved, WorkLeft};
 
 use super::{Discretisation, Look, Method, Misfit, Parameter, Timeline};

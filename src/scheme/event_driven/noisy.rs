@@ -13,10 +13,10 @@
 //! noise change, a cell is as long as these allow. Then a slip makes many steps in a cell, and n at
 //! their ends is drawn from its bridge to the end of the cell.
 
-use super::abreast::Abreast;
-use super::alone::{OneByOne, Route};
 use super::cell_loop;
 use super::law::{DrivenOscillator, Scene, SlipStep, StepRules, StopSearch};
+use super::scalar::{Route, ScalarPaths};
+use super::vectorised::Vectorised;
 use super::work::{OWN_FORCE, Simulated};
 use crate::lanes::InstructionSet;
 use crate::model::Model;
@@ -83,13 +83,13 @@ impl Noisy {
         Noisy { scene, route, oscillator, step, halved, rules: *rules, search }
     }
 
-    /// Whether the paths can be simulated abreast: all cells have one length, there is only one
+    /// Whether the paths can be simulated vectorised: all cells have one length, there is only one
     /// noise, and no force of the user's own.
     pub fn has_equal_cells(&self) -> bool {
         !self.scene.own.is_some() && self.scene.two_noises.is_none() && self.route.ladder.is_even()
     }
 
-    /// Whether slips can be simulated abreast too: the cells have the length of one slip step, and
+    /// Whether slips can be simulated vectorised too: the cells have the length of one slip step, and
     /// its transition is a sum of power series without doubling.
     pub fn has_one_step_a_cell(&self) -> bool {
         let length = self.step.length();
@@ -108,10 +108,10 @@ impl Noisy {
         let observer = RefCell::new(observer);
         let is_stopped = || observer.borrow().is_stopped();
         if paths.len() > FEW && self.has_equal_cells() && !follows {
-            let mut all = Abreast::new(self, instructions, seed, paths, &is_stopped);
+            let mut all = Vectorised::new(self, instructions, seed, paths, &is_stopped);
             return cell_loop::simulate(&mut all, paths.len(), &observer);
         }
-        let mut all = OneByOne::new(self, seed, paths, &is_stopped, follows);
+        let mut all = ScalarPaths::new(self, seed, paths, &is_stopped, follows);
         cell_loop::simulate(&mut all, paths.len(), &observer)
     }
 }

@@ -5,7 +5,7 @@ use super::super::law::{
     Bridge, Glance, Interval, Node, SlipPiece, SlipPoint, SlipVelocity, StickEnd, StickPiece, Stuck, TRIES, Way, force,
     motion, resolved_travel, stick_piece,
 };
-use super::Abreast;
+use super::Vectorised;
 use super::crossing::Crossing;
 use super::jobs::RowNumbers;
 use super::records::is_inside;
@@ -328,7 +328,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn not_in_lanes(&mut self, rows: &RowNumbers, mut lanes: u32) {
         while lanes != 0 {
             let lane = rows[lanes.trailing_zeros() as usize];
-            let Abreast { odd, lost, .. } = &mut *self.paths;
+            let Vectorised { odd, lost, .. } = &mut *self.paths;
             if !odd.contains(&lane) && !lost.contains_key(&(lane as usize)) {
                 odd.push(lane);
             }

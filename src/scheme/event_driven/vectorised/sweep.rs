@@ -2,7 +2,7 @@
 
 use super::super::law::{EVENT_PLACE, Extent, NOISE_PLACE, Node, SlipPoint, WHOLE_PLACE, force};
 use super::super::noisy::Noisy;
-use super::Abreast;
+use super::Vectorised;
 use super::crossing::{Crossing, Task};
 use super::jobs::{Count, RowNumbers};
 use super::shared_step::SharedStep;
@@ -15,7 +15,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     /// Takes every lane to the end of the cell, and puts the flagged lanes into queues.
     #[inline(always)]
     pub(super) fn sweep(&mut self) {
-        let Abreast { phases, slips, sticks, spent, jobs, .. } = &mut *self.paths;
+        let Vectorised { phases, slips, sticks, spent, jobs, .. } = &mut *self.paths;
         jobs.width = L::WIDTH;
         phases.divide::<L>(slips, sticks);
         spent.iter_mut().for_each(|spent| *spent += 1);

@@ -12,7 +12,7 @@ use crate::scheme::Glide;
 use crate::scheme::columns::{LOST, Seen, StateColumns};
 
 /// Paths that are simulated one after the other.
-pub struct OneByOne<'a, C: Cascade> {
+pub struct ScalarPaths<'a, C: Cascade> {
     cascade: &'a C,
     instructions: InstructionSet,
     paths: Vec<Path<'a, C::Memory>>,
@@ -24,11 +24,11 @@ pub struct OneByOne<'a, C: Cascade> {
     scratch: (C::Scratch, PendingNodes),
 }
 
-impl<'a, C: Cascade> OneByOne<'a, C> {
+impl<'a, C: Cascade> ScalarPaths<'a, C> {
     /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`. Their motion is
     /// told as well if an observer follows it.
     pub fn new(cascade: &'a C, seed: u64, paths: &[u64], is_stopped: &'a dyn Fn() -> bool, follows: bool) -> Self {
-        OneByOne {
+        ScalarPaths {
             cascade,
             instructions: InstructionSet::detect(),
             paths: paths.iter().map(|&path| start(cascade, seed, path, is_stopped)).collect(),
@@ -45,7 +45,7 @@ impl<'a, C: Cascade> OneByOne<'a, C> {
 /// `inline(always)` there), so that a fused multiply-add is an instruction instead of a call. The
 /// bits are the same on all instruction sets.
 struct CrossOneByOne<'p, 'a, C: Cascade> {
-    all: &'p mut OneByOne<'a, C>,
+    all: &'p mut ScalarPaths<'a, C>,
     cells: &'p [Cell],
     inside: Option<&'p mut Inside>,
 }
@@ -53,7 +53,7 @@ struct CrossOneByOne<'p, 'a, C: Cascade> {
 impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let OneByOne { cascade, paths, events, glides, scratch, is_stopped, .. } = &mut *self.all;
+        let ScalarPaths { cascade, paths, events, glides, scratch, is_stopped, .. } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
             if is_stopped() {
@@ -72,7 +72,7 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     }
 }
 
-impl<C: Cascade> PathSet for OneByOne<'_, C> {
+impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
     type Cascade = C;
 
     fn cascade(&self) -> &C {

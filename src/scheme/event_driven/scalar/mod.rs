@@ -8,20 +8,20 @@
 //!     stop_search    bisects a step from left to right
 //!     step_flow      the motion of the step without noise, for feeble noise and for observers
 //! watch          draws the state at instants inside a cell, without changing the path
-//! one_by_one     all paths, one after the other
+//! paths     all paths, one after the other
 //! ```
 
-mod one_by_one;
 mod own_force;
 mod path;
+mod paths;
 mod slip;
 mod step_flow;
 mod stick;
 mod stop_search;
 mod watch;
 
-pub use one_by_one::OneByOne;
 pub use path::{Cascade, Path, Route, cross, start};
+pub use paths::ScalarPaths;
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;
 pub use watch::{Follower, Glances, Nobody, Watch, WatchedPiece};

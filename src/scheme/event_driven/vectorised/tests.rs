@@ -1,8 +1,8 @@
-use super::super::alone::OneByOne;
 use super::super::cell_loop::{self, Watching};
 use super::super::law::StepRules;
 use super::super::noisy::Noisy;
-use super::Abreast;
+use super::super::scalar::ScalarPaths;
+use super::Vectorised;
 use crate::lanes::InstructionSet;
 use crate::model::tests::paper;
 use crate::model::{Event, Harmonic, Model};
@@ -61,7 +61,7 @@ fn scenes() -> Vec<(&'static str, Model)> {
     ]
 }
 
-/// A path has the same bits abreast and alone, on every instruction set and among any other paths,
+/// A path has the same bits vectorised and alone, on every instruction set and among any other paths,
 /// with output rows at the ends of cells and inside them.
 #[test]
 fn a_path_is_the_same_abreast_and_alone() {
@@ -73,27 +73,27 @@ fn a_path_is_the_same_abreast_and_alone() {
             assert_eq!(noisy.has_one_step_a_cell(), name != "stiff");
             let nothing = Everything { events: vec![Vec::new(); paths.len()], ..Everything::default() };
             let mut alone = nothing.clone();
-            let one_by_one = cell_loop::simulate(
-                &mut OneByOne::new(&noisy, 5, &paths, &|| false, false),
+            let paths = cell_loop::simulate(
+                &mut ScalarPaths::new(&noisy, 5, &paths, &|| false, false),
                 paths.len(),
                 &Watching::new(&mut alone),
             );
             for set in InstructionSet::ALL.into_iter().filter(|set| set.is_available()) {
-                let mut paths_abreast = Abreast::new(&noisy, set, 5, &paths, &|| false);
-                let mut abreast = nothing.clone();
-                let simulated = cell_loop::simulate(&mut paths_abreast, paths.len(), &Watching::new(&mut abreast));
+                let mut paths_abreast = Vectorised::new(&noisy, set, 5, &paths, &|| false);
+                let mut vectorised = nothing.clone();
+                let simulated = cell_loop::simulate(&mut paths_abreast, paths.len(), &Watching::new(&mut vectorised));
                 let is_odd = paths_abreast.turned_odd as f64 / paths_abreast.swept as f64;
                 println!("{name}, {}: {} events, {is_odd:.4} odd", set.name(), alone.count);
-                for (lane, (a, b)) in abreast.events.iter().zip(&alone.events).enumerate() {
+                for (lane, (a, b)) in vectorised.events.iter().zip(&alone.events).enumerate() {
                     let same = a.iter().zip(b).take_while(|(a, b)| a == b).count();
                     assert!(a == b, "{name}, {}, lane {lane}: {:?}, {:?}", set.name(), a.get(same), b.get(same));
                 }
-                for (i, (a, b)) in abreast.seen.iter().zip(&alone.seen).enumerate() {
+                for (i, (a, b)) in vectorised.seen.iter().zip(&alone.seen).enumerate() {
                     let (row, lane) = (i / paths.len(), i % paths.len());
                     assert!(a == b, "{name}, {}, row {row}, lane {lane}: {a:?}, {b:?}", set.name());
                 }
-                assert!(abreast == alone, "{name}, {}", set.name());
-                assert_eq!(simulated.evaluations, one_by_one.evaluations, "{name}, {}", set.name());
+                assert!(vectorised == alone, "{name}, {}", set.name());
+                assert_eq!(simulated.evaluations, paths.evaluations, "{name}, {}", set.name());
             }
         }
     }

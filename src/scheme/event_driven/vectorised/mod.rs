@@ -1,4 +1,4 @@
-//! Paths abreast: all paths that are simulated together cross a cell together, in lanes.
+//! Paths vectorised: all paths that are simulated together cross a cell together, in lanes.
 //!
 //! ```text
 //! sweep    draws n at the end of the cell, and takes every path there as if it had no event
@@ -7,8 +7,8 @@
 //! alone    the few lanes that meet a rare case cross the cell again, one by one
 //! ```
 //!
-//! A lane does the same as [`super::alone::cross`], with the same random numbers and the same
-//! rounding, so a path has the same bits abreast and alone. Therefore rare cases (the end of a
+//! A lane does the same as [`super::scalar::cross`], with the same random numbers and the same
+//! rounding, so a path has the same bits vectorised and alone. Therefore rare cases (the end of a
 //! bisection, noise that is too feeble for the quintic, a start on a threshold) need not be treated
 //! in lanes: such a lane crosses the cell again alone.
 //!
@@ -27,10 +27,10 @@ mod sweep;
 #[cfg(test)]
 mod tests;
 
-use super::alone::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
 use super::cell_loop::{Inside, PathSet, Watching};
 use super::law::Cell;
 use super::noisy::Noisy;
+use super::scalar::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
 use super::work::{Simulated, Unresolved, WorkLeft};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable, ROW, Row};
 use crate::model::{Event, Phase, Sign};
@@ -42,7 +42,7 @@ use states::{Border, Phases, rows_from};
 use std::collections::BTreeMap;
 
 /// Paths that are simulated together.
-pub struct Abreast<'a> {
+pub struct Vectorised<'a> {
     noisy: &'a Noisy,
     instructions: InstructionSet,
     normals: &'static LookupTable,
@@ -77,7 +77,7 @@ pub struct Abreast<'a> {
     is_stopped: &'a dyn Fn() -> bool,
 }
 
-impl<'a> Abreast<'a> {
+impl<'a> Vectorised<'a> {
     /// The paths with these numbers, at t = 0. They are crossed until `is_stopped`.
     pub fn new(
         noisy: &'a Noisy,
@@ -89,7 +89,7 @@ impl<'a> Abreast<'a> {
         let count = paths.len();
         let lanes = count.next_multiple_of(ROW);
         let states = vec![Row([0.0; ROW]); lanes + ROW];
-        let mut all = Abreast {
+        let mut all = Vectorised {
             noisy,
             instructions,
             normals: cells(),
@@ -114,7 +114,7 @@ impl<'a> Abreast<'a> {
             is_stopped,
         };
         for (lane, &number) in paths.iter().enumerate() {
-            let path = alone::start(noisy, seed, number, is_stopped);
+            let path = scalar::start(noisy, seed, number, is_stopped);
             all.draws.push(path.draws);
             all.put(lane, &path);
             std::mem::swap(&mut all.now, &mut all.next);
@@ -187,7 +187,7 @@ impl<'a> Abreast<'a> {
             inside.cross(lane, self.noisy, cell, &mut path, &mut self.scratch);
         } else {
             let emit = |event| self.events.push((lane as u32, event));
-            let crossed = alone::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
+            let crossed = scalar::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
             path.lost = crossed.err();
         }
         self.put(lane, &path);
@@ -196,7 +196,7 @@ impl<'a> Abreast<'a> {
 
 /// Writes the state of every path at the end of a cell.
 struct LookAtEnd<'p, 'a> {
-    paths: &'p Abreast<'a>,
+    paths: &'p Vectorised<'a>,
     passed: &'p Cell,
     columns: &'p mut StateColumns,
 }
@@ -214,7 +214,7 @@ impl LaneProgram for LookAtEnd<'_, '_> {
     }
 }
 
-impl PathSet for Abreast<'_> {
+impl PathSet for Vectorised<'_> {
     type Cascade = Noisy;
 
     fn cascade(&self) -> &Noisy {

@@ -3,7 +3,7 @@
 
 use super::super::cell_loop::Inside;
 use super::super::law::{Cell, Glance};
-use super::Abreast;
+use super::Vectorised;
 use crate::lanes::{LaneProgram, Lanes};
 use std::marker::PhantomData;
 
@@ -19,7 +19,7 @@ const LOOK: u32 = 64;
 
 /// A crossing of one cell by all paths, in lanes of one kind.
 pub struct Crossing<'p, 'a, L: Lanes> {
-    pub paths: &'p mut Abreast<'a>,
+    pub paths: &'p mut Vectorised<'a>,
     pub cell: &'p Cell,
     lanes: PhantomData<L>,
 }
@@ -32,7 +32,7 @@ trait Stage {
 
 /// A stage of the crossing of a cell, for any instruction set.
 struct InLanes<'p, 'a, S> {
-    paths: &'p mut Abreast<'a>,
+    paths: &'p mut Vectorised<'a>,
     cell: &'p Cell,
     stage: S,
 }
@@ -79,7 +79,7 @@ macro_rules! tasks {
             }
         )*
 
-        impl Abreast<'_> {
+        impl Vectorised<'_> {
             /// Works on the lanes that were taken out of the queue of a task.
             fn work_on(&mut self, task: Task, cell: &Cell) {
                 match task {
@@ -137,7 +137,7 @@ impl Stage for Alone<'_> {
     }
 }
 
-impl Abreast<'_> {
+impl Vectorised<'_> {
     /// Takes all paths across a cell: first as if they had no event, then, from task to task, those
     /// that may have one, and last, alone, those that meet a rare case. `inside` are the stops
     /// inside the cell.
@@ -191,14 +191,14 @@ impl Abreast<'_> {
 
     /// Marks all lanes to cross the cell alone.
     fn mark_all_odd(&mut self) {
-        let Abreast { odd, lost, count, .. } = self;
+        let Vectorised { odd, lost, count, .. } = self;
         odd.extend((0..*count).filter(|lane| !lost.contains_key(lane)).map(|lane| lane as u32));
     }
 
     /// Counts the evaluations of the flagged lanes, and the lanes that have to cross the cell
     /// alone.
     fn count_work(&mut self) {
-        let Abreast { odd, swept, turned_odd, jobs, spent, count, .. } = self;
+        let Vectorised { odd, swept, turned_odd, jobs, spent, count, .. } = self;
         for &lane in jobs.flagged() {
             spent[lane as usize] += jobs.spent(lane as usize);
         }
@@ -208,7 +208,7 @@ impl Abreast<'_> {
 
     /// Drops the events of lanes that cross the cell again, alone.
     fn drop_events_of_odd(&mut self) {
-        let Abreast { odd, events, .. } = self;
+        let Vectorised { odd, events, .. } = self;
         if !odd.is_empty() {
             events.retain(|(lane, _)| !odd.contains(lane));
         }
