@@ -3,7 +3,7 @@
 use crate::ensemble::PathMotion;
 use crate::model::{Event, EventKind, Phase};
 use crate::scenario::{Period, PeriodSource, Scenario};
-use crate::scheme::{Glide, Simulate as _};
+use crate::scheme::{Segment, Simulate as _};
 use crate::stats::{BlockObserver, LimitCycle, Record, Repeats};
 use crate::sums::Replicate;
 
@@ -96,7 +96,7 @@ fn is_slip_start(event: &Event) -> bool {
     matches!(event.kind, EventKind::SlipStarted(_))
 }
 
-/// Places in a glide between which a zero of x' - drift is looked for: a quintic has up to four.
+/// Places in a segment between which a zero of x' - drift is looked for: a quintic has up to four.
 const PLACES: u32 = 8;
 
 /// Halvings until such a zero has all its digits.
@@ -110,10 +110,10 @@ impl PathMotion {
     /// contains x, if it is less than half as wide as the range of x; 0 otherwise. A motion that is
     /// steady, or repeats itself, has that slope.
     fn drift(&self, [from, to]: [f64; 2]) -> f64 {
-        let inside = || self.glides.iter().filter(|glide| glide.start >= from && glide.end() <= to);
-        let at = |glide: &Glide, place: u32| {
+        let inside = || self.segments.iter().filter(|segment| segment.start >= from && segment.end() <= to);
+        let at = |segment: &Segment, place: u32| {
             let part = f64::from(place) / f64::from(PLACES);
-            [glide.start + part * glide.length, glide.displacement + glide.at(part)[0]]
+            [segment.start + part * segment.length, segment.displacement + segment.at(part)[0]]
         };
         let turn =
             |a: [f64; 2], b: [f64; 2], c: [f64; 2]| (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0]);
@@ -121,7 +121,7 @@ impl PathMotion {
         let mut hull: Vec<[f64; 2]> = Vec::new();
         for side in [1.0, -1.0] {
             let first = hull.len();
-            for next in inside().flat_map(|glide| (0..=PLACES).map(move |place| at(glide, place))) {
+            for next in inside().flat_map(|segment| (0..=PLACES).map(move |place| at(segment, place))) {
                 while hull.len() >= first + 2 && side * turn(hull[hull.len() - 2], hull[hull.len() - 1], next) >= 0.0 {
                     hull.pop();
                 }
@@ -146,17 +146,17 @@ impl PathMotion {
     }
 
     /// Half the range of x - drift t between two times. It is largest and smallest at events, or
-    /// inside a glide where x' is the drift.
+    /// inside a segment where x' is the drift.
     fn amplitude(&self, [from, to]: [f64; 2], drift: f64) -> f64 {
         let is_inside = |time: f64| time >= from && time <= to;
         let events = self.events.iter().filter(|event| is_inside(event.time));
         let mut range = [f64::INFINITY, f64::NEG_INFINITY];
         let mut reach = |time: f64, x: f64| range = [range[0].min(x - drift * time), range[1].max(x - drift * time)];
         events.for_each(|event| reach(event.time, event.displacement));
-        for glide in self.glides.iter().filter(|glide| is_inside(glide.start) && is_inside(glide.end())) {
-            let at = |part: f64| glide.at(part)[1] - drift;
+        for segment in self.segments.iter().filter(|segment| is_inside(segment.start) && is_inside(segment.end())) {
+            let at = |part: f64| segment.at(part)[1] - drift;
             let mut reach_at = |part: f64| {
-                reach(glide.start + part * glide.length, glide.displacement + glide.at(part)[0]);
+                reach(segment.start + part * segment.length, segment.displacement + segment.at(part)[0]);
             };
             reach_at(1.0);
             for place in 0..PLACES {

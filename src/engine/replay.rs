@@ -4,7 +4,7 @@
 use super::{Asked, Provenance};
 use crate::ensemble::Plan;
 use crate::scenario::{MAX_TRAJECTORIES, Scenario};
-use crate::scheme::Glide;
+use crate::scheme::Segment;
 use crate::stats::{BlockResult, Record};
 
 /// One path of an ensemble, simulated again.
@@ -73,7 +73,7 @@ impl Replay {
 
     /// The motion of the path between its events, piece by piece, as the scheme knows it; nothing if
     /// the path is lost. The path is simulated for it once more.
-    pub fn motion(&self) -> Vec<Glide> {
+    pub fn motion(&self) -> Vec<Segment> {
         self.rows.plan(&self.scenario, Record::NOTHING).motion(self.block.rows.first_path)
     }
 

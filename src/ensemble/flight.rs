@@ -5,7 +5,7 @@
 //! block do not depend on whether it is simulated with others.
 
 use crate::model::Event;
-use crate::scheme::{Glide, Instant, Observer, Snapshot};
+use crate::scheme::{Instant, Observer, Segment, Snapshot};
 
 /// The observers of blocks of `lanes` paths each, except perhaps the last one, which may have
 /// fewer. Lane i of the flight is lane `i % lanes` of block `i / lanes`.
@@ -24,8 +24,8 @@ impl<O: Observer> Observer for Flight<O> {
         self.observers.iter().any(Observer::follows)
     }
 
-    fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.observers[lane / self.lanes].glide(lane % self.lanes, glide);
+    fn segment(&mut self, lane: usize, segment: &Segment) {
+        self.observers[lane / self.lanes].segment(lane % self.lanes, segment);
     }
 
     fn snapshot(&mut self, instant: Instant, all: Snapshot<'_>) {

@@ -22,7 +22,7 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 
 use crate::model::{Event, Model};
 use crate::noise;
-use crate::scheme::{Glide, Observer, Simulate as _, Simulation, Timeline, Unresolved};
+use crate::scheme::{Observer, Segment, Simulate as _, Simulation, Timeline, Unresolved};
 use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
@@ -72,7 +72,7 @@ pub fn drawn(paths: &[u64], antithetic: bool) -> Vec<u64> {
 #[derive(Default)]
 pub(crate) struct PathMotion {
     pub events: Vec<Event>,
-    pub glides: Vec<Glide>,
+    pub segments: Vec<Segment>,
 }
 
 impl Observer for PathMotion {
@@ -84,8 +84,8 @@ impl Observer for PathMotion {
         true
     }
 
-    fn glide(&mut self, _: usize, glide: &Glide) {
-        self.glides.push(*glide);
+    fn segment(&mut self, _: usize, segment: &Segment) {
+        self.segments.push(*segment);
     }
 }
 
@@ -113,8 +113,8 @@ impl Observer for SeenLast {
         true
     }
 
-    fn glide(&mut self, _: usize, glide: &Glide) {
-        self.0 = [glide.end(), glide.displacement + glide.way];
+    fn segment(&mut self, _: usize, segment: &Segment) {
+        self.0 = [segment.end(), segment.displacement + segment.way];
     }
 }
 
@@ -154,10 +154,10 @@ impl Plan {
 
     /// The motion of path number `path` of the ensemble between its events, piece by piece; nothing
     /// if it is lost.
-    pub fn motion(&self, path: u64) -> Vec<Glide> {
+    pub fn motion(&self, path: u64) -> Vec<Segment> {
         let mut motion = PathMotion::default();
         let lost = self.simulated(&[path], &mut motion);
-        if lost.is_empty() { motion.glides } else { Vec::new() }
+        if lost.is_empty() { motion.segments } else { Vec::new() }
     }
 
     /// Why path number `path` of the ensemble is given up, for which it is simulated again until

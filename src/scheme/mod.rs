@@ -17,10 +17,10 @@ mod any;
 mod columns;
 mod discrete_vi;
 mod event_driven;
-mod glide;
 mod method;
 mod misfit;
 mod quasi_static;
+mod segment;
 mod stability;
 mod timeline;
 
@@ -32,10 +32,10 @@ pub use event_driven::{
 };
 #[doc(hidden)]
 pub use event_driven::{DrivenOscillator, HarmonicResponse, SlipTransition};
-pub use glide::{Along, Course, Glide};
 pub use method::{Discretisation, Look, Method, Parameter, Simulate};
 pub use misfit::Misfit;
 pub use quasi_static::{QuasiStatic, QuasiStaticSimulation};
+pub use segment::{Along, Course, Segment};
 pub use stability::Stability;
 pub use timeline::{Instant, Timeline};
 
@@ -83,7 +83,7 @@ pub trait Observer {
     /// happened until then.
     fn snapshot(&mut self, _instant: Instant, _snapshot: Snapshot<'_>) {}
 
-    /// Whether the motion between the events is wanted: a scheme then tells the [`Glide`]s of every
+    /// Whether the motion between the events is wanted: a scheme then tells the [`Segment`]s of every
     /// path. It asks once, before the paths begin.
     fn follows(&self) -> bool {
         false
@@ -93,7 +93,7 @@ pub trait Observer {
     /// state at [`Instant::End`]. A piece is as it is wherever the path is observed: it may begin
     /// before an instant and end after it, may arrive before or after the state at an instant within
     /// or before it, and the last ones may lie beyond the end. A step arrives before all later states.
-    fn glide(&mut self, _lane: usize, _glide: &Glide) {}
+    fn segment(&mut self, _lane: usize, _segment: &Segment) {}
 
     /// Whether the results of these paths are no longer needed. A scheme then returns soon, and the
     /// observer must discard what it has received of these paths.
@@ -122,9 +122,9 @@ impl<A: Observer, B: Observer> Observer for (A, B) {
         self.0.follows() || self.1.follows()
     }
 
-    fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.0.glide(lane, glide);
-        self.1.glide(lane, glide);
+    fn segment(&mut self, lane: usize, segment: &Segment) {
+        self.0.segment(lane, segment);
+        self.1.segment(lane, segment);
     }
 
     #[inline]

@@ -47,7 +47,7 @@ use super::event_driven::{
     noise_between,
 };
 use super::{
-    Along, DEFAULT_TOLERANCE, Discretisation, Glide, Look, Method, Misfit, Observer, Parameter, Simulate, Timeline,
+    Along, DEFAULT_TOLERANCE, Discretisation, Look, Method, Misfit, Observer, Parameter, Segment, Simulate, Timeline,
 };
 use crate::model::{Event, EventKind, Model, Oscillator, Phase, Sign, StepResponse};
 use crate::noise::AddressedDraws;
@@ -169,14 +169,14 @@ impl Swing {
 
     /// The motion of a slip that begins at this time and x with this excess, between two times
     /// after its start.
-    fn glides(
+    fn segments(
         &self,
         began: f64,
         x0: f64,
         direction: Sign,
         excess: f64,
         [from, until]: [f64; 2],
-        mut tell: impl FnMut(Glide),
+        mut tell: impl FnMut(Segment),
     ) {
         let response = &self.response;
         let reach = self.way(direction, excess) / (1.0 + response.overshoot);
@@ -200,7 +200,7 @@ impl Swing {
                 let all = self.way(direction, excess);
                 there = [all, 0.0, stiffness * (reach - all) / mass];
             }
-            tell(Glide {
+            tell(Segment {
                 start: began + start,
                 length: end - start,
                 displacement: x0 + here[0],
@@ -311,10 +311,10 @@ impl Stretches for NoiselessRecursion {
     }
 
     /// The whole slip, so that its pieces do not depend on the end of the run.
-    fn glides(&self, part: &Part, _: f64, tell: impl FnMut(Glide)) -> Resolved<()> {
+    fn segments(&self, part: &Part, _: f64, tell: impl FnMut(Segment)) -> Resolved<()> {
         if let (Phase::Slip(direction), (x, excess)) = (part.phase, part.from) {
             let whole = [0.0, self.slip.response.duration];
-            self.slip.glides(part.start.value(), x, direction, excess, whole, tell);
+            self.slip.segments(part.start.value(), x, direction, excess, whole, tell);
         }
         Ok(())
     }
@@ -383,7 +383,7 @@ impl Cascade for NoisyRecursion {
             let from = cell.start + path.after - began_at;
             let until =
                 if end < cell.length { self.slip.response.duration } else { cell.start + cell.length - began_at };
-            self.slip.glides(began_at, x0, direction, excess, [from, until], |glide| watch.glide(glide));
+            self.slip.segments(began_at, x0, direction, excess, [from, until], |segment| watch.segment(segment));
         }
         (path.after, path.noise) = piece.ends[1];
         if end >= cell.length {

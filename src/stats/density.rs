@@ -1,6 +1,6 @@
 //! The share of the counted time that the body spends in each part of its phase plane.
 //!
-//! Times are those along the motion ([`Glide`]) and in sticks, from the end of the burn-in on, of
+//! Times are those along the motion ([`Segment`]) and in sticks, from the end of the burn-in on, of
 //! all paths; they do not depend on the output grid. A body in a stick has x' = 0 exactly, so its
 //! time is an atom of the law of x', which is kept apart. The density of x' and that of (x, x') are
 //! those of the time in motion, and their integrals are its share. The density of x is that of all
@@ -13,7 +13,7 @@
 use super::motion::counted_part;
 use super::{Densities, DensityCurve};
 use crate::model::{Event, EventKind, Phase};
-use crate::scheme::{Along, Glide, Timeline};
+use crate::scheme::{Along, Segment, Timeline};
 use crate::sums::Ends;
 use crate::sums::batches::{BATCHES, Share, batch_of};
 use crate::sums::codec::sums;
@@ -145,32 +145,32 @@ impl DensityFold {
 
     /// Add a piece of the motion: the time that it spends in each bin. A step is in the bin of its
     /// start.
-    pub fn glide(&mut self, lane: usize, glide: &Glide) {
-        let counted = counted_part(&self.timeline, glide);
-        if let Along::Step { .. } = glide.along {
-            let state = [glide.displacement, glide.velocity[0]];
-            self.pass(lane, glide, counted, [state; 2], |_, _| 0.0);
+    pub fn segment(&mut self, lane: usize, segment: &Segment) {
+        let counted = counted_part(&self.timeline, segment);
+        if let Along::Step { .. } = segment.along {
+            let state = [segment.displacement, segment.velocity[0]];
+            self.pass(lane, segment, counted, [state; 2], |_, _| 0.0);
         } else {
-            let course = glide.course();
+            let course = segment.course();
             for part in course.turns(counted).pairs() {
                 let ends = part.map(|place| course.at(place));
-                self.pass(lane, glide, part, ends, |variable, edge| course.passes(variable, edge, part));
+                self.pass(lane, segment, part, ends, |variable, edge| course.passes(variable, edge, part));
             }
         }
     }
 
-    /// Count the time between two places of a glide, between which x and x' are monotone and pass
+    /// Count the time between two places of a segment, between which x and x' are monotone and pass
     /// edges at `place`.
     fn pass(
         &mut self,
         lane: usize,
-        glide: &Glide,
+        segment: &Segment,
         part: [f64; 2],
         ends: [[f64; 2]; 2],
         place: impl Fn(usize, f64) -> f64,
     ) {
         let (after, rate) = (self.timeline.after, self.rate);
-        let tick = |place: f64| tick(glide.start + place * glide.length - after, rate);
+        let tick = |place: f64| tick(segment.start + place * segment.length - after, rate);
         let (ticks, batch) = (part.map(tick), self.batches[lane]);
         if ticks[0] >= ticks[1] {
             return;

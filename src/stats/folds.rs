@@ -13,7 +13,7 @@ use super::path::{Censored, EndedPhase, PathFold};
 use super::periods::PeriodSums;
 use super::totals::PhaseSums;
 use crate::model::{Event, Model};
-use crate::scheme::{Glide, Instant, Snapshot, Timeline};
+use crate::scheme::{Instant, Segment, Snapshot, Timeline};
 use crate::sums::Replicate;
 use std::borrow::Cow;
 
@@ -57,11 +57,11 @@ impl PathFolds {
     }
 
     /// Add a piece of the motion.
-    pub fn glide(&mut self, lane: usize, glide: &Glide) {
+    pub fn segment(&mut self, lane: usize, segment: &Segment) {
         if let Some(motion) = &mut self.motion {
             match self.record.has_motion() {
-                true => motion[lane].glide(&self.model, &self.timeline, glide),
-                false => motion[lane].friction(&self.model, &self.timeline, glide),
+                true => motion[lane].segment(&self.model, &self.timeline, segment),
+                false => motion[lane].friction(&self.model, &self.timeline, segment),
             }
         }
     }

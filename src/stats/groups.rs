@@ -15,7 +15,7 @@ use super::periods::PeriodFold;
 use super::totals::PhaseSums;
 use super::{Companion, Record, Statistic, Totals};
 use crate::model::{Event, Model};
-use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
+use crate::scheme::{Instant, Observer, Segment, Snapshot, Timeline};
 use crate::sums::Merge;
 use crate::sums::Replicate;
 use crate::sums::batches::{BATCHES, batch_of};
@@ -131,8 +131,8 @@ impl Observer for GroupObserver {
         self.folds.motion.is_some()
     }
 
-    fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.folds.glide(lane, glide);
+    fn segment(&mut self, lane: usize, segment: &Segment) {
+        self.folds.segment(lane, segment);
     }
 
     fn snapshot(&mut self, instant: Instant, snapshot: Snapshot<'_>) {

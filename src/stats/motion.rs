@@ -1,9 +1,9 @@
-//! The motion of paths between their events ([`Glide`]): the energy that each force gives to the
+//! The motion of paths between their events ([`Segment`]): the energy that each force gives to the
 //! body, and the farthest and the fastest it gets. Nothing here depends on the output grid.
 //!
 //! x' has one sign on a sub-phase, so the work of friction without a load is f_d times the sliding
 //! path, and x is farthest at an event or at the end: both are exact. The other works are integrals
-//! over glides,
+//! over segments,
 //!
 //! ```text
 //! of the temperature  c integral T x' dt         of damping  2 alpha integral x'^2 dt
@@ -14,17 +14,17 @@
 //! scheme with a step by the forces at its start times the way of the step, since these are the
 //! forces that move the body. What is left of the energy balance is then what the scheme creates.
 //!
-//! Under noise T is not smooth within a glide, but its work follows from what it does: it is the
+//! Under noise T is not smooth within a segment, but its work follows from what it does: it is the
 //! change of the kinetic energy and of that of the spring, plus the works of damping and friction,
 //! less that of g. The balance then closes up to rounding, and tells nothing more. Where a scheme
-//! holds T during a glide, its work is that of the T that is held.
+//! holds T during a segment, its work is that of the T that is held.
 //!
-//! A glide counts as far as it lies in the counted time, whenever it arrives. A step counts whole, if
+//! A segment counts as far as it lies in the counted time, whenever it arrives. A step counts whole, if
 //! it lies between the states at the end of the burn-in and at the end, which are those at steps.
 
 use super::path::PathFold;
 use crate::model::{Model, Sign};
-use crate::scheme::{Along, Glide, Instant, Timeline};
+use crate::scheme::{Along, Instant, Segment, Timeline};
 
 /// The energy that each force gave to the body, or took from it, since the end of the burn-in.
 #[derive(Clone, Copy, Debug, Default)]
@@ -83,23 +83,23 @@ impl MotionFold {
     }
 
     /// Add a piece of the motion, as far as it lies on the timeline.
-    pub fn glide(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
-        let [from, to] = counted_part(timeline, glide);
-        if glide.start < timeline.end {
-            self.largest[1] = self.largest[1].max(glide.largest_speed(to));
+    pub fn segment(&mut self, model: &Model, timeline: &Timeline, segment: &Segment) {
+        let [from, to] = counted_part(timeline, segment);
+        if segment.start < timeline.end {
+            self.largest[1] = self.largest[1].max(segment.largest_speed(to));
         }
-        if !self.counts(glide, [from, to]) {
+        if !self.counts(segment, [from, to]) {
             return;
         }
         let (body, works) = (&model.oscillator, &mut self.works);
         let own = |time: f64, x: f64, v: f64| model.own_force(time, x, v).unwrap_or(0.0);
         if model.has_load() {
-            works.friction += friction_work(model, glide, [from, to]);
+            works.friction += friction_work(model, segment, [from, to]);
         }
-        let held = match glide.along {
+        let held = match segment.along {
             Along::Smooth { temperature, .. } => temperature,
             Along::Step { temperature } => {
-                let Glide { start, displacement, way, velocity: [v, _], .. } = *glide;
+                let Segment { start, displacement, way, velocity: [v, _], .. } = *segment;
                 works.temperature += body.force_per_temperature() * temperature * way;
                 works.damping += 2.0 * body.damping * v * way;
                 works.own_force += own(start, displacement, v) * way;
@@ -110,18 +110,18 @@ impl MotionFold {
         let is_followed = held.is_none() && !model.temperature.is_random();
         for ((until, sign), [node, weight]) in integrals([from, to]).flat_map(|of| NODES.map(|node| (of, node))) {
             let part = until * node;
-            let ([way, v, _], time) = (glide.at(part), glide.start + part * glide.length);
-            let weight = sign * weight * until * glide.length * v;
+            let ([way, v, _], time) = (segment.at(part), segment.start + part * segment.length);
+            let weight = sign * weight * until * segment.length * v;
             more.damping += 2.0 * body.damping * v * weight;
             if model.force.is_some() {
-                more.own_force += own(time, glide.displacement + way, v) * weight;
+                more.own_force += own(time, segment.displacement + way, v) * weight;
             }
             if is_followed {
                 more.temperature += body.force_per_temperature() * model.temperature.mean(time) * weight;
             }
         }
         if let Some(temperature) = held {
-            let [start, end] = [from, to].map(|part| glide.at(part)[0]);
+            let [start, end] = [from, to].map(|part| segment.at(part)[0]);
             more.temperature += body.force_per_temperature() * temperature * (end - start);
         }
         works.temperature += more.temperature;
@@ -131,16 +131,16 @@ impl MotionFold {
     }
 
     /// Add of a piece of the motion only the work of friction with a load.
-    pub fn friction(&mut self, model: &Model, timeline: &Timeline, glide: &Glide) {
-        let parts = counted_part(timeline, glide);
-        if self.counts(glide, parts) {
-            self.works.friction += friction_work(model, glide, parts);
+    pub fn friction(&mut self, model: &Model, timeline: &Timeline, segment: &Segment) {
+        let parts = counted_part(timeline, segment);
+        if self.counts(segment, parts) {
+            self.works.friction += friction_work(model, segment, parts);
         }
     }
 
     /// Whether a piece of the motion is counted, whose counted part is this one.
-    fn counts(&self, glide: &Glide, [from, to]: [f64; 2]) -> bool {
-        if let Along::Step { .. } = glide.along { self.is_counted } else { from < to }
+    fn counts(&self, segment: &Segment, [from, to]: [f64; 2]) -> bool {
+        if let Along::Step { .. } = segment.along { self.is_counted } else { from < to }
     }
 
     /// Add the state (x, x') of a path at an instant. At the end, the path knows the work of friction
@@ -172,16 +172,16 @@ impl MotionFold {
     }
 }
 
-/// The integrals over a part of a glide, each by its end and its sign: that from the start until
+/// The integrals over a part of a segment, each by its end and its sign: that from the start until
 /// `from` is taken off that until `to`, so that parts add up to the whole also where Gauss's rule is
 /// not exact.
 fn integrals([from, to]: [f64; 2]) -> impl Iterator<Item = (f64, f64)> {
     [(to, 1.0), (from, -1.0)].into_iter().filter(|(until, _)| *until > 0.0)
 }
 
-/// The work of friction with a load on a part of a glide. All nodes are computed at once.
-fn friction_work(model: &Model, glide: &Glide, parts: [f64; 2]) -> f64 {
-    let Glide { start, length, displacement, way, velocity: [v, _], along } = *glide;
+/// The work of friction with a load on a part of a segment. All nodes are computed at once.
+fn friction_work(model: &Model, segment: &Segment, parts: [f64; 2]) -> f64 {
+    let Segment { start, length, displacement, way, velocity: [v, _], along } = *segment;
     let direction = Sign::of(way);
     if let Along::Step { .. } = along {
         return model.sliding_friction(direction, start, displacement, v) * way;
@@ -190,7 +190,7 @@ fn friction_work(model: &Model, glide: &Glide, parts: [f64; 2]) -> f64 {
         let (mut x, mut v, mut time, mut ways) = ([0.0; 8], [0.0; 8], [0.0; 8], [0.0; 8]);
         for (i, [node, weight]) in NODES.into_iter().enumerate() {
             let part = until * node;
-            let [so_far, velocity, _] = glide.at(part);
+            let [so_far, velocity, _] = segment.at(part);
             (x[i], v[i], time[i]) = (displacement + so_far, velocity, start + part * length);
             ways[i] = sign * weight * until * length * velocity;
         }
@@ -205,14 +205,14 @@ fn stored(model: &Model, x: f64, v: f64) -> f64 {
     0.5 * (model.oscillator.mass * v * v + model.oscillator.stiffness * x * x)
 }
 
-/// The part of a glide that is counted, as parts of its length; a step is counted or not.
-pub(super) fn counted_part(timeline: &Timeline, glide: &Glide) -> [f64; 2] {
-    let part = |time: f64| ((time - glide.start) / glide.length).clamp(0.0, 1.0);
-    match glide.along {
-        _ if glide.start >= timeline.after && glide.end() <= timeline.end => [0.0, 1.0],
+/// The part of a segment that is counted, as parts of its length; a step is counted or not.
+pub(super) fn counted_part(timeline: &Timeline, segment: &Segment) -> [f64; 2] {
+    let part = |time: f64| ((time - segment.start) / segment.length).clamp(0.0, 1.0);
+    match segment.along {
+        _ if segment.start >= timeline.after && segment.end() <= timeline.end => [0.0, 1.0],
         Along::Smooth { .. } => [part(timeline.after), part(timeline.end)],
         Along::Step { .. } => {
-            let middle = glide.start + 0.5 * glide.length;
+            let middle = segment.start + 0.5 * segment.length;
             if middle > timeline.after && middle <= timeline.end { [0.0, 1.0] } else { [0.0; 2] }
         }
     }

@@ -11,7 +11,7 @@ use super::record::{PathRow, TrajectoryRow};
 use super::spectrum::SpectrumFold;
 use super::{BlockResult, BlockRows, EventColumns, PathColumns, Record, Totals, TrajectoryRows};
 use crate::model::{Event, Model, Sign};
-use crate::scheme::{Glide, Instant, Observer, Snapshot, Timeline};
+use crate::scheme::{Instant, Observer, Segment, Snapshot, Timeline};
 use crate::sums::Replicate;
 
 const STICK: usize = PhaseLaw::Stick as usize;
@@ -197,10 +197,10 @@ impl Observer for BlockObserver {
         self.folds.motion.is_some() || self.density.is_some()
     }
 
-    fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.folds.glide(lane, glide);
+    fn segment(&mut self, lane: usize, segment: &Segment) {
+        self.folds.segment(lane, segment);
         if let Some(density) = &mut self.density {
-            density.glide(lane, glide);
+            density.segment(lane, segment);
         }
     }
 

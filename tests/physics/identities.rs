@@ -5,7 +5,7 @@ use super::measures::run;
 use stickslip::engine::Run;
 use stickslip::model::{Event, NamedSeries, Series};
 use stickslip::scenario::Scenario;
-use stickslip::scheme::{Glide, Observer, Simulate as _};
+use stickslip::scheme::{Observer, Segment, Simulate as _};
 use stickslip::stats::{BlockObserver, Densities, DensityCurve, Record, Statistic, Summary};
 use stickslip::sums::Replicate;
 use stickslip_files::dataset::{Column, Recorder};
@@ -149,7 +149,7 @@ fn totals_are_additive_over_time() {
 }
 
 /// Keeps the motion and the events of each path in the order in which they arrive.
-struct Kept(Vec<(Vec<Event>, Vec<Glide>)>);
+struct Kept(Vec<(Vec<Event>, Vec<Segment>)>);
 
 impl Observer for Kept {
     fn event(&mut self, lane: usize, event: Event) {
@@ -160,8 +160,8 @@ impl Observer for Kept {
         true
     }
 
-    fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.0[lane].1.push(*glide);
+    fn segment(&mut self, lane: usize, segment: &Segment) {
+        self.0[lane].1.push(*segment);
     }
 }
 
@@ -176,18 +176,18 @@ fn dense_output_has_no_gaps() {
         let mut kept = Kept(vec![Default::default(); 8]);
         let simulation = scenario.scheme.simulation(&scenario.model, &scenario.timeline());
         assert!(simulation.simulate(1, &[0, 1, 2, 3, 4, 5, 6, 7], &mut kept).is_empty());
-        for (events, glides) in &kept.0 {
+        for (events, segments) in &kept.0 {
             // (t, x, x') at which the motion may begin and end.
             let at_event = |time: f64, x: f64| {
                 events.iter().any(|event| (event.time - time).abs() < 1e-9 && (event.displacement - x).abs() < 1e-9)
             };
             let mut last: Option<[f64; 3]> = None;
-            for glide in glides.iter().filter(|glide| glide.start < end) {
-                let from = [glide.start, glide.displacement, glide.velocity[0]];
+            for segment in segments.iter().filter(|segment| segment.start < end) {
+                let from = [segment.start, segment.displacement, segment.velocity[0]];
                 let goes_on = last.is_some_and(|last| from.iter().zip(last).all(|(a, b)| (a - b).abs() < 1e-9));
                 let ends = last.is_none_or(|[t, x, _]| at_event(t, x));
                 assert!(goes_on || (ends && at_event(from[0], from[1])), "{name}: {last:?} {from:?}");
-                let to = [glide.end(), glide.displacement + glide.way, glide.velocity[1]];
+                let to = [segment.end(), segment.displacement + segment.way, segment.velocity[1]];
                 last = Some(to);
             }
             let [t, x, _] = last.expect("the body moves");
@@ -294,10 +294,10 @@ fn densities_and_works_of_a_stepping_scheme_are_those_of_its_steps() {
     }
 }
 
-/// The part of a glide between two places of it during which x (0) or x' (1) is below an edge: places
+/// The part of a segment between two places of it during which x (0) or x' (1) is below an edge: places
 /// 1/100 apart, and halvings between two of them on different sides.
-fn part_below(glide: &Glide, variable: usize, edge: f64, [from, to]: [f64; 2]) -> f64 {
-    let is_below = |part: f64| [glide.displacement, 0.0][variable] + glide.at(part)[variable] < edge;
+fn part_below(segment: &Segment, variable: usize, edge: f64, [from, to]: [f64; 2]) -> f64 {
+    let is_below = |part: f64| [segment.displacement, 0.0][variable] + segment.at(part)[variable] < edge;
     let (mut sum, mut left, mut was_below) = (0.0, from, is_below(from));
     for i in 1..=100 {
         let right = from + (to - from) * f64::from(i) / 100.0;
@@ -331,12 +331,12 @@ fn densities_under_noise_are_times_of_the_same_motion() {
     assert!(scenario.scheme.simulation(&scenario.model, &timeline).simulate(4, &paths, &mut both).is_empty());
     let summary = both.1.finish(0, 4, Vec::new()).totals.summary();
     let found = densities(&summary);
-    let glides: Vec<&Glide> = both.0.0.iter().flat_map(|path| &path.1).collect();
+    let segments: Vec<&Segment> = both.0.0.iter().flat_map(|path| &path.1).collect();
     let expected = |variable: usize, edge: f64| -> f64 {
-        let times = glides.iter().map(|glide| {
-            let part = |time: f64| ((time - glide.start) / glide.length).clamp(0.0, 1.0);
+        let times = segments.iter().map(|segment| {
+            let part = |time: f64| ((time - segment.start) / segment.length).clamp(0.0, 1.0);
             let [from, to] = [timeline.after, timeline.end].map(part);
-            if from < to { glide.length * part_below(glide, variable, edge, [from, to]) } else { 0.0 }
+            if from < to { segment.length * part_below(segment, variable, edge, [from, to]) } else { 0.0 }
         });
         times.sum::<f64>() / (4.0 * timeline.counted())
     };

@@ -5,7 +5,7 @@ use super::subject::DrawnPath;
 use std::ops::Range;
 use stickslip::engine::Replay;
 use stickslip::model::{Model, Sign};
-use stickslip::scheme::{Along, Glide};
+use stickslip::scheme::{Along, Segment};
 
 /// The state of a path at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -40,38 +40,39 @@ const FEW_ROWS: usize = 16;
 
 impl DrawnPhase {
     /// Puts what the scheme knows of the motion between the first instant and the last one.
-    fn follow(&mut self, motion: &[Glide], model: &Model) {
+    fn follow(&mut self, motion: &[Segment], model: &Model) {
         let ([Some(first), Some(last)], Some((_, sign))) = ([self.samples.first(), self.samples.last()], self.slip)
         else {
             return;
         };
-        let begin = motion.partition_point(|glide| glide.end() <= first.time);
-        let end = motion.partition_point(|glide| glide.start < last.time).max(begin);
+        let begin = motion.partition_point(|segment| segment.end() <= first.time);
+        let end = motion.partition_point(|segment| segment.start < last.time).max(begin);
         let places = FEW_ROWS.div_ceil((end - begin).max(1));
         let is_inside = |at: &StateAt| first.time < at.time && at.time < last.time;
         let place = |k: usize| (k as f64 + 0.5) / places as f64;
-        let states =
-            motion[begin..end].iter().flat_map(|glide| (0..places).map(move |k| state(glide, place(k), sign, model)));
+        let states = motion[begin..end]
+            .iter()
+            .flat_map(|segment| (0..places).map(move |k| state(segment, place(k), sign, model)));
         let between: Vec<StateAt> = states.filter(is_inside).collect();
         self.samples = [vec![*first], between, vec![*last]].concat();
     }
 }
 
-/// The state at a place in a glide of a sub-phase in this direction.
-fn state(glide: &Glide, part: f64, sign: f64, model: &Model) -> StateAt {
-    let [way, velocity, acceleration] = glide.at(part);
+/// The state at a place in a segment of a sub-phase in this direction.
+fn state(segment: &Segment, part: f64, sign: f64, model: &Model) -> StateAt {
+    let [way, velocity, acceleration] = segment.at(part);
     // The polynomial may turn by its rounding before the sub-phase does.
     let velocity = sign * (sign * velocity).max(0.0);
-    let spring = match glide.along {
-        Along::Step { temperature } => shown(model, glide.start, temperature, [glide.displacement, velocity]),
+    let spring = match segment.along {
+        Along::Step { temperature } => shown(model, segment.start, temperature, [segment.displacement, velocity]),
         Along::Smooth { .. } => {
-            let (time, x) = (glide.start + part * glide.length, glide.displacement + way);
+            let (time, x) = (segment.start + part * segment.length, segment.displacement + way);
             let friction = model.sliding_friction(Sign::of(sign), time, x, velocity);
             let force = model.oscillator.mass * acceleration + friction;
             if model.force.is_some() { force } else { force + 2.0 * model.oscillator.damping * velocity }
         }
     };
-    StateAt { time: glide.start + part * glide.length, displacement: glide.displacement + way, velocity, spring }
+    StateAt { time: segment.start + part * segment.length, displacement: segment.displacement + way, velocity, spring }
 }
 
 /// The force of the spring or, where there is a force of the user's own, the whole of b.

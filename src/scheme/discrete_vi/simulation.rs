@@ -5,7 +5,7 @@ use super::reading::GridReader;
 use crate::lanes::InstructionSet;
 use crate::model::{HarmonicClock, InitialNoise, LARGEST, Model};
 use crate::noise::LaneStreams;
-use crate::scheme::{Along, Glide, Observer, Simulate, Simulated, Snapshot, Timeline};
+use crate::scheme::{Along, Observer, Segment, Simulate, Simulated, Snapshot, Timeline};
 
 /// A path counts as diverged beyond this multiple of the largest displacement to be expected of the
 /// exact model.
@@ -93,7 +93,7 @@ impl DiscreteSimulation {
             let (at, to) = (before.point(lane), after.point(lane));
             let along = Along::Step { temperature: temperature(at.noise) };
             let (start, length, velocity) = (n as f64 * self.h, self.h, [at.v, to.v]);
-            observer.glide(lane, &Glide { start, length, displacement: at.x, way: to.x - at.x, velocity, along });
+            observer.segment(lane, &Segment { start, length, displacement: at.x, way: to.x - at.x, velocity, along });
         }
     }
 }

@@ -20,7 +20,7 @@ use crate::model::Event;
 use crate::noise::looking_place;
 use crate::scheme::columns::{LOST, StateColumns};
 use crate::scheme::timeline::Stop;
-use crate::scheme::{Glide, Instant, Observer};
+use crate::scheme::{Instant, Observer, Segment};
 use std::cell::RefCell;
 
 /// A stop lies on the end of a cell if their times differ by at most this fraction, which is
@@ -57,7 +57,7 @@ pub fn simulate(paths: &mut impl PathSet, count: usize, observer: &Watching<'_>)
     let (closeness, timeline) = (route.closeness, route.timeline);
     let mut columns = StateColumns::new(count);
     let (mut quiet, mut inside) =
-        (Vec::new(), Inside { glides: observer.borrow().follows().then(Vec::new), ..Inside::default() });
+        (Vec::new(), Inside { segments: observer.borrow().follows().then(Vec::new), ..Inside::default() });
     let mut stops = timeline.stops().peekable();
     let is_before = |stop: &Stop, end: f64| stop.time < end - ALIGNMENT * end;
     let is_by = |stop: &Stop, end: f64| stop.time <= end + ALIGNMENT * end;
@@ -110,7 +110,7 @@ pub struct Inside {
     pub seen: Vec<StateColumns>,
     pub events: Vec<(usize, Event)>,
     /// The motion in the cell, if it is followed.
-    glides: Option<Vec<(usize, Glide)>>,
+    segments: Option<Vec<(usize, Segment)>>,
 }
 
 impl Inside {
@@ -155,10 +155,10 @@ impl Inside {
         path: &mut Path<C::Memory>,
         scratch: &mut (C::Scratch, PendingNodes),
     ) {
-        let Inside { glances, seen, events, glides, .. } = self;
+        let Inside { glances, seen, events, segments, .. } = self;
         let draws = path.draws.at(cell.index, 0);
         let watch = Glances { glances, cell_start: cell.start, draws, lane, seen, passed: 0 };
-        let mut watch = Follower { watch, lane, glides: glides.as_mut() };
+        let mut watch = Follower { watch, lane, segments: segments.as_mut() };
         let emit = |event| events.push((lane, event));
         path.lost = cross(cascade, cell, path, scratch, &mut watch, emit).err();
         let (passed, seen) = (watch.watch.passed, watch.watch.seen);
@@ -170,8 +170,8 @@ impl Inside {
     /// Passes events and states to the observer, in order of time. With `is_over`, there is no
     /// later stop, and events after the last one are dropped.
     fn tell(&mut self, observer: &mut dyn Observer, is_over: bool) {
-        for (lane, glide) in self.glides.iter_mut().flat_map(|glides| glides.drain(..)) {
-            observer.glide(lane, &glide);
+        for (lane, segment) in self.segments.iter_mut().flat_map(|segments| segments.drain(..)) {
+            observer.segment(lane, &segment);
         }
         for (stop, &place) in self.stops.iter().zip(&self.places) {
             self.events.retain(|&(lane, event)| {

@@ -22,7 +22,7 @@ use crate::model::{
     can_be_computed_with,
 };
 use crate::scheme::columns::Seen;
-use crate::scheme::{Along, Glide, Timeline};
+use crate::scheme::{Along, Segment, Timeline};
 
 /// The noiseless scheme for one scene.
 #[derive(Clone, Debug)]
@@ -320,7 +320,7 @@ impl Stretches for Noiseless {
         }
     }
 
-    fn glides(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
+    fn segments(&self, leg: &Leg, duration: f64, mut tell: impl FnMut(Segment)) -> Resolved<()> {
         let Phase::Slip(direction) = leg.phase else { return Ok(()) };
         let (flow, pieces) =
             (self.flow(leg, direction), (duration / (PIECE * self.span)).ceil().clamp(1.0, MOST_PIECES));
@@ -328,7 +328,7 @@ impl Stretches for Noiseless {
         while i < pieces {
             let [start, end] = [i, i + 1.0].map(|i| duration * (i / pieces));
             let there = flow.at(end);
-            tell(Glide {
+            tell(Segment {
                 start: leg.start.after(start).value(),
                 length: end - start,
                 displacement: leg.from.displacement + here.displacement,

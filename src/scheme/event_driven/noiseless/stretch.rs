@@ -4,7 +4,7 @@ use super::super::work::{Resolved, Simulated, WorkLeft};
 use super::exact_time::ExactTime;
 use crate::model::{Event, Phase};
 use crate::scheme::columns::{LOST, Seen, StateColumns};
-use crate::scheme::{Glide, Instant, Observer, Timeline};
+use crate::scheme::{Instant, Observer, Segment, Timeline};
 use std::cell::RefCell;
 
 /// A phase of the path, or a part of one.
@@ -66,7 +66,7 @@ pub trait Stretches {
     fn state(&self, stretch: &StretchOf<Self>, t: f64, work: &mut WorkLeft) -> Resolved<Seen>;
 
     /// The first part of a stretch, of this duration, in pieces that a quintic describes.
-    fn glides(&self, stretch: &StretchOf<Self>, duration: f64, tell: impl FnMut(Glide)) -> Resolved<()>;
+    fn segments(&self, stretch: &StretchOf<Self>, duration: f64, tell: impl FnMut(Segment)) -> Resolved<()>;
 
     /// Computes the path and reports it to the observer once for each of `lanes` lanes. If the path
     /// cannot be resolved, all lanes are lost.
@@ -77,8 +77,8 @@ pub trait Stretches {
         let mut stretch = self.first(&mut work);
         let follows = observer.borrow().follows();
         let follow = |stretch: &Stretch<_, _>, duration: f64| {
-            let tell = |glide| (0..lanes).for_each(|lane| observer.borrow_mut().glide(lane, &glide));
-            if follows { self.glides(stretch, duration, tell) } else { Ok(()) }
+            let tell = |segment| (0..lanes).for_each(|lane| observer.borrow_mut().segment(lane, &segment));
+            if follows { self.segments(stretch, duration, tell) } else { Ok(()) }
         };
         for stop in self.timeline().stops() {
             while let Ok(here) = &stretch

@@ -8,7 +8,7 @@
 
 use crate::model::{Event, InitialNoise, Model, Noise};
 use crate::noise::{Stream, Transition};
-use crate::scheme::{Glide, Instant, Observer, Snapshot};
+use crate::scheme::{Instant, Observer, Segment, Snapshot};
 
 /// An observer that adds the fluctuations of each path to T in every snapshot, and passes
 /// everything on to another one.
@@ -57,8 +57,8 @@ impl Observer for WithUnfeltNoise<'_> {
         self.observer.follows()
     }
 
-    fn glide(&mut self, lane: usize, glide: &Glide) {
-        self.observer.glide(lane, glide);
+    fn segment(&mut self, lane: usize, segment: &Segment) {
+        self.observer.segment(lane, segment);
     }
 
     fn is_stopped(&self) -> bool {

@@ -8,7 +8,7 @@ use super::stick::PendingNodes;
 use super::watch::{Follower, Nobody};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
-use crate::scheme::Glide;
+use crate::scheme::Segment;
 use crate::scheme::columns::{LOST, Seen, StateColumns};
 
 /// Paths that are simulated one after the other.
@@ -20,7 +20,7 @@ pub struct ScalarPaths<'a, C: Cascade> {
     /// The events of the cells that were crossed last, with their lanes.
     events: Vec<(usize, Event)>,
     /// The motion of these cells, if it is followed.
-    glides: Option<Vec<(usize, Glide)>>,
+    segments: Option<Vec<(usize, Segment)>>,
     scratch: (C::Scratch, PendingNodes),
 }
 
@@ -34,7 +34,7 @@ impl<'a, C: Cascade> ScalarPaths<'a, C> {
             paths: paths.iter().map(|&path| start(cascade, seed, path, is_stopped)).collect(),
             is_stopped,
             events: Vec::new(),
-            glides: follows.then(Vec::new),
+            segments: follows.then(Vec::new),
             scratch: (cascade.scratch(), PendingNodes::new()),
         }
     }
@@ -53,7 +53,7 @@ struct CrossOneByOne<'p, 'a, C: Cascade> {
 impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
     #[inline(always)]
     fn run<L: Lanes>(&mut self) {
-        let ScalarPaths { cascade, paths, events, glides, scratch, is_stopped, .. } = &mut *self.all;
+        let ScalarPaths { cascade, paths, events, segments, scratch, is_stopped, .. } = &mut *self.all;
         for (lane, path) in paths.iter_mut().enumerate() {
             let mut cells = self.cells.iter();
             if is_stopped() {
@@ -64,7 +64,7 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                     inside.cross(lane, *cascade, cell, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
-                    let mut watch = Follower { watch: Nobody, lane, glides: glides.as_mut() };
+                    let mut watch = Follower { watch: Nobody, lane, segments: segments.as_mut() };
                     path.lost = cross(*cascade, cell, path, scratch, &mut watch, emit).err();
                 }
             }
@@ -86,8 +86,8 @@ impl<C: Cascade> PathSet for ScalarPaths<'_, C> {
         for (lane, event) in self.events.drain(..) {
             observer.event(lane, event);
         }
-        for (lane, glide) in self.glides.iter_mut().flat_map(|glides| glides.drain(..)) {
-            observer.glide(lane, &glide);
+        for (lane, segment) in self.segments.iter_mut().flat_map(|segments| segments.drain(..)) {
+            observer.segment(lane, &segment);
         }
     }
 

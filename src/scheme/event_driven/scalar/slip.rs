@@ -16,7 +16,7 @@ use super::watch::{Watch, WatchedPiece};
 use crate::model::{Complex, Event, EventKind, Phase, Sign, let_go};
 use crate::noise::AddressedDraws;
 use crate::scheme::columns::Seen;
-use crate::scheme::{Along, Glide};
+use crate::scheme::{Along, Segment};
 use std::cell::RefCell;
 
 /// Buffers for the computation of one path at a time.
@@ -136,7 +136,7 @@ impl Slip<'_> {
             }
             flow.show(passed, stop.as_ref(), (path.after, path.noise), watch);
             if watch.follows() {
-                passed.iter().for_each(|piece| watch.glide(self.glide(began, start.x, piece)));
+                passed.iter().for_each(|piece| watch.segment(self.segment(began, start.x, piece)));
             }
             if event.is_some() || is_last {
                 return Ok(event);
@@ -229,10 +229,10 @@ impl Slip<'_> {
 
     /// The motion on an interval that was passed, of a step that began at this time and x.
     #[inline(always)]
-    fn glide(&self, began: f64, x0: f64, &Passed { after, travel, start, interval }: &Passed) -> Glide {
+    fn segment(&self, began: f64, x0: f64, &Passed { after, travel, start, interval }: &Passed) -> Segment {
         let eps = self.direction.value();
         let SlipVelocity { velocity, acceleration } = interval.end;
-        Glide {
+        Segment {
             start: self.cell.start + (began + after),
             length: interval.length,
             displacement: x0 + eps * travel,
@@ -256,7 +256,7 @@ impl Slip<'_> {
         };
         watch.look(scene, || piece);
         (path.displacement, path.motion) = piece.at(cell.length);
-        watch.glide(Glide {
+        watch.segment(Segment {
             start: cell.start + path.after,
             length: cell.length - path.after,
             displacement: piece.displacement,

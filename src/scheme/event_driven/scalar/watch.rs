@@ -10,7 +10,7 @@
 
 use super::super::law::{Bridge, Glance, Scene, StickEnd, StickPiece, Stuck, TRIES};
 use crate::noise::{AddressedDraws, TimeChange, bridge_at};
-use crate::scheme::Glide;
+use crate::scheme::Segment;
 use crate::scheme::columns::{Seen, StateColumns};
 
 /// An observer of one path inside a cell.
@@ -29,14 +29,14 @@ pub trait Watch {
     }
     /// Takes a piece of the motion.
     #[inline(always)]
-    fn glide(&mut self, _: Glide) {}
+    fn segment(&mut self, _: Segment) {}
 }
 
 /// Observes one path as `watch` does, and follows its motion where there is a place for it.
 pub struct Follower<'a, W> {
     pub watch: W,
     pub lane: usize,
-    pub glides: Option<&'a mut Vec<(usize, Glide)>>,
+    pub segments: Option<&'a mut Vec<(usize, Segment)>>,
 }
 
 impl<W: Watch> Watch for Follower<'_, W> {
@@ -57,13 +57,13 @@ impl<W: Watch> Watch for Follower<'_, W> {
 
     #[inline(always)]
     fn follows(&self) -> bool {
-        self.glides.is_some()
+        self.segments.is_some()
     }
 
     #[inline(always)]
-    fn glide(&mut self, glide: Glide) {
-        if let Some(glides) = &mut self.glides {
-            glides.push((self.lane, glide));
+    fn segment(&mut self, segment: Segment) {
+        if let Some(segments) = &mut self.segments {
+            segments.push((self.lane, segment));
         }
     }
 }

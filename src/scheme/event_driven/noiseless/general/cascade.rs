@@ -26,7 +26,7 @@ use super::slip_search::first_stop;
 use super::stick_search::{Held, SearchSteps, first_exit};
 use crate::model::{Event, EventKind, Model, Phase, Sign, let_go};
 use crate::scheme::columns::Seen;
-use crate::scheme::{Along, Glide, Timeline};
+use crate::scheme::{Along, Segment, Timeline};
 
 /// The relative error of a step of a slip.
 const TOLERANCE: f64 = 1e-13;
@@ -285,7 +285,7 @@ impl Stretches for GeneralNoiseless {
 
     /// The pieces do not count as work of the path, which is the same whether it is followed or
     /// not.
-    fn glides(&self, part: &GeneralPart, duration: f64, mut tell: impl FnMut(Glide)) -> Resolved<()> {
+    fn segments(&self, part: &GeneralPart, duration: f64, mut tell: impl FnMut(Segment)) -> Resolved<()> {
         let Phase::Slip(direction) = part.phase else { return Ok(()) };
         let (motion, mut work) = (
             self.motion(&part.from.temperature, direction, part.from.motion.displacement),
@@ -294,7 +294,7 @@ impl Stretches for GeneralNoiseless {
         let mut here = part.from.motion;
         for i in 1..=PIECES {
             let there = motion.at(here, duration * (f64::from(i) / f64::from(PIECES)), &mut work)?;
-            tell(Glide {
+            tell(Segment {
                 start: part.start.after(here.after).value(),
                 length: there.after - here.after,
                 displacement: here.displacement,

@@ -7,7 +7,7 @@
 
 /// A piece of the motion of one path within a sub-phase.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Glide {
+pub struct Segment {
     /// When it begins, a time.
     pub start: f64,
     /// How long it lasts, a time.
@@ -23,7 +23,7 @@ pub struct Glide {
     pub along: Along,
 }
 
-/// What a body does in a [`Glide`].
+/// What a body does in a [`Segment`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Along {
     /// x is the quintic that has x, x' and x'' of both ends. Under noise it is the mean of x given
@@ -42,10 +42,10 @@ pub enum Along {
     },
 }
 
-/// Halvings until a place in a glide has all its digits.
+/// Halvings until a place in a segment has all its digits.
 const HALVINGS: usize = 52;
 
-impl Glide {
+impl Segment {
     /// When it ends.
     pub fn end(&self) -> f64 {
         self.start + self.length
@@ -54,7 +54,7 @@ impl Glide {
     /// The distance from the start, x' and x'' at a place, as a part of the length from 0 to 1. In
     /// a step these are the ones of the start.
     pub fn at(&self, part: f64) -> [f64; 3] {
-        let Glide { length: h, way, velocity: [v0, _], .. } = *self;
+        let Segment { length: h, way, velocity: [v0, _], .. } = *self;
         let Along::Smooth { acceleration: [a0, _], .. } = self.along else { return [part * way, v0, 0.0] };
         let x = self.quintic();
         let v = derivative(&x);
@@ -64,7 +64,7 @@ impl Glide {
 
     /// The distance from the start as a polynomial in the place, by its coefficients.
     fn quintic(&self) -> Polynomial {
-        let Glide { length: h, way, velocity: [v0, v1], .. } = *self;
+        let Segment { length: h, way, velocity: [v0, v1], .. } = *self;
         let Along::Smooth { acceleration: [a0, a1], .. } = self.along else { return [0.0, way, 0.0, 0.0, 0.0, 0.0] };
         // In units of the length: x'' at the start, and what the other end demands beyond it.
         let bend = h * h * a0;
@@ -73,7 +73,7 @@ impl Glide {
         [0.0, h * v0, 0.5 * bend, p, q, r]
     }
 
-    /// x and x' as polynomials, for a glide of some length.
+    /// x and x' as polynomials, for a segment of some length.
     pub fn course(&self) -> Course {
         let mut x = self.quintic();
         let v = derivative(&x).map(|coefficient| coefficient / self.length);
@@ -96,7 +96,7 @@ impl Glide {
             let middle = 0.5 * (low + high);
             if direction * self.at(middle)[2] > 0.0 { low = middle } else { high = middle }
         }
-        // Where a glide is very short its polynomial is rounding, which this bounds.
+        // Where a segment is very short its polynomial is rounding, which this bounds.
         let most = ends + self.length * first.abs().max(last.abs());
         ends.max((direction * self.at(low)[1]).min(most))
     }
@@ -146,7 +146,7 @@ fn passes(of: &Polynomial, wanted: f64, [from, to]: [f64; 2]) -> f64 {
     s.clamp(from, to)
 }
 
-/// x and x' in a glide.
+/// x and x' in a segment.
 #[derive(Clone, Debug)]
 pub struct Course {
     polynomials: [Polynomial; 2],
@@ -204,7 +204,7 @@ impl Course {
     }
 }
 
-/// Some places in a glide, ascending.
+/// Some places in a segment, ascending.
 #[derive(Clone, Debug)]
 pub struct Turns {
     places: [f64; 9],
@@ -238,9 +238,9 @@ mod tests {
         let x = |t: f64| [t.powi(5) - 2.0 * t * t + 3.0 * t, 5.0 * t.powi(4) - 4.0 * t + 3.0, 20.0 * t.powi(3) - 4.0];
         let [[x0, v0, a0], [x1, v1, a1]] = [x(0.5), x(2.5)];
         let along = Along::Smooth { acceleration: [a0, a1], temperature: None };
-        let glide = Glide { start: 0.5, length: 2.0, displacement: x0, way: x1 - x0, velocity: [v0, v1], along };
+        let segment = Segment { start: 0.5, length: 2.0, displacement: x0, way: x1 - x0, velocity: [v0, v1], along };
         for part in [0.0, 0.25, 0.7, 1.0] {
-            let ([way, v, a], [wanted, wanted_v, wanted_a]) = (glide.at(part), x(0.5 + 2.0 * part));
+            let ([way, v, a], [wanted, wanted_v, wanted_a]) = (segment.at(part), x(0.5 + 2.0 * part));
             assert!((x0 + way - wanted).abs() < 1e-12 && (v - wanted_v).abs() < 1e-12 && (a - wanted_a).abs() < 1e-11);
         }
     }
@@ -257,8 +257,8 @@ mod tests {
         let ends = |of: &Polynomial| [t0, t1].map(|t| value(of, t));
         let along = Along::Smooth { acceleration: ends(&a), temperature: None };
         let (displacement, way) = (x(t0), x(t1) - x(t0));
-        let glide = Glide { start: t0, length: t1 - t0, displacement, way, velocity: ends(&v), along };
-        let course = glide.course();
+        let segment = Segment { start: t0, length: t1 - t0, displacement, way, velocity: ends(&v), along };
+        let course = segment.course();
         let time = |place: f64| t0 + (t1 - t0) * place;
         let turns: Vec<f64> = course.turns([0.0, 1.0]).pairs().map(|pair| time(pair[1])).collect();
         let steep = |of: &Polynomial| turns.iter().filter(|t| value(of, **t).abs() < 1e-9).count();
@@ -279,10 +279,10 @@ mod tests {
     fn the_largest_speed_lies_where_the_acceleration_vanishes() {
         for sign in [1.0, -1.0] {
             let along = Along::Smooth { acceleration: [3.0 * sign, -3.0 * sign], temperature: None };
-            let glide =
-                Glide { start: 0.0, length: 2.0, displacement: 9.0, way: 2.0 * sign, velocity: [0.0; 2], along };
-            assert!((glide.largest_speed(1.0) - 1.5).abs() < 1e-15);
-            assert!((glide.largest_speed(0.25) - 1.125).abs() < 1e-15);
+            let segment =
+                Segment { start: 0.0, length: 2.0, displacement: 9.0, way: 2.0 * sign, velocity: [0.0; 2], along };
+            assert!((segment.largest_speed(1.0) - 1.5).abs() < 1e-15);
+            assert!((segment.largest_speed(0.25) - 1.125).abs() < 1e-15);
         }
     }
 }
