@@ -32,7 +32,7 @@ pub struct AddressedDraws {
 const LOOKING: u64 = 1 << 31;
 
 /// The number of places that belong to one instant at which paths are observed. The most that are
-/// needed are two for each of the 1000 attempts to draw a bridge inside the corridor.
+/// needed are two for each of the 1000 attempts to draw a bridge inside the band.
 const PER_LOOK: u64 = 1 << 11;
 
 /// The first place of the numbers for observing a path at an instant inside a cell, on which no

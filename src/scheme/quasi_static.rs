@@ -16,7 +16,7 @@
 //! they start at tau_{j+1/2}.) The states x(t) and x'(t) during a slip are those of the swing. With
 //! f_s = f_d the body never moves; slips still take their time.
 //!
-//! **A body that starts outside the corridor**, |b| > f_s at t = 0, swings from the b that it has.
+//! **A body that starts outside the stick band**, |b| > f_s at t = 0, swings from the b that it has.
 //! Its x(0) or a noise that starts stationary may put it there. The equilibrium is (|b| - f_d)/K
 //! away, and `x_{j+1} = x_j + (1 + q) eps_j (|b| - f_d)/K`. If this swing ends outside as well, the
 //! body swings back at once, in a further sub-phase. With f_s for |b| it would come to rest on
@@ -151,7 +151,7 @@ struct Swing {
 
 impl Swing {
     /// By how much |b| exceeds f_s as a slip begins with this event: 0 except in the slip of a body
-    /// that starts outside the corridor, and in its further sub-phases.
+    /// that starts outside the band, and in its further sub-phases.
     fn excess(&self, event: &Event) -> f64 {
         let is_from_outside = match event.kind {
             EventKind::SlipStarted(_) => event.time == 0.0,
@@ -213,7 +213,7 @@ impl Swing {
     }
 
     /// What a swing ends with that began with this excess, and at whose end b is `force`: a stick,
-    /// or the swing back of a body that swung out of the corridor.
+    /// or the swing back of a body that swung out of the band.
     fn end(&self, direction: Sign, excess: f64, force: f64) -> EventKind {
         let is_back = excess > 0.0 && force * direction.value() < -self.threshold;
         if is_back { EventKind::SubPhaseBoundary(Sign::of(force)) } else { EventKind::StickEntered }

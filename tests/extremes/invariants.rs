@@ -68,7 +68,7 @@ pub struct Lane {
     since: f64,
     /// x at the last event.
     origin: f64,
-    /// |b| from which the recursion swings: f_s, but for a body that starts outside the corridor.
+    /// |b| from which the recursion swings: f_s, but for a body that starts outside the band.
     pull: f64,
     /// The rounding error of x as a sum of ways: one rounding at both ends of each way.
     spread: f64,

@@ -112,7 +112,7 @@ fn amplitudes_grow_above_the_critical_one_and_fall_below_it_as_predicted() {
 
             assert_eq!(summary.diverged.len(), usize::from(side > 1.0), "{mass} {stiffness} {c} {side}");
             if side < 1.0 {
-                assert!(v == 0.0 && x.abs() <= friction / stiffness, "at rest in the corridor: {x} {v}");
+                assert!(v == 0.0 && x.abs() <= friction / stiffness, "at rest in the band: {x} {v}");
             }
         }
     }

@@ -117,7 +117,7 @@ fn the_temperature_is_the_same_process_in_every_scheme() {
 }
 
 /// T(0) is the sum of the harmonics at 0 and of rho v(0), to rounding, and it acts on the body: b
-/// at the first event of a start outside the corridor is K (beta T(0) - x0).
+/// at the first event of a start outside the stick band is K (beta T(0) - x0).
 #[test]
 fn every_scheme_starts_from_rho_times_the_noise_it_is_given() {
     let initial = InitialNoise::At(2.0);

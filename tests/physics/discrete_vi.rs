@@ -330,7 +330,7 @@ fn the_noise_goes_out_in_proportion_to_its_intensity() {
     let start = |rho: f64, path: u64| simulate(&paper(0.25, rho), 4.0, h, 4.0, &[path]).events[0][0].time;
     for path in 0..4 {
         let (coarse, fine) = (start(1e-2, path) - 2.574_004_435, start(1e-3, path) - 2.574_004_435);
-        // A stick ends where rho v(t) meets the corridor, so the shift is linear in rho, up to the
+        // A stick ends where rho v(t) meets the band, so the shift is linear in rho, up to the
         // change of v during the shift.
         assert!(fine.abs() < 0.4 * coarse.abs() + 2e-3 && fine.abs() < 0.03, "path {path}: {coarse} {fine}");
     }

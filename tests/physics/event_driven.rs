@@ -262,7 +262,7 @@ fn observing_does_not_touch_a_noiseless_path() {
 
 #[test]
 fn a_temperature_that_relaxes_without_diffusion_is_one_more_exponential() {
-    // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the corridor downwards where 6
+    // sigma = 0, v(0) = 2, no harmonics: b = 6 e^{-t/2} - x leaves the stick band downwards where 6
     // e^{-t/2} = 6 - 1.2.
     let mut model = paper(0.25, 0.0);
     model.temperature = Temperature {
@@ -801,7 +801,7 @@ fn mean_and_error(values: &[f64]) -> (f64, f64) {
 /// for every fifth. At 1/25 of that tolerance cells are 0.1 long, and all of these times are ends.
 /// Sample size: 1e5 paths on either side, seeds 61 and 62. False-alarm rate: 1e-4 for each of 9
 /// moments at 10 instants. If the bridge in a stick were drawn without the condition that it stays
-/// in the corridor, or if the noise in a slip were twice too large between ends, the moments would
+/// in the band, or if the noise in a slip were twice too large between ends, the moments would
 /// be off by tens of standard errors.
 #[test]
 fn what_is_seen_inside_a_cell_has_the_law_of_the_path() {
@@ -1087,7 +1087,7 @@ fn the_quasi_static_recursion_is_the_paper_s() {
             let turn = std::f64::consts::TAU;
             [angle, turn - angle].map(|a| (a + turn * ((w * t - a) / turn).ceil().max(0.0)) / w)
         });
-        // A stick that begins outside the corridor has no duration.
+        // A stick that begins outside the stick band has no duration.
         let outside = (6.0 * (w * t).cos() - x).abs() > f_s;
         let exit = if outside { t } else { crossings.fold(f64::INFINITY, f64::min) };
         let eps = (6.0 * (w * exit).cos() - x).signum();

@@ -236,7 +236,7 @@ fn under_slow_noise_the_recursion_is_the_limit_at_any_damping() {
     }
 }
 
-/// A body outside the corridor swings from the b that it has, and then lies on the lattice of that
+/// A body outside the stick band swings from the b that it has, and then lies on the lattice of that
 /// swing. The expected values are by hand: with m = K = beta = 1, f_s = 1 and f_d = 1/2, a slip
 /// from b moves the body by 2 (|b| - 1/2), until |b| <= 1. So x goes from 0 to 5.6, 2.0 and 3.6 where
 /// T = 3.3; then slips of length 1 follow T. From |b| = f_s for |b| the body came to 3 and stayed on
@@ -280,7 +280,7 @@ fn a_start_outside_the_corridor_swings_from_the_force_it_has() {
     }
 }
 
-/// A noise that starts stationary leaves most bodies outside the corridor at t = 0. In 40 units of
+/// A noise that starts stationary leaves most bodies outside the stick band at t = 0. In 40 units of
 /// time it moves by 0.02, so that the displacement of a path is that of event-driven, which uses the
 /// same random numbers, to this distance, unless the body leaves a second time in one scheme alone.
 /// Of 64 paths with a fixed seed, 60 agree at least; from |b| = f_s for |b| some 20 agree.

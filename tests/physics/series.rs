@@ -262,7 +262,7 @@ fn a_series_under_noise_has_the_law_of_the_discrete_scheme() {
 }
 
 /// Pinned noise: zero at the samples and, between them, a bridge of the Ornstein-Uhlenbeck process.
-/// The corridor is so narrow that it is left now and then.
+/// The stick band is so narrow that it is left now and then.
 ///
 /// Null hypothesis: the noise in T, which is T less the series, has mean 0 and is uncorrelated
 /// across a sample. At a time s after a sample, where samples are d = 1.5 apart, its variance is

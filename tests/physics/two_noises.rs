@@ -118,13 +118,13 @@ fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
         let decay = (-n.relaxation_rate * step).exp();
         (decay, n.stationary_sd() * (1.0 - decay * decay).sqrt())
     });
-    let corridor = 1.0 - 0.5826 * fast.diffusion.hypot(slow.diffusion) * step.sqrt();
+    let band = 1.0 - 0.5826 * fast.diffusion.hypot(slow.diffusion) * step.sqrt();
     let expected: Vec<f64> = (0..paths)
         .map(|_| {
             let mut n = [fast, slow].map(|n| n.stationary_sd() * normals());
             let mut steps = 0;
             // At the start no step lies behind, so the threshold is not moved.
-            while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { corridor } && f64::from(steps) * step < end {
+            while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { stick band } && f64::from(steps) * step < end {
                 n = [moves[0].0 * n[0] + moves[0].1 * normals(), moves[1].0 * n[1] + moves[1].1 * normals()];
                 steps += 1;
             }

@@ -72,7 +72,7 @@ const ALL: &[WarningRow] = &[
     row("step-against-oscillator", Class::LongStep, step::against_oscillator),
     rows("step-against-forcing", Class::LongStep, step::against_forcing),
     row("step-against-noise", Class::LongStep, step::against_noise),
-    row("step-against-corridor", Class::LongStep, noise::against_corridor),
+    row("step-against-stick band", Class::LongStep, noise::against_corridor),
     row("large-shift", Class::LongStep, noise::large_shift),
     row("incomplete-correction", Class::Other, noise::incomplete_correction),
     row("equal-friction", Class::Other, noise::equal_friction),

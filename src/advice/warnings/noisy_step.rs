@@ -14,7 +14,7 @@ pub(super) struct NoisyStep {
     /// 0.5826 K beta rho sigma sqrt(h): how far the force has passed f_s on average when a step
     /// detects it.
     pub shift: f64,
-    /// Time in which the noise crosses the corridor of a stick, (f_s / (K beta rho sigma))^2.
+    /// Time in which the noise crosses the stick band of a stick, (f_s / (K beta rho sigma))^2.
     pub crossing_time: f64,
     /// Time in which a slip may turn back, ((f_s - f_d) / (K beta rho sigma))^2.
     pub return_time: f64,
@@ -45,7 +45,7 @@ impl NoisyStep {
         self.gap() == 0.0
     }
 
-    /// The noise crosses a large part of the corridor of a stick within one step.
+    /// The noise crosses a large part of the stick band of a stick within one step.
     pub fn crosses_corridor(&self) -> bool {
         self.shift > LARGE_OVERSHOOT * self.friction.static_force
     }

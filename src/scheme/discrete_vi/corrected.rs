@@ -64,7 +64,7 @@ impl Method for CorrectedVi {
 }
 
 /// The scheme is refused where its shift is this fraction of f_s or more, because the remaining
-/// corridor would have little to do with the given f_s.
+/// stick band would have little to do with the given f_s.
 const LARGEST_SHIFT: f64 = 0.5;
 
 impl CorrectedVi {

@@ -7,7 +7,7 @@
 //!
 //! ```text
 //! n at the end of the cell    drawn from its law given n at the start: the skeleton
-//! stick                       does b leave the corridor, given n at both ends?
+//! stick                       does b leave the band, given n at both ends?
 //! slip                        where does it stop, given n at the end?
 //! ```
 //!

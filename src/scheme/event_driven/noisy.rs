@@ -3,7 +3,7 @@
 //! A path is taken from cell to cell ([`super::cell_loop`]); n at the end of the cell is drawn
 //! first.
 //!
-//! - Stick: the bridge of n between known values may cross a threshold ([`super::law::corridor`]).
+//! - Stick: the bridge of n between known values may cross a threshold ([`super::law::stick band`]).
 //! - Slip: exact steps of (x, x', n) ([`DrivenOscillator`]), given n at their ends, each of which
 //!   is searched for the first zero of x' ([`super::law::first_stop`]). Where a slip stops, the
 //!   state that was drawn at the end of the step is discarded: what follows depends only on n at

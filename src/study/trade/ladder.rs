@@ -63,7 +63,7 @@ impl Ladder {
 }
 
 /// The coarsest step, found by halving the grid, at which the scheme is stable and resolves
-/// oscillator, forcing, noise and corridor, as far as [`Scenario::warnings`] can judge. If there is
+/// oscillator, forcing, noise and band, as far as [`Scenario::warnings`] can judge. If there is
 /// none, the error is the last reason against a step.
 fn coarsest_step(scenario: &Scenario, scheme: Kind) -> Result<f64, String> {
     let grid = grid(scenario);

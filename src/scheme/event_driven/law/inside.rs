@@ -255,7 +255,7 @@ impl<L: Lanes> StickPiece<L> {
         uniform.lt(before * stay([here, end], last, (force, self.force.1)))
     }
 
-    /// The side, 1 or -1, on which the corridor is left at the end of the piece.
+    /// The side, 1 or -1, on which the stick band is left at the end of the piece.
     #[inline(always)]
     pub fn exit_side(&self) -> L {
         L::select(self.force.1.lt(L::splat(0.0)), L::splat(-1.0), L::splat(1.0))
@@ -320,6 +320,6 @@ fn distances<L: Lanes>([first, last]: [[L; 2]; 2], (from, to): (L, L)) -> [Dista
     [(first[0] - from, last[0] - to), (first[1] + from, last[1] + to)]
 }
 
-/// The number of attempts to draw a bridge that stays inside the corridor. An attempt takes up to
+/// The number of attempts to draw a bridge that stays inside the band. An attempt takes up to
 /// three random numbers.
 pub const TRIES: usize = 600;

@@ -5,7 +5,7 @@
 //! scene, two_noises     the constants of a scene, with noise measured as a force
 //! ladder, cells         the cells of time, and the forcing in them
 //! step_rules            the step lengths that follow from the tolerance
-//! corridor, stick_step  a stick between two values of n: may it be left, is it, and when?
+//! band, stick_step  a stick between two values of n: may it be left, is it, and when?
 //! slip_transition,      an exact step of (x, x', n) in a slip
 //!   slip_step
 //! first_stop,           a slip between two known states: does it stop, and where?
@@ -14,7 +14,7 @@
 //! ```
 
 mod cells;
-mod corridor;
+mod stick_band;
 mod first_stop;
 mod inside;
 mod ladder;
@@ -29,7 +29,7 @@ mod two_noises;
 mod velocity_bounds;
 
 pub use cells::*;
-pub use corridor::*;
+pub use stick_band::*;
 pub use first_stop::*;
 pub use inside::*;
 pub use ladder::*;

@@ -10,7 +10,7 @@
 //! own limit ([`Force::hold`]).
 
 use super::super::user_force::UserForce;
-use super::corridor::{Limit, Limits};
+use super::stick_band::{Limit, Limits};
 use super::ladder::{CellPlace, StepLadder};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
@@ -180,7 +180,7 @@ impl Scene {
     ///
     /// A path crosses the last cell to its end, also beyond the end of the run, because no event
     /// depends on the end. In a cell as long as 1/theta, a noise that hardly relaxes crosses the
-    /// corridor any number of times. It takes (f_s/s)^2 to cross it, and a slip takes 1/w0.
+    /// stick band any number of times. It takes (f_s/s)^2 to cross it, and a slip takes 1/w0.
     pub fn longest_cell(&self) -> f64 {
         let (f_s, w0) = (self.friction.static_force, self.oscillator.natural_frequency());
         let crossing = f_s / self.diffusion;

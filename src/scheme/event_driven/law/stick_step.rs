@@ -1,4 +1,4 @@
-//! One step of the noise in a static phase, and whether b left the corridor on the way.
+//! One step of the noise in a static phase, and whether b left the stick band on the way.
 //!
 //! In a step of length h, n is known at both ends. It is drawn which threshold the bridge between
 //! the two ends met first, if any ([`first_meeting_probability`]), and then when
@@ -15,7 +15,7 @@
 //! of the meeting is exact to first order in c h^2 / (8 s sqrt h). The lower threshold is treated
 //! symmetrically.
 
-use super::corridor::{Limits, on_side, width};
+use super::stick_band::{Limits, on_side, width};
 use super::scene::Scene;
 use crate::lanes::Lanes;
 use crate::model::Sign;
@@ -51,7 +51,7 @@ impl StickStep {
         StickStep { length, noise: TimeChange::new(scene.relaxation_rate, scene.diffusion, length) }
     }
 
-    /// The side on which the bridge between two forces leaves the corridor, and the time of this
+    /// The side on which the bridge between two forces leaves the band, and the time of this
     /// since the start of the step; none if it stays inside.
     #[inline(always)]
     pub fn exit(&self, scene: &Scene, ends: &StickEnds<f64>, draws: &mut AddressedDraws) -> Option<(Sign, f64)> {
@@ -231,7 +231,7 @@ mod tests {
     }
 
     /// A step of Brownian motion that begins close to the lower threshold. Null: the share of the
-    /// bridges that leave the corridor at the upper threshold, and the mean time of this, are the
+    /// bridges that leave the stick band at the upper threshold, and the mean time of this, are the
     /// exact ones, from sums over images. If it was not looked at whether the lower threshold is
     /// met before, the mean time would be 7 % too long. 1.6e6 bridges to each of two ends; seed 26;
     /// each of the four comparisons fails by chance once in 1e4.

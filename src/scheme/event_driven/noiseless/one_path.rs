@@ -183,7 +183,7 @@ impl Noiseless {
         oscillator.mass * self.body.forcing_size() + oscillator.force_bound(measured, displacement.abs()) <= f_s
     }
 
-    /// A time until which b stays in the corridor, for a stick that may begin exactly on a
+    /// A time until which b stays in the band, for a stick that may begin exactly on a
     /// threshold. It is zero unless b moves inwards from there. Where the slope is zero too,
     /// rounding hides which way b moves, so the search starts a little later.
     fn inside(&self, distances: [Jet; 2]) -> f64 {

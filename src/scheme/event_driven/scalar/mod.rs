@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! path           the state of a path, and how it crosses a cell: stick, slip, stick, ..
-//!   stick          does b leave the corridor before the end of the cell?
+//!   stick          does b leave the stick band before the end of the cell?
 //!   slip           steps, each of which is searched for a stop
 //!     own_force      a step under a force of the user's own
 //!     stop_search    bisects a step from left to right

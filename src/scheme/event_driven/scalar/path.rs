@@ -1,6 +1,6 @@
 //! One path, and how it crosses a cell: phase by phase.
 
-use super::super::law::{Cell, Corridor, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, cell_length};
+use super::super::law::{Cell, StickBand, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, cell_length};
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
@@ -39,7 +39,7 @@ pub struct Route {
     /// The division of time into cells.
     pub ladder: StepLadder,
     /// Finds the exits from sticks.
-    pub corridor: Corridor,
+    pub band: StickBand,
     /// The number of evaluations that a path may make.
     pub work_limit: u64,
     /// Every `closeness`-th row of the output grid belongs to the run; the rows between are only
@@ -54,7 +54,7 @@ impl Route {
         Route {
             timeline: *timeline,
             ladder: scene.ladder(cell_length(longest.min(scene.longest_cell()), timeline.end), timeline.end),
-            corridor: Corridor::new(scene, rules.chord_error),
+            band: StickBand::new(scene, rules.chord_error),
             work_limit: work_limit(cost),
             closeness: 1,
         }

@@ -1,9 +1,9 @@
-//! A stick of one path in a cell: whether and when b leaves the corridor |b| <= f_s, given n at the
-//! end of the cell ([`crate::scheme::event_driven::law::corridor`]). Where friction has a load, the
+//! A stick of one path in a cell: whether and when b leaves the stick band |b| <= f_s, given n at the
+//! end of the cell ([`crate::scheme::event_driven::law::stick band`]). Where friction has a load, the
 //! limits are those of [`crate::model::Force::hold`].
 
 use super::super::law::{
-    Cell, Corridor, Forcing, Limit, Limits, Node, Scene, StickEnd, StickStep, ends, stick_piece, width,
+    Cell, StickBand, Forcing, Limit, Limits, Node, Scene, StickEnd, StickStep, ends, stick_piece, width,
 };
 use super::super::work::{Resolved, Unresolved};
 use super::path::{Cascade, Path};
@@ -57,7 +57,7 @@ pub(super) fn stick<C: Cascade>(
         let direction = if path.force >= up { Sign::Positive } else { Sign::Negative };
         return Ok(Some(slip(direction, path.force, path.after)));
     }
-    let stick = Stick::new(scene, &cascade.route().corridor, cell, displacement, end_noise);
+    let stick = Stick::new(scene, &cascade.route().band, cell, displacement, end_noise);
     let Some((direction, exit)) = stick.exit(path, pending, watch)? else {
         path.force = stick.with_own(cell.last, cell.length).0.value + end_noise - stick.spring;
         return if path.force.is_nan() { Err(Unresolved::NoNumber) } else { Ok(None) };
@@ -69,7 +69,7 @@ pub(super) fn stick<C: Cascade>(
 /// A stick in a cell, at whose end n is known.
 struct Stick<'a> {
     scene: &'a Scene,
-    corridor: &'a Corridor,
+    band: &'a StickBand,
     cell: &'a Cell,
     displacement: f64,
     /// K x, less g(x, 0, t) where this is a constant.
@@ -83,12 +83,12 @@ struct Stick<'a> {
 
 impl<'a> Stick<'a> {
     #[inline(always)]
-    fn new(scene: &'a Scene, corridor: &'a Corridor, cell: &'a Cell, displacement: f64, end_noise: f64) -> Self {
+    fn new(scene: &'a Scene, band: &'a StickBand, cell: &'a Cell, displacement: f64, end_noise: f64) -> Self {
         let is_moved = scene.own.depends_on_time();
         let spring =
             if is_moved { scene.oscillator.stiffness * displacement } else { scene.spring(displacement, cell.start) };
         let limits = scene.limits(displacement, cell.start);
-        Stick { scene, corridor, cell, displacement, spring, is_moved, limits, end_noise }
+        Stick { scene, band, cell, displacement, spring, is_moved, limits, end_noise }
     }
 
     /// B, and what changes of g, with their second derivative, a time after the start of the cell
@@ -111,7 +111,7 @@ impl<'a> Stick<'a> {
         (moved, [limit(0), limit(1)])
     }
 
-    /// The exit of a path before the end of the cell; none if the path stays inside the corridor.
+    /// The exit of a path before the end of the cell; none if the path stays inside the band.
     #[inline(always)]
     fn exit<M>(
         &self,
@@ -151,9 +151,9 @@ impl<'a> Stick<'a> {
 
     /// The rules for a piece with these limits.
     #[inline(always)]
-    fn rules(&self, [first, last]: &[Limits; 2]) -> Corridor {
+    fn rules(&self, [first, last]: &[Limits; 2]) -> StickBand {
         let width = 0.5 * (width(first) + width(last));
-        if self.scene.own.has_load() { self.corridor.of_width(self.scene, width) } else { *self.corridor }
+        if self.scene.own.has_load() { self.band.of_width(self.scene, width) } else { *self.stick band }
     }
 
     /// Where the path is.
@@ -219,7 +219,7 @@ mod tests {
     /// `noise`.
     fn exits(model: &Model, noise: f64, kappa: f64, horizon: f64, seed: u64, paths: u64) -> Vec<(f64, Sign)> {
         let scene = Scene::new(model);
-        let corridor = Corridor::new(&scene, kappa);
+        let band = StickBand::new(&scene, kappa);
         let rates = scene.harmonics.iter().map(|h| h.angular_frequency);
         let length = cell_length(0.5 / rates.fold(scene.relaxation_rate, f64::max), f64::INFINITY);
         let transition = Transition::new(scene.relaxation_rate, scene.diffusion, length);
@@ -235,7 +235,7 @@ mod tests {
                     let end_noise = transition.next(path.noise, draws.at(index, 0).normal());
                     path.draws = draws.at(index, 2);
                     path.force = cell.first.value - spring_force + path.noise;
-                    let stick = Stick::new(&scene, &corridor, &cell, path.displacement, end_noise);
+                    let stick = Stick::new(&scene, &band, &cell, path.displacement, end_noise);
                     match stick.exit(&mut path, &mut pending, &mut Nobody).expect("bounded work") {
                         Some((direction, exit)) => return (cell.start + exit.after, direction),
                         None => path.noise = end_noise,
@@ -261,7 +261,7 @@ mod tests {
     }
 
     /// Exit of dv = -v dt + dW from (lower, upper), started at `from`. The exact means are
-    /// Siegert's integrals, computed by high-precision quadrature. The wide corridor is left rarely
+    /// Siegert's integrals, computed by high-precision quadrature. The wide stick band is left rarely
     /// and where its threshold bends most, so it takes more paths.
     #[test]
     fn exit_from_a_fixed_corridor_has_siegert_s_mean_and_side() {
@@ -317,7 +317,7 @@ mod tests {
     #[test]
     fn exit_does_not_depend_on_the_units_of_the_noise() {
         // General theta and sigma scale time by 1/theta and v by sigma/sqrt(theta). The exact
-        // values are the survival probabilities P(T > t) of the corridor of half-width 0.8.
+        // values are the survival probabilities P(T > t) of the stick band of half-width 0.8.
         let (theta, sigma) = (3.0, 0.2);
         let mut model = noise_alone(0.8 * sigma / f64::sqrt(theta), theta);
         for noise in &mut model.temperature.noises {
@@ -334,7 +334,7 @@ mod tests {
 
     #[test]
     fn first_stick_of_the_paper_s_noisy_scene_has_its_exact_mean() {
-        // The corridor moves with the forcing. The exact means are from the backward Kolmogorov
+        // The stick band moves with the forcing. The exact means are from the backward Kolmogorov
         // equation (12 digits) and, for the two smallest rho, from a Volterra equation
         // (tests/reference/first_stick.py, 7 digits).
         for (rho, mean) in [

@@ -99,8 +99,8 @@ impl<L: Lanes> Crossing<'_, '_, L> {
     fn queue_piece(&mut self, mut piece: SearchedStick<L>, rows: &RowNumbers, own: &RowNumbers, lanes: u32) {
         piece.count = piece.count.spent();
         piece.put(&mut self.paths.jobs, own);
-        let (corridor, scene) = (&self.paths.noisy.route.corridor, &self.paths.noisy.scene);
-        let reach = corridor.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limits());
+        let (band, scene) = (&self.paths.noisy.route.band, &self.paths.noisy.scene);
+        let reach = band.reach(scene, piece.length(), (&piece.left, &piece.right), &scene.constant_limits());
         let near = L::bitmask(reach.is_near) & lanes;
         let long = L::bitmask(reach.is_long) & near;
         self.queue(Task::Halve, rows, long);

@@ -1,4 +1,4 @@
-//! A stick between two times at which n is known: whether b may leave the corridor |b| <= f_s.
+//! A stick between two times at which n is known: whether b may leave the stick band |b| <= f_s.
 //!
 //! The noise between the two is a bridge. A piece of the bridge
 //!
@@ -31,7 +31,7 @@ const WIDTH_RULE: f64 = 2.0;
 
 /// The rules for the pieces of a stick.
 #[derive(Clone, Copy, Debug)]
-pub struct Corridor {
+pub struct StickBand {
     /// The longest piece by the width rule for each unit of width - |b1 - b0|, a time over a force.
     widest: f64,
     /// (8 kappa s)^2, the largest |c|^2 h^3 of a piece that is decided.
@@ -92,21 +92,21 @@ pub struct Reach<L: Lanes> {
     pub is_long: L::Mask,
 }
 
-impl Corridor {
+impl StickBand {
     pub fn new(scene: &Scene, kappa: f64) -> Self {
         let s = scene.diffusion;
         let most_bend = (8.0 * kappa * s) * (8.0 * kappa * s);
-        Corridor { widest: 0.0, most_bend }.of_width(scene, 2.0 * scene.friction.static_force)
+        StickBand { widest: 0.0, most_bend }.of_width(scene, 2.0 * scene.friction.static_force)
     }
 
-    /// The rules where the corridor is this wide.
+    /// The rules where the stick band is this wide.
     #[inline(always)]
     pub fn of_width(self, scene: &Scene, width: f64) -> Self {
         let s = scene.diffusion;
-        Corridor { widest: width / (WIDTH_RULE * s * s), ..self }
+        StickBand { widest: width / (WIDTH_RULE * s * s), ..self }
     }
 
-    /// Whether the bridge between two nodes may leave the corridor, and whether the piece is too
+    /// Whether the bridge between two nodes may leave the band, and whether the piece is too
     /// long to be decided without halving it. The limits are those at the nodes.
     #[inline(always)]
     pub fn reach<L: Lanes>(
