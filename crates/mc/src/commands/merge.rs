@@ -3,7 +3,7 @@
 use crate::arguments::extension::writable_hdf5;
 use crate::inputs::files;
 use crate::session::cost;
-use crate::session::run::{Leaves, RunOptions, Sitting};
+use crate::session::run::{Leaves, RunOptions, Session};
 use crate::{Failure, stop_on_signals};
 use std::path::PathBuf;
 use stickslip_files::store::{PartError, Parts, StoreError};
@@ -34,8 +34,8 @@ impl Arguments {
         cost::check_memory(scenario, asked.paths, self.options.threads())?;
         let stop = stop_on_signals()?;
         let mut file = parts.sink(&self.output, self.force);
-        let sitting = Sitting::of(&self.options, scenario, &self.output, &stop);
-        Sitting { leaves: Leaves::Nothing, ..sitting }.simulate(asked, Some(parts.so_far.clone()), &mut file)
+        let session = Session::of(&self.options, scenario, &self.output, &stop);
+        Session { leaves: Leaves::Nothing, ..session }.simulate(asked, Some(parts.so_far.clone()), &mut file)
     }
 }
 

@@ -4,8 +4,8 @@ use crate::commands::sweep;
 use crate::inputs::files;
 use crate::output::numbers::grouped;
 use crate::session::cost;
-use crate::session::run::{Leaves, RunOptions, Sitting};
-use crate::session::sweep::SweepSitting;
+use crate::session::run::{Leaves, RunOptions, Session};
+use crate::session::sweep::SweepSession;
 use crate::{Failure, note, stop_on_signals};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::Ordering;
@@ -50,8 +50,8 @@ impl Arguments {
         }
         let accuracy_goal = question.note.parse().ok();
         let (leaves, mut sink) = if self.end { (Leaves::File, sink.ending()) } else { (Leaves::Run, sink) };
-        let sitting = Sitting::of(&self.options, scenario, &output, &stop);
-        Sitting { accuracy_goal, leaves, ..sitting }.simulate(asked.clone(), Some(so_far), &mut sink)
+        let session = Session::of(&self.options, scenario, &output, &stop);
+        Session { accuracy_goal, leaves, ..session }.simulate(asked.clone(), Some(so_far), &mut sink)
     }
 
     /// Continues a sweep, of which the file of its points says what was asked.
@@ -67,7 +67,7 @@ impl Arguments {
         }
         let question = sweep::stored(&partial, files::read(&partial, store::read_sweep)?)?.question;
         let RunOptions { quiet, json, .. } = self.options;
-        SweepSitting { output, force: self.force, threads: &self.options.threads, statistics: &[], quiet, json }
+        SweepSession { output, force: self.force, threads: &self.options.threads, statistics: &[], quiet, json }
             .simulate(question)
     }
 }

@@ -5,7 +5,7 @@ use crate::arguments::extension::writable_hdf5;
 use crate::arguments::overrides::Overrides;
 use crate::inputs::results;
 use crate::session::cost;
-use crate::session::run::{RunOptions, Sitting};
+use crate::session::run::{RunOptions, Session};
 use crate::{Failure, note, stop_on_signals};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -85,8 +85,8 @@ impl Arguments {
         let run = engine::Run::of(&scenario).paths(paths).part(self.part).until(goals).within(self.max_time);
         let run = if self.no_bias { run.without_bias() } else { run };
         let name = self.scenario.display().to_string();
-        let sitting = Sitting::of(&self.options, &scenario, &output, &stop);
-        Sitting { name, accuracy_goal, ..sitting }.simulate(run.question(), None, &mut file)
+        let session = Session::of(&self.options, &scenario, &output, &stop);
+        Session { name, accuracy_goal, ..session }.simulate(run.question(), None, &mut file)
     }
 
     /// Chooses how to run a scenario for this relative error.

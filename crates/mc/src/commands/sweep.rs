@@ -6,7 +6,7 @@ use crate::arguments::overrides::Overrides;
 use crate::inputs::results;
 use crate::output::numbers::{bytes, counted, duration, grouped, parse_share_in};
 use crate::report::{self, Report};
-use crate::session::sweep::SweepSitting;
+use crate::session::sweep::SweepSession;
 use crate::{Failure, Threads, print};
 use std::path::{Path, PathBuf};
 use stickslip::config::{Override, symbol_and_meaning};
@@ -79,7 +79,7 @@ impl Arguments {
         // An existing file is read before anything else: it may hold this sweep, done or half done.
         writable_hdf5(&output, true, self.overrides.inputs(&self.scenario)?)?;
         let Arguments { force, threads, statistic: statistics, quiet, json, .. } = self;
-        SweepSitting { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
+        SweepSession { output: &output, force: *force, threads, statistics, quiet: *quiet, json: *json }
             .simulate(question)
     }
 

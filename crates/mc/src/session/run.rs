@@ -1,4 +1,4 @@
-//! One sitting of a run, which is the time from a start or a continuation to the next end:
+//! One session of a run, which is the time from a start or a continuation to the next end:
 //! simulates, then prints the results and how precise they are.
 
 use crate::arguments::accuracy;
@@ -44,8 +44,8 @@ impl RunOptions {
     }
 }
 
-/// One sitting of a run: its scenario, its output, and how it is run.
-pub struct Sitting<'a> {
+/// One session of a run: its scenario, its output, and how it is run.
+pub struct Session<'a> {
     pub options: &'a RunOptions,
     /// The name of the scenario.
     pub name: String,
@@ -69,14 +69,14 @@ pub enum Leaves {
     Nothing,
 }
 
-impl<'a> Sitting<'a> {
-    /// A sitting under the title of the scenario, without `--accuracy`, which leaves a run.
+impl<'a> Session<'a> {
+    /// A session under the title of the scenario, without `--accuracy`, which leaves a run.
     pub fn of(options: &'a RunOptions, scenario: &'a Scenario, output: &'a Path, stop: &'a AtomicBool) -> Self {
         let name = scenario.title.clone();
-        Sitting { options, name, scenario, output, accuracy_goal: None, stop, leaves: Leaves::Run }
+        Session { options, name, scenario, output, accuracy_goal: None, stop, leaves: Leaves::Run }
     }
 
-    /// Simulates a run from its beginning, or continues it from where an earlier sitting has left
+    /// Simulates a run from its beginning, or continues it from where an earlier session has left
     /// it.
     pub fn simulate(&self, asked: Asked, so_far: Option<SoFar>, file: &mut dyn Sink) -> Result<(), Failure> {
         let of_goal = || asked.goals.first().map(|goal| goal.statistic);
@@ -184,7 +184,7 @@ impl<'a> Sitting<'a> {
     }
 
     fn info(&self, outcome: &Outcome) -> RunInfo {
-        let Sitting { scenario, output, .. } = self;
+        let Session { scenario, output, .. } = self;
         let saved = store::partial_path(output);
         let file = if self.is_unfinished(outcome) { saved.as_path() } else { output };
         RunInfo {

@@ -1,4 +1,4 @@
-//! One sitting of a sweep: from the start or a continuation to its table, or to the next
+//! One session of a sweep: from the start or a continuation to its table, or to the next
 //! interruption.
 
 use crate::output::dataset;
@@ -14,7 +14,7 @@ use stickslip_files::dataset::Dataset;
 use stickslip_files::store::{SweepFile, partial_path};
 
 /// How a sweep is simulated and printed.
-pub struct SweepSitting<'a> {
+pub struct SweepSession<'a> {
     pub output: &'a Path,
     /// Whether the results of something else are replaced.
     pub force: bool,
@@ -25,7 +25,7 @@ pub struct SweepSitting<'a> {
     pub json: bool,
 }
 
-impl SweepSitting<'_> {
+impl SweepSession<'_> {
     /// Simulates the points that are not in the file yet, gives the file its name, and prints all.
     pub fn simulate(&self, question: SweepQuestion) -> Result<(), Failure> {
         let (mut file, known) = SweepFile::open(self.output, &question, self.force)?;

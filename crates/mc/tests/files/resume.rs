@@ -103,15 +103,15 @@ fn killed_after(folder: &Path, arguments: &[&str], delay: Duration) -> ExitStatu
     child.wait().expect("a child")
 }
 
-/// Kills runs of one command, and the sittings that continue them, at random times, until there
-/// were `kills` kills. Returns the numbers of kills, sittings and finished runs.
+/// Kills runs of one command, and the sessions that continue them, at random times, until there
+/// were `kills` kills. Returns the numbers of kills, sessions and finished runs.
 fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
     let mut rng = Pcg64Dxsm::seed_from_u64(seed);
-    let [mut killed, mut sittings, mut finished] = [0; 3];
+    let [mut killed, mut sessions, mut finished] = [0; 3];
     while killed < kills {
         let here = tempfile::tempdir().expect("a folder");
         loop {
-            sittings += 1;
+            sessions += 1;
             let delay = longest.mul_f64((rng.next_u64() >> 11) as f64 * 2f64.powi(-53));
             let status = killed_after(here.path(), next(here.path(), RUN), delay);
             if status.success() {
@@ -127,13 +127,13 @@ fn kill_at_random(seed: u64, kills: u32, longest: Duration) -> [u32; 3] {
         assert_finished(here.path(), &LONG_FILE, "killed at random");
         finished += 1;
     }
-    [killed, sittings, finished]
+    [killed, sessions, finished]
 }
 
 /// Kills `kills` times, on two threads.
 fn many_kills(seeds: [u64; 2], kills: u32) {
     let _ = LONG_FILE.len();
-    // A sitting must have the time to write the file, whatever the machine: a shorter one would
+    // A session must have the time to write the file, whatever the machine: a shorter one would
     // never come to an end.
     let start = Instant::now();
     let _ = undisturbed(RUN);
@@ -141,7 +141,7 @@ fn many_kills(seeds: [u64; 2], kills: u32) {
     let work = |seed: u64| move || kill_at_random(seed, kills / 2, longest);
     let threads = seeds.map(|seed| std::thread::spawn(work(seed)));
     let counts = threads.map(|thread| thread.join().expect("every file is the same"));
-    println!("kills, sittings, finished runs: {counts:?}");
+    println!("kills, sessions, finished runs: {counts:?}");
 }
 
 /// The test below makes a thousand kills.
@@ -150,7 +150,7 @@ fn killed_at_random_moments_a_run_comes_to_the_same_file() {
     many_kills([1, 2], 12);
 }
 
-/// The same with more kills. In the last measurement, 41 runs with 1009 kills in 1050 sittings all
+/// The same with more kills. In the last measurement, 41 runs with 1009 kills in 1050 sessions all
 /// gave the same file.
 #[test]
 #[ignore = "four minutes"]
@@ -183,7 +183,7 @@ fn kill_a_run(apart: usize) -> usize {
     kill(apart, |_| (), SHORT, SHORT, &SHORT_FILE)
 }
 
-/// The same for a sitting that continues a run that was killed in the middle.
+/// The same for a session that continues a run that was killed in the middle.
 fn kill_a_sitting(apart: usize) -> usize {
     let (_outer, begun) = folders();
     let run = [&RUN[..3], &["20000"], &RUN[4..]].concat();
@@ -206,7 +206,7 @@ fn killed_at_changes_of_the_disk_a_run_comes_to_the_same_file() {
     assert!(kills[0] > 8 && kills[1] > 4, "{kills:?}");
 }
 
-/// The same at more changes. In the last measurement, 183 kills of a run and 82 of a sitting
+/// The same at more changes. In the last measurement, 183 kills of a run and 82 of a session
 /// that continued one all gave the same file.
 #[test]
 #[ignore = "four minutes"]
@@ -323,7 +323,7 @@ fn an_interrupted_run_ends_where_its_goal_ends_it() {
     assert!(stored.completed_paths > 0 && stored.completed_paths < 60_000);
 }
 
-/// The time of all sittings counts towards the limit.
+/// The time of all sessions counts towards the limit.
 #[test]
 fn a_time_limit_is_one_on_all_sittings() {
     let here = tempfile::tempdir().expect("a folder");
