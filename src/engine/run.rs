@@ -8,7 +8,7 @@ use super::{Asked, BiasReport, EndedBy, Outcome, Part, Progress, RunError, Sink,
 use crate::bias::NoBias;
 use crate::ensemble::{MOST_THREADS, check_threads, guarded};
 use crate::scenario::Scenario;
-use crate::stats::{Companion, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
+use crate::stats::{AuxiliaryObserver, Goal, LimitCycle, RunTotals, Summary, Tallied, Tally};
 use crate::sums::Measurement;
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -158,10 +158,10 @@ impl<'a> Run<'a> {
         Ok((outcome, tally.estimate(&means)))
     }
 
-    /// Simulate the blocks that `totals` do not contain, with a companion that observes each of them.
-    fn simulate_beside<C: Companion>(
+    /// Simulate the blocks that `totals` do not contain, with a auxiliary that observes each of them.
+    fn simulate_beside<C: AuxiliaryObserver>(
         mut self,
-        companion: &C,
+        auxiliary: &C,
         totals: RunTotals<C::Sums>,
         spent: Duration,
     ) -> Result<(Outcome, C::Sums), RunError> {
@@ -181,7 +181,7 @@ impl<'a> Run<'a> {
         let left = course.left();
         let done = alarm.watching(|| {
             let deliver = |block| course.deliver(block);
-            guarded(|| plan.run_beside(companion, left.clone(), self.threads, alarm.stops(), deliver))
+            guarded(|| plan.run_beside(auxiliary, left.clone(), self.threads, alarm.stops(), deliver))
         });
         let (blocks, mut flaw) = match done {
             Ok(done) => (left.start + done?, None),

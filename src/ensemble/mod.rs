@@ -23,7 +23,7 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 use crate::model::{Event, Model};
 use crate::noise;
 use crate::scheme::{Observer, Segment, Simulate as _, Simulation, Timeline, Unresolved};
-use crate::stats::{BlockObserver, BlockResult, Companion, Record, RunTotals, Summary};
+use crate::stats::{BlockObserver, BlockResult, AuxiliaryObserver, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
 use in_order::PIECES_AHEAD;
@@ -187,31 +187,31 @@ impl Plan {
         Some(self.piece_beside(piece, &(), stop)?.0)
     }
 
-    /// Simulate block `index`, which a companion observes too. Returns `None` if `halt` is set
+    /// Simulate block `index`, which a auxiliary observes too. Returns `None` if `halt` is set
     /// meanwhile.
-    pub(crate) fn block_beside<C: Companion>(
+    pub(crate) fn block_beside<C: AuxiliaryObserver>(
         &self,
         index: u64,
-        companion: &C,
+        auxiliary: &C,
         halt: &AtomicBool,
     ) -> Option<Delivered<C::Sums>> {
-        let (result, beside) = self.piece_beside(self.block_piece(index), companion, halt)?;
+        let (result, beside) = self.piece_beside(self.block_piece(index), auxiliary, halt)?;
         Some(Delivered { index, result, beside })
     }
 
     /// Simulate neighbouring blocks together. Only the last block of the run may be less than full.
     /// Returns `None` if `halt` is set meanwhile.
-    fn flight_beside<C: Companion>(
+    fn flight_beside<C: AuxiliaryObserver>(
         &self,
         blocks: Range<u64>,
-        companion: &C,
+        auxiliary: &C,
         halt: &AtomicBool,
     ) -> Option<Vec<Delivered<C::Sums>>> {
         if blocks.end - blocks.start == 1 {
-            return Some(vec![self.block_beside(blocks.start, companion, halt)?]);
+            return Some(vec![self.block_beside(blocks.start, auxiliary, halt)?]);
         }
         let pieces: Vec<PathRange> = blocks.clone().map(|index| self.block_piece(index)).collect();
-        let observers = pieces.iter().map(|piece| self.observers(piece, companion)).collect();
+        let observers = pieces.iter().map(|piece| self.observers(piece, auxiliary)).collect();
         let mut all = (Flight { observers, lanes: BLOCK_SIZE as usize }, halt);
         let paths: Vec<u64> = pieces.iter().flat_map(|piece| &piece.kept).copied().collect();
         let lost = self.simulated(&paths, &mut all);
@@ -223,9 +223,9 @@ impl Plan {
             let block = index - blocks.start;
             delivered.push(if lost.iter().any(|&lane| lane as u64 / BLOCK_SIZE == block) {
                 // The block is simulated again, without the paths that diverge.
-                self.block_beside(index, companion, halt)?
+                self.block_beside(index, auxiliary, halt)?
             } else {
-                let (result, beside) = piece.finish(both, companion);
+                let (result, beside) = piece.finish(both, auxiliary);
                 Delivered { index, result, beside }
             });
         }
@@ -272,33 +272,33 @@ impl Plan {
         PathRange::new(first, BLOCK_SIZE.min(self.paths - first), self.antithetic)
     }
 
-    /// The observers of the kept paths of a piece: that of the program and that of the companion.
-    fn observers<C: Companion>(&self, piece: &PathRange, companion: &C) -> (BlockObserver, C::Observer) {
+    /// The observers of the kept paths of a piece: that of the program and that of the auxiliary.
+    fn observers<C: AuxiliaryObserver>(&self, piece: &PathRange, auxiliary: &C) -> (BlockObserver, C::Observer) {
         let own = BlockObserver::new(self.model(), self.timeline(), &self.record, &piece.kept, piece.unit)
             .with_step(self.simulation.step());
-        (own, companion.observer(&piece.kept))
+        (own, auxiliary.observer(&piece.kept))
     }
 
-    /// Simulate the paths of a piece, which a companion observes too. Returns `None` if `halt` is
+    /// Simulate the paths of a piece, which a auxiliary observes too. Returns `None` if `halt` is
     /// set meanwhile.
     ///
     /// A path that diverges is left out, together with the other path of its pair, and the others
     /// are simulated again without it. They do not depend on it, so this happens at most once for
     /// each block.
-    fn piece_beside<C: Companion>(
+    fn piece_beside<C: AuxiliaryObserver>(
         &self,
         mut piece: PathRange,
-        companion: &C,
+        auxiliary: &C,
         halt: &AtomicBool,
     ) -> Option<(BlockResult, C::Sums)> {
         loop {
-            let mut all = (self.observers(&piece, companion), halt);
+            let mut all = (self.observers(&piece, auxiliary), halt);
             let lost = self.simulated(&piece.kept, &mut all);
             if halt.load(Ordering::Relaxed) {
                 return None;
             }
             if lost.is_empty() {
-                return Some(piece.finish(all.0, companion));
+                return Some(piece.finish(all.0, auxiliary));
             }
             piece.leave_out(&lost);
         }
@@ -330,11 +330,11 @@ impl Plan {
         Ok((blocks * BLOCK_SIZE).min(self.paths))
     }
 
-    /// The same for these blocks only. A companion observes every block too, and `stops` may also
+    /// The same for these blocks only. A auxiliary observes every block too, and `stops` may also
     /// give up unfinished blocks. Returns the number of delivered blocks.
-    pub fn run_beside<C: Companion, E: Send>(
+    pub fn run_beside<C: AuxiliaryObserver, E: Send>(
         &self,
-        companion: &C,
+        auxiliary: &C,
         blocks: Range<u64>,
         threads: usize,
         stops: Stops<'_>,
@@ -344,7 +344,7 @@ impl Plan {
         let size = self.blocks_in_flight(count, threads);
         let make = |flight: u64| {
             let first = blocks.start + flight * size;
-            self.flight_beside(first..blocks.end.min(first + size), companion, stops.halt)
+            self.flight_beside(first..blocks.end.min(first + size), auxiliary, stops.halt)
         };
         let mut delivered = 0;
         let deliver = |flight: Vec<Delivered<C::Sums>>| {
@@ -377,6 +377,6 @@ pub struct Delivered<S> {
     pub index: u64,
     /// The result of the block.
     pub result: BlockResult,
-    /// The sums of the companion.
+    /// The sums of the auxiliary.
     pub beside: S,
 }

@@ -1,6 +1,6 @@
 //! Consecutive paths of an ensemble, of which those that diverge are left out.
 
-use crate::stats::{BlockObserver, BlockResult, Companion};
+use crate::stats::{BlockObserver, BlockResult, AuxiliaryObserver};
 use crate::sums::Replicate;
 
 /// Consecutive paths that are summed together.
@@ -34,12 +34,12 @@ impl PathRange {
         self.diverged.sort_unstable();
     }
 
-    /// The result of the piece: that of the program and the sums of the companion.
-    pub fn finish<C: Companion>(
+    /// The result of the piece: that of the program and the sums of the auxiliary.
+    pub fn finish<C: AuxiliaryObserver>(
         self,
         (own, theirs): (BlockObserver, C::Observer),
-        companion: &C,
+        auxiliary: &C,
     ) -> (BlockResult, C::Sums) {
-        (own.finish(self.first, self.paths, self.diverged), companion.finish(theirs, self.unit))
+        (own.finish(self.first, self.paths, self.diverged), auxiliary.finish(theirs, self.unit))
     }
 }

@@ -13,7 +13,7 @@
 use super::folds::PathFolds;
 use super::periods::PeriodFold;
 use super::totals::PhaseSums;
-use super::{Companion, Record, Statistic, Totals};
+use super::{AuxiliaryObserver, Record, Statistic, Totals};
 use crate::model::{Event, Model};
 use crate::scheme::{Instant, Observer, Segment, Snapshot, Timeline};
 use crate::sums::Merge;
@@ -78,7 +78,7 @@ impl Grouping {
     }
 }
 
-impl Companion for Grouping {
+impl AuxiliaryObserver for Grouping {
     type Observer = GroupObserver;
     type Sums = Groups;
 

@@ -70,5 +70,5 @@ pub use summary::{
     Band, Bands, Bias, Densities, DensityCurve, Distribution, Estimate, Extremes, FirstSticks, Fluctuations, Histogram,
     Line, Passages, PeriodMoments, QUANTILE_LEVELS, Spectrum, SubPhaseCounts, Summary, Transient,
 };
-pub use tally::{Companion, PathMeans, PathState, Tallied, Tally};
+pub use tally::{AuxiliaryObserver, PathMeans, PathState, Tallied, Tally};
 pub use totals::{Counts, Sums, Totals};

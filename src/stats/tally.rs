@@ -157,7 +157,7 @@ impl<const N: usize> PathMeans<N> {
 
 /// Observes each block beside the statistics of the program. `()` observes nothing and takes no
 /// time.
-pub trait Companion: Sync {
+pub trait AuxiliaryObserver: Sync {
     /// The observer of one block of paths.
     type Observer: Observer;
     /// The sums over the paths of a block.
@@ -173,7 +173,7 @@ pub trait Companion: Sync {
     fn finish(&self, observer: Self::Observer, unit: Replicate) -> Self::Sums;
 }
 
-impl Companion for () {
+impl AuxiliaryObserver for () {
     type Observer = ();
     type Sums = ();
 
@@ -184,7 +184,7 @@ impl Companion for () {
     fn finish(&self, (): (), _: Replicate) {}
 }
 
-/// A tally as the companion of every block.
+/// A tally as the auxiliary of every block.
 pub struct Tallied<'a, T, const N: usize> {
     /// The tally.
     pub tally: &'a T,
@@ -192,7 +192,7 @@ pub struct Tallied<'a, T, const N: usize> {
     pub seed: u64,
 }
 
-impl<'a, T: Tally<N>, const N: usize> Companion for Tallied<'a, T, N> {
+impl<'a, T: Tally<N>, const N: usize> AuxiliaryObserver for Tallied<'a, T, N> {
     type Observer = TallyObserver<'a, T, N>;
     type Sums = PathMeans<N>;
 

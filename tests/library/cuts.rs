@@ -11,7 +11,9 @@ use stickslip::model::{Event, EventKind};
 use stickslip::noise::AddressedDraws;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::DiscreteVi;
-use stickslip::stats::{BlockResult, Companion, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally};
+use stickslip::stats::{
+    AuxiliaryObserver, BlockResult, PathMeans, PathState, RunTotals, Statistic, Summary, Tallied, Tally,
+};
 use stickslip::sums::Measurement;
 
 const BLOCKS: u64 = 23;

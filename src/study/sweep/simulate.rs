@@ -11,7 +11,7 @@ use crate::engine::Progress;
 use crate::ensemble::{BLOCK_SIZE, Delivered, Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::Simulate as _;
-use crate::stats::{Companion as _, Grouping, Groups, LimitCycle, RunTotals};
+use crate::stats::{AuxiliaryObserver as _, Grouping, Groups, LimitCycle, RunTotals};
 use crate::study::clock::thread_seconds;
 use crate::sums::{Overlap, Replicate};
 use std::ops::ControlFlow;
