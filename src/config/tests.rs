@@ -367,7 +367,7 @@ fn values_that_cannot_be_computed_with_are_refused_with_the_reason() {
     }
 }
 
-/// Nobody wrote the stiffness and the damping that a linear force leaves.
+/// NullObserver wrote the stiffness and the damping that a linear force leaves.
 #[test]
 fn a_force_that_cannot_be_used_is_named() {
     let quasi_static = "scheme.kind=quasi-static";

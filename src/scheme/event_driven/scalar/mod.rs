@@ -24,4 +24,4 @@ pub use path::{Cascade, Path, Route, cross, start};
 pub use paths::ScalarPaths;
 pub use slip::SlipBuffers;
 pub use stick::PendingNodes;
-pub use watch::{Follower, Glances, Nobody, Watch, WatchedPiece};
+pub use watch::{Follower, Glances, NullObserver, Watch, WatchedPiece};

@@ -5,7 +5,7 @@ use super::super::law::Cell;
 use super::super::work::Simulated;
 use super::path::{Cascade, Path, cross, start};
 use super::stick::PendingNodes;
-use super::watch::{Follower, Nobody};
+use super::watch::{Follower, NullObserver};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes};
 use crate::model::{Event, Phase};
 use crate::scheme::Segment;
@@ -64,7 +64,7 @@ impl<C: Cascade> LaneProgram for CrossOneByOne<'_, '_, C> {
                     inside.cross(lane, *cascade, cell, path, scratch);
                 } else {
                     let emit = |event| events.push((lane, event));
-                    let mut watch = Follower { watch: Nobody, lane, segments: segments.as_mut() };
+                    let mut watch = Follower { watch: NullObserver, lane, segments: segments.as_mut() };
                     path.lost = cross(*cascade, cell, path, scratch, &mut watch, emit).err();
                 }
             }

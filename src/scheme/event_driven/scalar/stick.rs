@@ -204,7 +204,7 @@ impl<'a> Stick<'a> {
 
 #[cfg(test)]
 mod tests {
-    use super::super::watch::Nobody;
+    use super::super::watch::NullObserver;
     use super::*;
     use crate::model::tests::paper;
     use crate::model::{Harmonic, Model};
@@ -236,7 +236,7 @@ mod tests {
                     path.draws = draws.at(index, 2);
                     path.force = cell.first.value - spring_force + path.noise;
                     let stick = Stick::new(&scene, &band, &cell, path.displacement, end_noise);
-                    match stick.exit(&mut path, &mut pending, &mut Nobody).expect("bounded work") {
+                    match stick.exit(&mut path, &mut pending, &mut NullObserver).expect("bounded work") {
                         Some((direction, exit)) => return (cell.start + exit.after, direction),
                         None => path.noise = end_noise,
                     }

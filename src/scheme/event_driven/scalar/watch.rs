@@ -69,9 +69,9 @@ impl<W: Watch> Watch for Follower<'_, W> {
 }
 
 /// There are no instants to observe inside this cell.
-pub struct Nobody;
+pub struct NullObserver;
 
-impl Watch for Nobody {
+impl Watch for NullObserver {
     #[inline(always)]
     fn is_looking(&self) -> bool {
         false

@@ -30,7 +30,7 @@ mod tests;
 use super::cell_loop::{Inside, PathSet, Watching};
 use super::law::Cell;
 use super::noisy::Noisy;
-use super::scalar::{self, Cascade, Nobody, Path, PendingNodes, SlipBuffers};
+use super::scalar::{self, Cascade, NullObserver, Path, PendingNodes, SlipBuffers};
 use super::work::{Simulated, Unresolved, WorkLeft};
 use crate::lanes::{InstructionSet, LaneProgram, Lanes, LookupTable, ROW, Row};
 use crate::model::{Event, Phase, Sign};
@@ -187,7 +187,7 @@ impl<'a> Vectorised<'a> {
             inside.cross(lane, self.noisy, cell, &mut path, &mut self.scratch);
         } else {
             let emit = |event| self.events.push((lane as u32, event));
-            let crossed = scalar::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut Nobody, emit);
+            let crossed = scalar::cross(self.noisy, cell, &mut path, &mut self.scratch, &mut NullObserver, emit);
             path.lost = crossed.err();
         }
         self.put(lane, &path);
