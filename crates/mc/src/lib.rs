@@ -112,7 +112,7 @@ fn answered() -> ExitCode {
         Ok(arguments) => {
             let done = guarded(|| arguments.verb.call()).unwrap_or_else(|flaw| Err(flaw.into()));
             // What could not be removed after the work.
-            store::take_remains().iter().for_each(|line| note(&format!("warning: {line}")));
+            store::take_leftovers().iter().for_each(|line| note(&format!("warning: {line}")));
             done.map_or_else(|failure| failure.report(), |()| ExitCode::SUCCESS)
         }
         Err(answer) => self::answer(&answer),

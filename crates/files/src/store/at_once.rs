@@ -1,18 +1,18 @@
 //! Writing a data set to a file in one go.
 
 use super::StoreError;
-use super::draft::Draft;
+use super::staged_file::StagedFile;
 use super::folder::RESULTS;
-use super::workshop::Workshop;
+use super::staging::Staging;
 use crate::dataset::Dataset;
 use std::path::Path;
 
 /// Write a data set to `target`. Like every file it is made in the folder `NAME.partial`. With
 /// `force`, an existing file of this name is replaced.
 pub fn write_dataset(target: &Path, dataset: Dataset, force: bool) -> Result<(), StoreError> {
-    let workshop = Workshop::open(target, force)?;
-    let mut draft = Draft::create(&workshop.path(RESULTS))?;
+    let staging = Staging::open(target, force)?;
+    let mut draft = StagedFile::create(&staging.path(RESULTS))?;
     let written = draft.write(|place| place.write(dataset)).and_then(|()| draft.finish());
-    written.map_err(|failure| workshop.failure(failure.cause, failure.full))?;
-    workshop.publish()
+    written.map_err(|failure| staging.failure(failure.cause, failure.full))?;
+    staging.publish()
 }

@@ -109,7 +109,7 @@ impl Drop for Lock {
         if is_at(&self.file, &self.path)
             && let Err(error) = std::fs::remove_file(&self.path)
         {
-            remains::stays(&self.path, &error);
+            leftovers::stays(&self.path, &error);
         }
     }
 }

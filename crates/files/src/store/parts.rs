@@ -2,7 +2,7 @@
 
 use super::naming::parent;
 use super::reader::{damaged, open, read_kind};
-use super::workshop::Workshop;
+use super::staging::Staging;
 use super::{StoreError, Writer, check_space};
 use crate::dataset::header::FORMAT;
 use crate::dataset::{Source as _, header, layout, read_variable};
@@ -46,7 +46,7 @@ impl Parts {
     /// A sink that writes the file of the whole run to `target`, once the merged sums are handed to
     /// it.
     pub fn sink(&self, target: &Path, force: bool) -> impl Sink + '_ {
-        PartsSink { parts: self, target: target.to_owned(), force, workshop: None }
+        PartsSink { parts: self, target: target.to_owned(), force, staging: None }
     }
 }
 
@@ -74,25 +74,25 @@ struct PartsSink<'a> {
     parts: &'a Parts,
     target: PathBuf,
     force: bool,
-    workshop: Option<Workshop>,
+    staging: Option<Staging>,
 }
 
 impl Sink for PartsSink<'_> {
     fn begin(&mut self, scenario: &Scenario, _: &Asked) -> Result<(), SinkError> {
         check_space(&parent(&self.target), scenario.derived().output_bytes as u64)?;
-        self.workshop = Some(Workshop::open(&self.target, self.force)?);
+        self.staging = Some(Staging::open(&self.target, self.force)?);
         Ok(())
     }
 
     /// No block is simulated, so there is nothing to write here.
     fn finish(&mut self, outcome: &Outcome) -> Result<(), SinkError> {
-        let Some(workshop) = self.workshop.take() else { return Ok(()) };
+        let Some(staging) = self.staging.take() else { return Ok(()) };
         if outcome.status == Status::Interrupted {
             return Ok(());
         }
         let RunQuestion { scenario, asked, .. } = &self.parts.question;
         let header = asked.provenance(scenario);
-        let mut writer = Writer::within(workshop, &header, &scenario.record)?;
+        let mut writer = Writer::within(staging, &header, &scenario.record)?;
         for (path, state) in &self.parts.parts {
             copy_rows(path, state, &mut writer)?;
         }

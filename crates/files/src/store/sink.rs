@@ -5,7 +5,7 @@ use super::folder::{ROWS, STATE, partial_path};
 use super::log::{self, Log};
 use super::naming::parent;
 use super::state;
-use super::workshop::{Workshop, lock};
+use super::staging::{Staging, lock};
 use super::{StoreError, Writer, check_space, found};
 use crate::saved::{Position, RunQuestion, State, to_bytes};
 use std::path::{Path, PathBuf};
@@ -50,7 +50,7 @@ pub struct FileSink {
 /// The parts of a sink that exist while a run is being saved.
 #[derive(Debug)]
 struct Open {
-    workshop: Workshop,
+    staging: Staging,
     question: RunQuestion,
     /// The log; `None` if nothing is recorded of single paths.
     log: Option<Log>,
@@ -131,24 +131,24 @@ impl FileSink {
             }
             _ => return Err(nothing()),
         }
-        let mut workshop = Workshop::enter(target, force, lock)?;
-        let path = workshop.path(STATE);
+        let mut staging = Staging::enter(target, force, lock)?;
+        let path = staging.path(STATE);
         let state = state::read(&path)?;
         state.check_program(&path)?;
-        workshop.saved_paths = state.paths();
+        staging.saved_paths = state.paths();
         let log = match is_logged(&state.question.scenario.record) {
-            true => Some(go_on_with_log(&workshop, state.rows)?),
+            true => Some(go_on_with_log(&staging, state.rows)?),
             false => None,
         };
         let State { question, so_far, rows, .. } = state;
-        let open = Open { workshop, question: question.clone(), log, rows, due: Instant::now() + INTERVAL };
+        let open = Open { staging, question: question.clone(), log, rows, due: Instant::now() + INTERVAL };
         let sink = FileSink { open: Some(open), ..FileSink::new(target, force) };
         Ok(Some(Unfinished { question, so_far, sink }))
     }
 
     /// Number of paths that are saved.
     pub fn saved_paths(&self) -> u64 {
-        self.open.as_ref().map_or(0, |open| open.workshop.saved_paths)
+        self.open.as_ref().map_or(0, |open| open.staging.saved_paths)
     }
 
     /// Create the folder and the log of a new run.
@@ -157,13 +157,13 @@ impl FileSink {
         // The factor is 2 because rows are written twice: to the log, and to the file.
         let share = asked.own_paths() as f64 / scenario.ensemble.paths.max(1) as f64;
         check_space(&parent(&self.target), (2.0 * share.min(1.0) * scenario.derived().output_bytes) as u64)?;
-        let workshop = Workshop::open(&self.target, self.force).map_err(|error| match error {
+        let staging = Staging::open(&self.target, self.force).map_err(|error| match error {
             StoreError::LeftOver { partial, target } => left_over(partial, target, &question),
             error => error,
         })?;
-        let log = is_logged(&scenario.record).then(|| Log::create(&workshop.path(ROWS))).transpose();
-        let log = log.map_err(|error| workshop.failed(&error))?;
-        Ok(Open { workshop, question, log, rows: Position::default(), due: Instant::now() + INTERVAL })
+        let log = is_logged(&scenario.record).then(|| Log::create(&staging.path(ROWS))).transpose();
+        let log = log.map_err(|error| staging.failed(&error))?;
+        Ok(Open { staging, question, log, rows: Position::default(), due: Instant::now() + INTERVAL })
     }
 }
 
@@ -173,9 +173,9 @@ pub(super) fn is_logged(record: &Record) -> bool {
 }
 
 /// Check the log up to its end, and open it to continue it.
-fn go_on_with_log(workshop: &Workshop, end: Position) -> Result<Log, StoreError> {
-    log::read(&workshop.path(ROWS), end, |_| Ok(()))?;
-    Log::go_on(&workshop.path(ROWS), end).map_err(|error| workshop.failed(&error))
+fn go_on_with_log(staging: &Staging, end: Position) -> Result<Log, StoreError> {
+    log::read(&staging.path(ROWS), end, |_| Ok(()))?;
+    Log::go_on(&staging.path(ROWS), end).map_err(|error| staging.failed(&error))
 }
 
 /// The error for a folder that already contains a run: the same run, another run, or something that
@@ -195,23 +195,23 @@ impl Open {
     fn save(&mut self, moment: &Moment<'_>) -> Result<(), StoreError> {
         let start = Instant::now();
         let file = self.log.as_ref().map(|log| (ROWS, log.file()));
-        self.workshop.check(file)?;
+        self.staging.check(file)?;
         if let Some(log) = &mut self.log {
-            self.rows = log.sync().map_err(|error| self.workshop.failed(&error))?;
+            self.rows = log.sync().map_err(|error| self.staging.failed(&error))?;
         }
         let state = to_bytes(&self.question, &moment.state(), moment.spent, self.rows);
-        self.workshop.save(&state, moment.paths)?;
+        self.staging.save(&state, moment.paths)?;
         self.due = Instant::now() + INTERVAL.max(start.elapsed() * ONE_PART_IN);
         Ok(())
     }
 
     /// Write the file of the run and give it its name.
     fn finish(self, outcome: &Outcome) -> Result<(), StoreError> {
-        let Open { workshop, question, log, rows, .. } = self;
+        let Open { staging, question, log, rows, .. } = self;
         let RunQuestion { scenario, asked, .. } = &question;
         let header = asked.provenance(scenario);
-        let [log_path, state] = [ROWS, STATE].map(|name| workshop.path(name));
-        let mut writer = Writer::within(workshop, &header, &scenario.record)?;
+        let [log_path, state] = [ROWS, STATE].map(|name| staging.path(name));
+        let mut writer = Writer::within(staging, &header, &scenario.record)?;
         if log.is_some() {
             log::read(&log_path, rows, |block| writer.append(&block))?;
         }
@@ -239,7 +239,7 @@ impl Sink for FileSink {
     fn block(&mut self, block: &BlockResult) -> Result<(), SinkError> {
         let Some(open) = &mut self.open else { return Ok(()) };
         if let Some(log) = &mut open.log {
-            log.append(&block.rows).map_err(|error| open.workshop.failed(&error))?;
+            log.append(&block.rows).map_err(|error| open.staging.failed(&error))?;
         }
         Ok(())
     }
@@ -248,7 +248,7 @@ impl Sink for FileSink {
         let Some(open) = &mut self.open else { return Ok(()) };
         // A run of which no path is done leaves nothing behind, and what is saved already is not
         // saved again.
-        let is_new = moment.paths > open.workshop.saved_paths;
+        let is_new = moment.paths > open.staging.saved_paths;
         let is_due = is_new && (moment.is_last || Instant::now() >= open.due);
         if is_due { Ok(open.save(moment)?) } else { Ok(()) }
     }

@@ -16,7 +16,7 @@ use super::lock::Lock;
 use super::naming::{give_name, parent};
 use super::own::{self, identity};
 use super::reader::check_file;
-use super::{check_space, partial_path, read_sweep, remains, workshop};
+use super::{check_space, partial_path, read_sweep, remains, staging};
 use crate::dataset::sweep::name;
 use crate::dataset::{Dataset, StoredSweep};
 use std::path::{Path, PathBuf};
@@ -57,7 +57,7 @@ impl SweepFile {
         question: &SweepQuestion,
         force: bool,
     ) -> Result<(SweepFile, Vec<Option<Point>>), StoreError> {
-        let lock = workshop::lock(target)?;
+        let lock = staging::lock(target)?;
         if found::unfinished(target) == Partial::Named {
             found::clear(target)?;
         }
@@ -117,7 +117,7 @@ impl SweepFile {
         let partial = partial_path(&self.target);
         give_name(&partial, None, &self.target, &partial, self.force)?;
         if let Err(error) = own::remove(&partial) {
-            remains::stays(&partial, &error);
+            leftovers::stays(&partial, &error);
         }
         Ok(())
     }

@@ -1,11 +1,11 @@
 //! Writing the file of a run, once its statistics are known.
 
-use super::draft::Draft;
+use super::staged_file::StagedFile;
 use super::failure::WriteFailure;
 use super::folder::RESULTS;
 use super::growing::GrowingTable;
 use super::variable::{Growth, OpenFile};
-use super::workshop::Workshop;
+use super::staging::Staging;
 use super::{StoreError, own};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{Dataset, header, layout, run};
@@ -23,8 +23,8 @@ const CHUNK: usize = 16_384;
 /// behind. The first error of a write is final, and every later call returns it again.
 #[derive(Debug)]
 pub struct Writer {
-    workshop: Workshop,
-    draft: Draft,
+    staging: Staging,
+    draft: StagedFile,
     tables: Vec<GrowingTable>,
     header: Provenance,
     /// Why nothing can be written any more.
@@ -38,16 +38,16 @@ impl Writer {
     /// target itself is not touched before `finish`. With `force`, an existing file of this name is
     /// replaced, and what an unfinished run to it left behind is removed.
     pub fn create(target: &Path, header: &Provenance, record: &Record, force: bool) -> Result<Writer, StoreError> {
-        Writer::within(Workshop::open(target, force)?, header, record)
+        Writer::within(Staging::open(target, force)?, header, record)
     }
 
     /// The same in a folder that exists already.
-    pub(super) fn within(workshop: Workshop, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
-        let path = workshop.path(RESULTS);
+    pub(super) fn within(staging: Staging, header: &Provenance, record: &Record) -> Result<Writer, StoreError> {
+        let path = staging.path(RESULTS);
         // An earlier attempt to finish the run may have left a file of this name.
-        own::remove(&path).map_err(|error| workshop.failed(&error))?;
-        let (draft, header) = (Draft::create(&path)?, header.clone());
-        let mut writer = Writer { workshop, draft, tables: Vec::new(), header, failure: None, appended: 0 };
+        own::remove(&path).map_err(|error| staging.failed(&error))?;
+        let (draft, header) = (StagedFile::create(&path)?, header.clone());
+        let mut writer = Writer { staging, draft, tables: Vec::new(), header, failure: None, appended: 0 };
         let start = run::start(&writer.header, record);
         writer.guarded(|place, tables, header| {
             place.write(start.clone())?;
@@ -99,10 +99,10 @@ impl Writer {
             place.file.flush()
         })?;
         // Everything is written by now, so closing the variables writes nothing more.
-        let Writer { workshop, draft, tables, .. } = self;
+        let Writer { staging, draft, tables, .. } = self;
         drop(tables);
-        draft.finish().map_err(|failure| workshop.failure(failure.cause, failure.full))?;
-        workshop.publish()
+        draft.finish().map_err(|failure| staging.failure(failure.cause, failure.full))?;
+        staging.publish()
     }
 
     /// Do something with the open file. After the first failure, every call returns that failure.
@@ -119,7 +119,7 @@ impl Writer {
             *failure = Some(new);
         }
         match &self.failure {
-            Some(WriteFailure { cause, full }) => Err(self.workshop.failure(cause.clone(), *full)),
+            Some(WriteFailure { cause, full }) => Err(self.staging.failure(cause.clone(), *full)),
             None => Ok(()),
         }
     }

@@ -28,7 +28,7 @@ use std::path::{Path, PathBuf};
 
 /// The folder for writing one file, with the lock.
 #[derive(Debug)]
-pub(super) struct Workshop {
+pub(super) struct Staging {
     target: PathBuf,
     folder: PathBuf,
     identity: (u64, u64),
@@ -39,10 +39,10 @@ pub(super) struct Workshop {
     _lock: Lock,
 }
 
-impl Workshop {
+impl Staging {
     /// Create an empty folder. If the folder exists and contains a saved run, this is an error,
     /// unless `force` lets it be removed.
-    pub fn open(target: &Path, force: bool) -> Result<Workshop, StoreError> {
+    pub fn open(target: &Path, force: bool) -> Result<Staging, StoreError> {
         let lock = lock(target)?;
         found::make_room(target, force)?;
         let folder = partial_path(target);
@@ -50,22 +50,22 @@ impl Workshop {
         let mark = || own::create(&folder.join(MARK)).inspect_err(|_| drop(fs::remove_dir(&folder)));
         let made = made.and_then(|()| mark().map(drop));
         made.map_err(|error| StoreError::NotCreated { partial: folder.clone(), cause: error.to_string() })?;
-        Workshop::of(target, force, lock)
+        Staging::of(target, force, lock)
     }
 
     /// Take over the folder that an unfinished run has left, which must exist and be ours.
-    pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
-        let workshop = Workshop::of(target, force, lock)?;
+    pub fn enter(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
+        let staging = Staging::of(target, force, lock)?;
         // Where the state alone shows whose the folder is, it is not the first file to be removed.
-        own::create(&workshop.path(MARK)).map_err(|error| workshop.failed(&error))?;
-        Ok(workshop)
+        own::create(&staging.path(MARK)).map_err(|error| staging.failed(&error))?;
+        Ok(staging)
     }
 
-    fn of(target: &Path, force: bool, lock: Lock) -> Result<Workshop, StoreError> {
+    fn of(target: &Path, force: bool, lock: Lock) -> Result<Staging, StoreError> {
         let folder = partial_path(target);
         let gone = || StoreError::TakenAway { partial: folder.clone(), target: target.to_owned() };
         let identity = identity(&folder).ok_or_else(gone)?;
-        Ok(Workshop { target: target.to_owned(), folder, identity, force, saved_paths: 0, _lock: lock })
+        Ok(Staging { target: target.to_owned(), folder, identity, force, saved_paths: 0, _lock: lock })
     }
 
     /// The path of a file in the folder.
@@ -144,12 +144,12 @@ impl Workshop {
     pub fn discard(&self) {
         // A folder without a state hinders no later run, so this is no more than said.
         if let Err(error) = folder::clear(&self.folder) {
-            remains::stays(&self.folder, &error);
+            leftovers::stays(&self.folder, &error);
         }
     }
 }
 
-impl Drop for Workshop {
+impl Drop for Staging {
     /// Remove the folder if no state was saved in it.
     fn drop(&mut self) {
         if self.check(None).is_ok() && !self.is_saved() {
@@ -168,20 +168,20 @@ pub fn write_whole(target: &Path, bytes: &[u8], force: bool) -> Result<(), Store
 /// cannot get its name, those that have one already lose it again, unless they have replaced others.
 pub fn write_together<P: AsRef<Path>, B: AsRef<[u8]>>(files: &[(P, B)], force: bool) -> Result<(), StoreError> {
     let write = |(target, bytes): &(P, B)| {
-        let workshop = Workshop::open(target.as_ref(), force)?;
+        let staging = Staging::open(target.as_ref(), force)?;
         let write = || {
-            let mut file = own::create(&workshop.path(RESULTS))?;
+            let mut file = own::create(&staging.path(RESULTS))?;
             file.write_all(bytes.as_ref())?;
             file.sync_all()?;
             let made = file.metadata()?;
             Ok((made.dev(), made.ino()))
         };
-        let made = write().map_err(|error| workshop.failed(&error))?;
-        Ok((workshop, made))
+        let made = write().map_err(|error| staging.failed(&error))?;
+        Ok((staging, made))
     };
     let written = files.iter().map(write).collect::<Result<Vec<_>, StoreError>>()?;
-    for (done, (workshop, _)) in written.iter().enumerate() {
-        if let Err(error) = workshop.publish() {
+    for (done, (staging, _)) in written.iter().enumerate() {
+        if let Err(error) = staging.publish() {
             let ours = written[..done].iter().filter(|(named, made)| !force && identity(&named.target) == Some(*made));
             ours.for_each(|(named, _)| drop(fs::remove_file(&named.target)));
             return Err(error);

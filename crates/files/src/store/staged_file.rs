@@ -28,18 +28,18 @@ use std::path::{Path, PathBuf};
 
 /// A file that is being written.
 #[derive(Debug)]
-pub(super) struct Draft {
+pub(super) struct StagedFile {
     path: PathBuf,
     /// The open file; `None` after a failure.
     place: Option<OpenFile>,
 }
 
-impl Draft {
+impl StagedFile {
     /// Create a file, which must not exist.
-    pub fn create(path: &Path) -> Result<Draft, StoreError> {
+    pub fn create(path: &Path) -> Result<StagedFile, StoreError> {
         let file =
             create(path).map_err(|error| StoreError::NotCreated { partial: path.to_owned(), cause: cause(&error) })?;
-        Ok(Draft { path: path.to_owned(), place: Some(OpenFile::new(file)) })
+        Ok(StagedFile { path: path.to_owned(), place: Some(OpenFile::new(file)) })
     }
 
     /// Do something with the file. After the first failure nothing is done any more.
@@ -71,7 +71,7 @@ impl Draft {
     }
 }
 
-impl Drop for Draft {
+impl Drop for StagedFile {
     /// A file that is given up is closed if nothing is left to be written, and leaked otherwise.
     fn drop(&mut self) {
         let _ = self.write(|place| place.file.flush());
@@ -128,7 +128,7 @@ mod tests {
         for (i, change) in changes.into_iter().enumerate() {
             let here = tempfile::tempdir().expect("a folder");
             let path = here.path().join("a.h5");
-            let mut draft = Draft::create(&path).expect("made");
+            let mut draft = StagedFile::create(&path).expect("made");
             let mut dataset = Dataset::new(&Units::default());
             dataset.set_attribute("title", "a title");
             dataset.set_attribute("program_version", "1");

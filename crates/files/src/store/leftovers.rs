@@ -13,7 +13,7 @@ pub(super) fn stays(path: &Path, error: &io::Error) {
 }
 
 /// What this process has left behind so far, in sentences. Each is returned once.
-pub fn take_remains() -> Vec<String> {
+pub fn take_leftovers() -> Vec<String> {
     let mut remains = std::mem::take(&mut *REMAINS.lock().unwrap_or_else(PoisonError::into_inner));
     // A second attempt may have removed it.
     remains.retain(|(path, _)| path.symlink_metadata().is_ok());
