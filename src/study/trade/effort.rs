@@ -1,9 +1,9 @@
-//! How many steps of the ladder and how many paths of each scheme fit into a budget of time.
+//! How many steps of the grid and how many paths of each scheme fit into a budget of time.
 
-use super::ladder::is_exact;
-use super::rung::GROUPS;
+use super::settings::is_exact;
+use super::setting::GROUPS;
 use super::timing::{bare_plan, timed};
-use super::{Ladder, LeftOut, TradeError};
+use super::{SettingGrid, LeftOut, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme, Timeline};
@@ -13,13 +13,13 @@ use std::time::Duration;
 /// The number of paths for each part of the measurement.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Effort {
-    /// Number of steps of the ladder that are run, from the coarsest.
+    /// Number of steps of the grid that are run, from the coarsest.
     pub steps: usize,
-    /// Paths of every rung with a step, a multiple of 20.
+    /// Paths of every setting with a step, a multiple of 20.
     pub coupled_paths: u64,
-    /// Paths of each setting without a step, in the order of the ladder; 0 for one that is not run.
+    /// Paths of each setting without a step, in the order of the grid; 0 for one that is not run.
     pub free_paths: Vec<u64>,
-    /// CPU seconds for timing each rung.
+    /// CPU seconds for timing each setting.
     pub timing: f64,
 }
 
@@ -30,14 +30,14 @@ const STEPPING: f64 = 0.4;
 const REFERENCE: f64 = 0.25;
 /// Share for all other settings without a step together.
 const OTHERS: f64 = 0.15;
-/// Share of the budget for timing the rungs, which is done on one thread.
+/// Share of the budget for timing the settings, which is done on one thread.
 const TIMING: f64 = 0.1;
 
 /// Fewest paths of a setting without a step, so that its error is known to some extent.
 const LEAST_FREE: u64 = 32;
 /// Largest number of paths, enough for every target.
 const MOST_PATHS: u64 = 1 << 22;
-/// Numbers of paths for the rungs with a step, best first, each with the fewest steps for which it
+/// Numbers of paths for the settings with a step, best first, each with the fewest steps for which it
 /// is used.
 const COUPLED: [(u64, usize); 3] = [(GROUPS << 9, 4), (GROUPS << 7, 3), (GROUPS << 5, 2)];
 /// The cost of a step that gets its noise from a finer one, relative to the cost of the finer one.
@@ -46,11 +46,11 @@ const FED: f64 = 0.7;
 impl Effort {
     /// The effort that fits into `budget` of CPU time on each of `threads` threads. Numbers of
     /// paths are powers of two times a constant, so that small differences of speed do not change
-    /// them. What does not fit is removed from the ladder, with the reason. Fails if not even the
+    /// them. What does not fit is removed from the grid, with the reason. Fails if not even the
     /// reference fits.
     pub fn within(
         scenario: &Scenario,
-        ladder: &mut Ladder,
+        grid: &mut SettingGrid,
         budget: Duration,
         threads: usize,
     ) -> Result<Effort, TradeError> {
@@ -59,20 +59,20 @@ impl Effort {
         }
         let watch = Stopwatch::start(threads);
         let budget = Budget { time: budget, threads, is_random: scenario.model.temperature.is_random() };
-        let each = ladder.free.iter().map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
+        let each = grid.free.iter().map(|scheme| free_cost(scenario, *scheme, 0.01 * budget.capacity()));
         let each = each.collect::<Result<Vec<f64>, Misfit>>()?;
-        let (steps, coupled_paths) = budget.stepping(scenario, ladder)?;
+        let (steps, coupled_paths) = budget.stepping(scenario, grid)?;
         // The time of the pilot is spent. The share of the schemes with a step goes to the others
         // if none of them is run.
         let more = if coupled_paths > 0 { 1.0 } else { 1.0 + STEPPING / (REFERENCE + OTHERS) };
-        let free_paths = budget.free(ladder, &each, more, (budget.capacity() - watch.spent()).max(0.0))?;
-        let unrun = ladder.steps.get(steps).filter(|_| steps > 0);
-        ladder.left_out.extend(unrun.map(|h| LeftOut {
+        let free_paths = budget.free(grid, &each, more, (budget.capacity() - watch.spent()).max(0.0))?;
+        let unrun = grid.steps.get(steps).filter(|_| steps > 0);
+        grid.left_out.extend(unrun.map(|h| LeftOut {
             what: format!("steps of {h:?} and below"),
             why: "the budget does not allow enough paths; predictions extrapolate the fitted law".into(),
         }));
-        let rungs = steps * ladder.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
-        let timing = TIMING * budget.time.as_secs_f64() / rungs as f64;
+        let settings = steps * grid.stepping.len() + free_paths.iter().filter(|paths| **paths > 0).count();
+        let timing = TIMING * budget.time.as_secs_f64() / settings as f64;
         Ok(Effort { steps, coupled_paths, free_paths, timing })
     }
 }
@@ -91,16 +91,16 @@ impl Budget {
         self.time.as_secs_f64() * self.threads as f64
     }
 
-    /// The number of steps of the ladder, and of paths, of the schemes with a step. If no steps
-    /// fit, these schemes are removed from the ladder.
-    fn stepping(&self, scenario: &Scenario, ladder: &mut Ladder) -> Result<(usize, u64), Misfit> {
-        if ladder.stepping.is_empty() {
+    /// The number of steps of the grid, and of paths, of the schemes with a step. If no steps
+    /// fit, these schemes are removed from the grid.
+    fn stepping(&self, scenario: &Scenario, grid: &mut SettingGrid) -> Result<(usize, u64), Misfit> {
+        if grid.stepping.is_empty() {
             return Ok((0, 0));
         }
-        let path = StepCost::measure(scenario, ladder)?;
-        let chain = |steps: usize| ladder.stepping.len() as f64 * path.chain(&ladder.steps[..steps]);
+        let path = StepCost::measure(scenario, grid)?;
+        let chain = |steps: usize| grid.stepping.len() as f64 * path.chain(&grid.steps[..steps]);
         let fits = |paths: u64, steps: usize| chain(steps) * paths as f64 <= STEPPING * self.capacity();
-        let most = |paths: u64| (1..=ladder.steps.len()).rev().find(|steps| fits(paths, *steps)).unwrap_or(0);
+        let most = |paths: u64| (1..=grid.steps.len()).rev().find(|steps| fits(paths, *steps)).unwrap_or(0);
         if let Some((paths, _)) = COUPLED.into_iter().find(|(paths, least)| most(*paths) >= *least) {
             let steps = most(paths);
             // Without noise all paths are equal, so there is one in each group.
@@ -114,21 +114,21 @@ impl Budget {
         let why = format!(
             "the step {:?} needs {:.2e} steps a path, and the two coarsest steps would take about {seconds:.0} s of the \
              budget's {:.0} s",
-            ladder.steps[0],
-            scenario.time.end / ladder.steps[0],
+            grid.steps[0],
+            scenario.time.end / grid.steps[0],
             self.time.as_secs_f64(),
         );
-        let removed = std::mem::take(&mut ladder.stepping);
-        ladder.left_out.extend(removed.iter().map(|s| LeftOut { what: s.name().into(), why: why.clone() }));
+        let removed = std::mem::take(&mut grid.stepping);
+        grid.left_out.extend(removed.iter().map(|s| LeftOut { what: s.name().into(), why: why.clone() }));
         Ok((0, 0))
     }
 
     /// The number of paths of each setting without a step, of which a path takes `each` seconds.
     /// The `capacity` that is left is shared out, each share times `more`.
-    fn free(&self, ladder: &mut Ladder, each: &[f64], more: f64, capacity: f64) -> Result<Vec<u64>, TradeError> {
+    fn free(&self, grid: &mut SettingGrid, each: &[f64], more: f64, capacity: f64) -> Result<Vec<u64>, TradeError> {
         let fits = |i: usize| each[i] * LEAST_FREE as f64 <= REFERENCE * more * capacity;
         let too_small = |i: usize| TradeError::BudgetTooSmall { path_seconds: each[i], least: LEAST_FREE };
-        let reference = (0..each.len()).rev().find(|i| is_exact(ladder.free[*i]) && fits(*i));
+        let reference = (0..each.len()).rev().find(|i| is_exact(grid.free[*i]) && fits(*i));
         let reference = reference.ok_or_else(|| too_small(0))?;
         let mut free_paths = Vec::new();
         for (i, seconds) in each.iter().enumerate() {
@@ -137,7 +137,7 @@ impl Budget {
             let is_run = !self.is_random || fitting >= LEAST_FREE;
             if !is_run {
                 let why = format!("{LEAST_FREE} paths of {seconds:.3} s do not fit into their share of the budget");
-                ladder.left_out.push(LeftOut { what: ladder.free[i].to_string(), why });
+                grid.left_out.push(LeftOut { what: grid.free[i].to_string(), why });
             }
             free_paths.push(match is_run {
                 true if self.is_random => ((fitting + 1).next_power_of_two() >> 1).min(MOST_PATHS),
@@ -169,10 +169,10 @@ const LANES: u64 = 32;
 const PILOT_STEPS: f64 = 4096.0;
 
 impl StepCost {
-    /// Measure the cost of a step on the first steps of the finest rung, and the cost of events on
-    /// a whole path of the coarsest rung if that is short enough.
-    fn measure(scenario: &Scenario, ladder: &Ladder) -> Result<Self, Misfit> {
-        let (kind, end) = (ladder.stepping[0], scenario.time.end);
+    /// Measure the cost of a step on the first steps of the finest setting, and the cost of events on
+    /// a whole path of the coarsest setting if that is short enough.
+    fn measure(scenario: &Scenario, grid: &SettingGrid) -> Result<Self, Misfit> {
+        let (kind, end) = (grid.stepping[0], scenario.time.end);
         let seconds = |h: f64, end: f64| -> Result<f64, Misfit> {
             let scheme = kind.with(h);
             let plan = bare_plan(scenario, scheme)?;
@@ -181,7 +181,7 @@ impl StepCost {
             timed(&short, LANES); // The first run warms up the caches.
             Ok(timed(&short, LANES) / LANES as f64)
         };
-        let (coarsest, finest) = (ladder.steps[0], ladder.steps[ladder.steps.len() - 1]);
+        let (coarsest, finest) = (grid.steps[0], grid.steps[grid.steps.len() - 1]);
         let pilot = (PILOT_STEPS * finest).min(end);
         let step = seconds(finest, pilot)? * finest / pilot;
         let whole = if end / coarsest <= PILOT_STEPS { seconds(coarsest, end)? } else { 0.0 };

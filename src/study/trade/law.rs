@@ -98,7 +98,7 @@ impl Law {
 mod tests {
     use super::*;
 
-    fn ladder(bias: impl Fn(f64) -> f64, error: f64) -> (Vec<Change>, f64, Number) {
+    fn grid(bias: impl Fn(f64) -> f64, error: f64) -> (Vec<Change>, f64, Number) {
         let steps: Vec<f64> = (0..8).map(|k| 0.1 * 0.5f64.powi(k)).collect();
         let number = |value| Number { value, error };
         let changes = steps.iter().map(|&h| Change { h, change: number(bias(h) - bias(h / 2.0)) }).collect();
@@ -109,7 +109,7 @@ mod tests {
     #[test]
     fn a_power_is_found_and_carried_on() {
         for (c, p) in [(2.4, 0.5), (-0.17, 1.0), (0.3, 2.0)] {
-            let (changes, finest, finest_bias) = ladder(|h| c * h.powf(p), 1e-9);
+            let (changes, finest, finest_bias) = grid(|h| c * h.powf(p), 1e-9);
             let law = Law::fit(&changes, finest, finest_bias).expect("a law");
             assert!((law.order.value - p).abs() < 0.011, "{law:?}");
             let beyond = law.bias(1e-5);
@@ -121,16 +121,16 @@ mod tests {
     fn steps_that_are_too_coarse_for_the_law_are_left_out() {
         // A bias like that of the corrected scheme: flat for coarse steps, of order one for fine
         // ones.
-        let (changes, finest, finest_bias) = ladder(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
+        let (changes, finest, finest_bias) = grid(|h| -h / (1.0 + (h / 0.01).powi(2)).sqrt(), 1e-6);
         let law = Law::fit(&changes, finest, finest_bias).expect("a law");
         assert!((law.order.value - 1.0).abs() < 0.05 && law.coarsest < 0.01, "{law:?}");
     }
 
     #[test]
     fn what_is_not_resolved_or_not_a_power_has_no_law() {
-        let (changes, finest, finest_bias) = ladder(|h| 1e-3 * h, 1e-2);
+        let (changes, finest, finest_bias) = grid(|h| 1e-3 * h, 1e-2);
         assert_eq!(Law::fit(&changes, finest, finest_bias), None);
-        let (changes, finest, finest_bias) = ladder(|h| h * (1.0 / h).sin(), 1e-9);
+        let (changes, finest, finest_bias) = grid(|h| h * (1.0 / h).sin(), 1e-9);
         assert_eq!(Law::fit(&changes, finest, finest_bias), None);
     }
 }

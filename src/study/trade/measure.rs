@@ -1,10 +1,10 @@
-//! Running the ladder: estimates, their change from step to step on one realisation of the noise,
+//! Running the grid: estimates, their change from step to step on one realisation of the noise,
 //! and CPU time per path.
 
-use super::ladder::is_exact;
-use super::rung::{Cost, GROUPS, Rung};
+use super::settings::is_exact;
+use super::setting::{Cost, GROUPS, TradeSetting};
 use super::timing::{bare_plan, cost};
-use super::{Effort, Ladder, LeftOut, Number, Pairing, Trade, TradeError, pairing};
+use super::{Effort, SettingGrid, LeftOut, Number, Pairing, Trade, TradeError, pairing};
 use crate::ensemble::{Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Scheme, Simulate as _};
@@ -63,10 +63,10 @@ pub fn measure_within(
 ) -> Result<Trade, TradeError> {
     let watch = Stopwatch::start(threads);
     limits.begin("a few paths of each scheme, to divide the budget");
-    let mut ladder = Ladder::of(scenario);
-    let effort = Effort::within(scenario, &mut ladder, budget, threads)?;
+    let mut grid = SettingGrid::of(scenario);
+    let effort = Effort::within(scenario, &mut grid, budget, threads)?;
     let time = Some(budget.saturating_sub(watch.elapsed()));
-    measure(scenario, &ladder, &effort, threads, Limits { time, ..limits })
+    measure(scenario, &grid, &effort, threads, Limits { time, ..limits })
 }
 
 // Shares of the time after which no further paths are begun: for the reference, for everything
@@ -76,10 +76,10 @@ const FREE_ENDS: f64 = 0.5;
 const ALL_ENDS: f64 = 0.9;
 
 /// Measure a scenario with a given effort. If no limit cuts it short, everything but the costs is a
-/// function of scenario, ladder and effort.
+/// function of scenario, grid and effort.
 pub fn measure(
     scenario: &Scenario,
-    ladder: &Ladder,
+    grid: &SettingGrid,
     effort: &Effort,
     threads: usize,
     limits: Limits<'_>,
@@ -91,7 +91,7 @@ pub fn measure(
     let until = |share: f64| MeasureUntil { threads, watch, time: limits.time.map(|time| time.mul_f64(share)), limits };
     let [reference_ends, free_ends] =
         if effort.steps > 0 { [REFERENCE_ENDS, FREE_ENDS] } else { [FREE_ENDS, ALL_ENDS] };
-    let runs: Vec<FreeRun> = (ladder.free.iter().zip(&effort.free_paths).zip(2..))
+    let runs: Vec<FreeRun> = (grid.free.iter().zip(&effort.free_paths).zip(2..))
         .map(|((scheme, paths), part)| FreeRun { scheme: *scheme, paths: *paths, first: part * APART })
         .filter(|run| run.paths > 0)
         .collect();
@@ -99,10 +99,10 @@ pub fn measure(
     // The reference comes first, because everything else is compared with it and time may run out.
     limits.begin(&runs[tightest].scheme.to_string());
     let reference = free(scenario, &runs[tightest], until(reference_ends))?;
-    let beyond = (ladder.free.len() as u64 + 2) * APART;
+    let beyond = (grid.free.len() as u64 + 2) * APART;
     let paired = FreeRun { paths: runs[tightest].paths / pairing::SHARE, first: beyond, ..runs[tightest] };
     let pairing = pairing_of(scenario, &reference, &paired, until(reference_ends))?;
-    let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), ladder.left_out.clone());
+    let (mut looser, mut tighter, mut left_out) = (Vec::new(), Vec::new(), grid.left_out.clone());
     let unfinished = |what: String| LeftOut { what, why: "the measurement ended too early".into() };
     for (i, other) in runs.iter().enumerate().filter(|(i, _)| *i != tightest) {
         if limits.is_stopped() {
@@ -113,24 +113,24 @@ pub fn measure(
         let side = if i < tightest { &mut looser } else { &mut tighter };
         side.push(free(scenario, other, until(free_ends))?);
     }
-    let mut rungs = coupled(scenario, ladder, effort, until(ALL_ENDS))?;
-    if effort.steps > 0 && rungs.is_empty() {
-        left_out.extend(ladder.stepping.iter().map(|scheme| unfinished(scheme.name().into())));
+    let mut settings = coupled(scenario, grid, effort, until(ALL_ENDS))?;
+    if effort.steps > 0 && settings.is_empty() {
+        left_out.extend(grid.stepping.iter().map(|scheme| unfinished(scheme.name().into())));
     }
-    rungs.append(&mut looser);
-    rungs.push(reference);
-    let reference = rungs.len() - 1;
-    rungs.append(&mut tighter);
+    settings.append(&mut looser);
+    settings.push(reference);
+    let reference = settings.len() - 1;
+    settings.append(&mut tighter);
     limits.begin("CPU times");
     let timing = if limits.is_stopped() { effort.timing.min(BRIEF) } else { effort.timing };
-    for rung in &mut rungs {
-        rung.cost = cost(&scenario.with_scheme(rung.scheme)?.plan(), timing);
+    for setting in &mut settings {
+        setting.cost = cost(&scenario.with_scheme(setting.scheme)?.plan(), timing);
     }
-    left_out.extend(rungs.iter().filter(|rung| rung.diverged > 0).map(|rung| LeftOut {
-        what: rung.scheme.to_string(),
-        why: format!("{} of {} paths diverged; not recommended at any accuracy", rung.diverged, rung.paths),
+    left_out.extend(settings.iter().filter(|setting| setting.diverged > 0).map(|setting| LeftOut {
+        what: setting.scheme.to_string(),
+        why: format!("{} of {} paths diverged; not recommended at any accuracy", setting.diverged, setting.paths),
     }));
-    Ok(Trade { left_out, ..Trade::of_rungs(scenario, rungs, reference, pairing)? })
+    Ok(Trade { left_out, ..Trade::of_rungs(scenario, settings, reference, pairing)? })
 }
 
 /// A run of a scheme without a step, whose paths are numbered from `first` on.
@@ -144,7 +144,7 @@ struct FreeRun {
 /// How antithetic pairs change the variance, from this run in pairs if they are not asked for.
 fn pairing_of(
     scenario: &Scenario,
-    reference: &Rung,
+    reference: &TradeSetting,
     paired: &FreeRun,
     end: MeasureUntil<'_>,
 ) -> Result<Pairing, TradeError> {
@@ -160,7 +160,7 @@ fn pairing_of(
     Ok(Pairing::of(reference, &free(&in_pairs, paired, end)?))
 }
 
-/// Seconds for timing a rung after the caller has asked to stop.
+/// Seconds for timing a setting after the caller has asked to stop.
 const BRIEF: f64 = 0.1;
 
 /// When no further paths are begun.
@@ -198,8 +198,8 @@ fn whole_pairs(plan: &Plan, paths: u64) -> u64 {
     if plan.antithetic { paths.next_multiple_of(2) } else { paths }
 }
 
-/// Measure the rung of a scheme without a step.
-fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<Rung, TradeError> {
+/// Measure the setting of a scheme without a step.
+fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<TradeSetting, TradeError> {
     let plan = bare_plan(scenario, run.scheme)?;
     let paths = whole_pairs(&plan, run.paths);
     let mut totals = Totals::empty(plan.model(), plan.timeline(), &plan.record);
@@ -208,29 +208,29 @@ fn free(scenario: &Scenario, run: &FreeRun, end: MeasureUntil<'_>) -> Result<Run
         Some(plan.piece_until(run.first + done, PIECE.min(paths - done), stop)?.totals)
     };
     end.pieces(paths.div_ceil(PIECE), make, |piece| totals.merge(&piece));
-    Ok(rung(run.scheme, &totals))
+    Ok(setting(run.scheme, &totals))
 }
 
-fn rung(scheme: Scheme, totals: &Totals) -> Rung {
+fn setting(scheme: Scheme, totals: &Totals) -> TradeSetting {
     let summary = totals.summary();
     let (paths, diverged) = (summary.completed_paths, summary.diverged.len() as u64);
     let number = |e: &Estimate| Number { value: e.estimate, error: e.standard_error };
     let estimates = summary.estimates.iter().map(number).collect();
-    Rung { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates, changes: Vec::new() }
+    TradeSetting { scheme, paths, diverged, cost: Cost::UNKNOWN, estimates, changes: Vec::new() }
 }
 
-/// Measure the rungs of all schemes with a step; the list is empty if they are cut short too early.
+/// Measure the settings of all schemes with a step; the list is empty if they are cut short too early.
 /// Every step gets its noise from the finest one, so that path n sees the same realisation on every
-/// rung.
+/// setting.
 fn coupled(
     scenario: &Scenario,
-    ladder: &Ladder,
+    grid: &SettingGrid,
     effort: &Effort,
     end: MeasureUntil<'_>,
-) -> Result<Vec<Rung>, TradeError> {
-    let steps = &ladder.steps[..effort.steps.min(ladder.steps.len())];
+) -> Result<Vec<TradeSetting>, TradeError> {
+    let steps = &grid.steps[..effort.steps.min(grid.steps.len())];
     let mut plans: Vec<(Scheme, Plan)> = Vec::new();
-    for &kind in &ladder.stepping {
+    for &kind in &grid.stepping {
         for (k, &h) in steps.iter().enumerate() {
             let (scheme, refinement) = (kind.with(h), 1 << (steps.len() - 1 - k));
             let plan = bare_plan(scenario, scheme)?;
@@ -241,7 +241,7 @@ fn coupled(
     end.limits.begin(&format!(
         "{} steps of {}",
         steps.len(),
-        ladder.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
+        grid.stepping.iter().map(|kind| kind.name()).collect::<Vec<_>>().join(" and ")
     ));
     let empty = Totals::empty(any.model(), any.timeline(), &any.record);
     let groups = in_groups(&plans, &empty, whole_pairs(any, effort.coupled_paths / GROUPS), end);
@@ -251,20 +251,20 @@ fn coupled(
     let of_rung = |((scheme, _), groups): (&(Scheme, Plan), &Vec<Totals>)| {
         let mut totals = empty.clone();
         groups.iter().for_each(|group| totals.merge(group));
-        rung(*scheme, &totals)
+        setting(*scheme, &totals)
     };
-    let mut rungs: Vec<Rung> = plans.iter().zip(&groups).map(of_rung).collect();
+    let mut settings: Vec<TradeSetting> = plans.iter().zip(&groups).map(of_rung).collect();
     let without = |groups: &Vec<Totals>| jackknife::leaving_one_out(&empty, groups, |of| of.values(|_| true)).1;
     let without: Vec<Vec<GroupValues>> = groups.iter().map(without).collect();
-    for r in (1..rungs.len()).filter(|r| r % steps.len() != 0) {
-        let (here, finer) = (&rungs[r - 1].estimates, &rungs[r].estimates);
-        rungs[r - 1].changes = changes(here, finer, &without[r - 1], &without[r]);
+    for r in (1..settings.len()).filter(|r| r % steps.len() != 0) {
+        let (here, finer) = (&settings[r - 1].estimates, &settings[r].estimates);
+        settings[r - 1].changes = changes(here, finer, &without[r - 1], &without[r]);
     }
-    Ok(rungs)
+    Ok(settings)
 }
 
 /// Simulate groups of `of_group` paths each with all plans. Item r, g of the result holds the paths
-/// of group g on rung r. There are fewer groups if the measurement was cut short before all of them
+/// of group g on setting r. There are fewer groups if the measurement was cut short before all of them
 /// had paths.
 fn in_groups(plans: &[(Scheme, Plan)], empty: &Totals, of_group: u64, end: MeasureUntil<'_>) -> Vec<Vec<Totals>> {
     let mut groups = vec![vec![empty.clone(); GROUPS as usize]; plans.len()];
@@ -274,8 +274,8 @@ fn in_groups(plans: &[(Scheme, Plan)], empty: &Totals, of_group: u64, end: Measu
         plans.iter().map(|(_, plan)| Some(plan.piece_until(first, PIECE.min(of_group - slice), stop)?.totals)).collect()
     };
     let mut turn = 0;
-    let take = |rungs: Vec<Totals>| {
-        groups.iter_mut().zip(&rungs).for_each(|(groups, totals)| groups[turn].merge(totals));
+    let take = |settings: Vec<Totals>| {
+        groups.iter_mut().zip(&settings).for_each(|(groups, totals)| groups[turn].merge(totals));
         turn = (turn + 1) % GROUPS as usize;
     };
     let taken = end.pieces(GROUPS * of_group.div_ceil(PIECE), make, take);
@@ -284,8 +284,8 @@ fn in_groups(plans: &[(Scheme, Plan)], empty: &Totals, of_group: u64, end: Measu
     groups
 }
 
-/// The differences of two rungs on one realisation of the noise. Their standard errors follow from
-/// leaving out each group on both rungs.
+/// The differences of two settings on one realisation of the noise. Their standard errors follow from
+/// leaving out each group on both settings.
 fn changes(here: &[Number], finer: &[Number], coarse: &[GroupValues], fine: &[GroupValues]) -> Vec<Number> {
     let change = |i: usize| {
         let without: Vec<f64> = coarse.iter().zip(fine).map(|(c, f)| c[i] - f[i]).collect();

@@ -1,10 +1,10 @@
-//! What accuracy costs: every scheme is measured over a ladder of settings, and the cheapest run
+//! What accuracy costs: every scheme is measured over a grid of settings, and the cheapest run
 //! for a target is predicted.
 //!
 //! ```text
-//! Ladder::of        which settings a scenario can be run with: steps, tolerances
+//! SettingGrid::of        which settings a scenario can be run with: steps, tolerances
 //!   -> Effort       how many paths of each, from a budget of time
-//!     -> measure    for each rung: CPU time per path, estimates, and changes from step to step
+//!     -> measure    for each setting: CPU time per path, estimates, and changes from step to step
 //!       -> Law      bias = C h^p, fitted to those changes and the distance from the reference
 //!         -> Trade::best   the cheapest setting for a target, with its paths and its cost
 //! ```
@@ -18,25 +18,25 @@
 
 mod effort;
 mod error;
-mod ladder;
+mod settings;
 mod law;
 mod measure;
 mod pairing;
 mod predict;
 mod prices;
-mod rung;
+mod setting;
 mod standing;
 mod timing;
 
 pub use effort::Effort;
 pub use error::TradeError;
-pub use ladder::{Ladder, LeftOut};
+pub use settings::{SettingGrid, LeftOut};
 pub use law::{Change, Law};
 pub use measure::{Limits, measure, measure_within};
 pub use pairing::Pairing;
 pub use predict::{Choice, Refusal, TARGETS};
 pub use prices::{PriceCurve, Prices};
-pub use rung::{Cost, Rung};
+pub use setting::{Cost, TradeSetting};
 pub use standing::Standing;
 
 use crate::scenario::Scenario;
@@ -67,12 +67,12 @@ impl Number {
 /// The 95 % quantile of the standard normal distribution.
 const ONE_SIDED: f64 = 1.645;
 
-/// The measured ladder of a scenario.
+/// The measured grid of a scenario.
 #[derive(Clone, Debug)]
 pub struct Trade {
-    /// The rungs, scheme by scheme, from coarse to fine.
-    pub rungs: Vec<Rung>,
-    /// The index of the reference rung, the event-driven run with the tightest tolerance, which
+    /// The settings, scheme by scheme, from coarse to fine.
+    pub settings: Vec<TradeSetting>,
+    /// The index of the reference setting, the event-driven run with the tightest tolerance, which
     /// every bias is measured against.
     pub reference: usize,
     /// What was not run, with the reasons.
@@ -87,59 +87,59 @@ pub struct Trade {
 }
 
 impl Trade {
-    /// The trade of a scenario whose rungs were measured. Fails if the scheme of the reference does
+    /// The trade of a scenario whose settings were measured. Fails if the scheme of the reference does
     /// not go with the scenario.
     pub fn of_rungs(
         scenario: &Scenario,
-        rungs: Vec<Rung>,
+        settings: Vec<TradeSetting>,
         reference: usize,
         pairing: Pairing,
     ) -> Result<Trade, Misfit> {
-        let has_limitless_phases = scenario.with_scheme(rungs[reference].scheme)?.resolution().is_some();
+        let has_limitless_phases = scenario.with_scheme(settings[reference].scheme)?.resolution().is_some();
         let is_random = scenario.model.temperature.is_random();
-        Ok(Trade { rungs, reference, left_out: Vec::new(), pairing, is_random, has_limitless_phases })
+        Ok(Trade { settings, reference, left_out: Vec::new(), pairing, is_random, has_limitless_phases })
     }
 
-    /// The rung that every bias is measured against.
-    pub fn reference(&self) -> &Rung {
-        &self.rungs[self.reference]
+    /// The setting that every bias is measured against.
+    pub fn reference(&self) -> &TradeSetting {
+        &self.settings[self.reference]
     }
 
-    /// Whether a rung is the reference. No two rungs have the same scheme with the same step or
+    /// Whether a setting is the reference. No two settings have the same scheme with the same step or
     /// tolerance, so comparing these is enough.
-    pub fn is_reference(&self, rung: &Rung) -> bool {
-        rung.scheme == self.reference().scheme
+    pub fn is_reference(&self, setting: &TradeSetting) -> bool {
+        setting.scheme == self.reference().scheme
     }
 
-    /// The bias of a statistic on a rung, estimated as the difference from the reference.
-    pub fn bias(&self, rung: &Rung, statistic: Statistic) -> Number {
-        if self.is_reference(rung) {
+    /// The bias of a statistic on a setting, estimated as the difference from the reference.
+    pub fn bias(&self, setting: &TradeSetting, statistic: Statistic) -> Number {
+        if self.is_reference(setting) {
             return Number { value: 0.0, error: 0.0 };
         }
-        let (here, there) = (rung.estimate(statistic), self.reference().estimate(statistic));
+        let (here, there) = (setting.estimate(statistic), self.reference().estimate(statistic));
         Number { value: here.value - there.value, error: here.error.hypot(there.error) }
     }
 
     /// The law by which the bias of a scheme falls with its step; `None` if it cannot be seen, or
     /// for a scheme without steps.
     pub fn law(&self, scheme: Kind, statistic: Statistic) -> Option<Law> {
-        let rungs: Vec<&Rung> = self.rungs_of(scheme).collect();
-        let (finest, coarser) = rungs.split_last()?;
+        let settings: Vec<&TradeSetting> = self.rungs_of(scheme).collect();
+        let (finest, coarser) = settings.split_last()?;
         let changes: Option<Vec<Change>> = coarser
             .iter()
-            .map(|rung| Some(Change { h: rung.scheme.step()?, change: rung.change(statistic)? }))
+            .map(|setting| Some(Change { h: setting.scheme.step()?, change: setting.change(statistic)? }))
             .collect();
         Law::fit(&changes?, finest.scheme.step()?, self.bias(finest, statistic))
     }
 
-    /// The rungs of a scheme, from coarse to fine.
-    pub fn rungs_of(&self, scheme: Kind) -> impl DoubleEndedIterator<Item = &Rung> {
-        self.rungs.iter().filter(move |rung| rung.scheme.kind() == scheme)
+    /// The settings of a scheme, from coarse to fine.
+    pub fn rungs_of(&self, scheme: Kind) -> impl DoubleEndedIterator<Item = &TradeSetting> {
+        self.settings.iter().filter(move |setting| setting.scheme.kind() == scheme)
     }
 
-    /// The schemes that were run, in the order of the rungs.
+    /// The schemes that were run, in the order of the settings.
     pub fn schemes(&self) -> Vec<Kind> {
-        let mut schemes: Vec<Kind> = self.rungs.iter().map(|rung| rung.scheme.kind()).collect();
+        let mut schemes: Vec<Kind> = self.settings.iter().map(|setting| setting.scheme.kind()).collect();
         schemes.dedup();
         schemes
     }

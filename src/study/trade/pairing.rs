@@ -5,7 +5,7 @@
 //! the scheme. It is therefore measured once, with the scheme of the reference, and used for all
 //! schemes.
 
-use super::Rung;
+use super::TradeSetting;
 use crate::stats::Statistic;
 
 /// Whether paths are simulated in antithetic pairs, and what is known about such pairs.
@@ -32,8 +32,8 @@ pub(super) const SHARE: u64 = 4;
 pub(super) const FEWEST: u64 = 512;
 
 impl Pairing {
-    /// Compare a rung with independent paths and one with pairs, both of the same scheme.
-    pub(super) fn of(independent: &Rung, paired: &Rung) -> Self {
+    /// Compare a setting with independent paths and one with pairs, both of the same scheme.
+    pub(super) fn of(independent: &TradeSetting, paired: &TradeSetting) -> Self {
         let ratio = |statistic| {
             let ratio = paired.variance(statistic) / independent.variance(statistic);
             if ratio.is_finite() { ratio } else { 1.0 }

@@ -1,8 +1,8 @@
-//! From measured rungs to a choice: the cheapest setting for a target and its cost, or why there is
+//! From measured settings to a choice: the cheapest setting for a target and its cost, or why there is
 //! none.
 
 use super::pairing::WORTH;
-use super::{Law, Number, Pairing, Rung, Trade};
+use super::{Law, Number, Pairing, TradeSetting, Trade};
 use crate::scheme::{Discretisation, Kind, Scheme};
 use crate::stats::Statistic;
 
@@ -95,7 +95,7 @@ impl Trade {
     /// The cheapest run, of one scheme or of any, in which each of these statistics has a relative
     /// root mean square error of at most `target`. If there is none, the error gives the reason.
     ///
-    /// The settings compared are the measured rungs and further halvings of the finest step, whose
+    /// The settings compared are the measured settings and further halvings of the finest step, whose
     /// bias follows from the fitted law. Steps in between would save little. With bias C h^p and
     /// cost 1/h, the cost is least where bias^2 = target^2/(2p + 1). The better of two steps, one
     /// twice the other, costs at most 13 % more than this minimum at p = 1/2, and 19 % more at p =
@@ -159,54 +159,54 @@ impl Trade {
     }
 
     fn candidates(&self, kind: Kind, statistics: &[Statistic]) -> Vec<Candidate> {
-        let rungs: Vec<&Rung> = self.rungs_of(kind).filter(|rung| rung.diverged == 0).collect();
+        let settings: Vec<&TradeSetting> = self.rungs_of(kind).filter(|setting| setting.diverged == 0).collect();
         let laws: Vec<Option<Law>> = statistics.iter().map(|statistic| self.law(kind, *statistic)).collect();
-        let terms = |rung: &Rung, bound: &dyn Fn(Statistic, Option<&Law>) -> BiasBound| {
+        let terms = |setting: &TradeSetting, bound: &dyn Fn(Statistic, Option<&Law>) -> BiasBound| {
             let each = statistics.iter().zip(&laws);
-            each.map(|(s, law)| (*s, bound(*s, law.as_ref()), rung.variance(*s))).collect()
+            each.map(|(s, law)| (*s, bound(*s, law.as_ref()), setting.variance(*s))).collect()
         };
-        let measured = |rung: &&Rung| {
-            let terms = terms(rung, &|s, law| self.bound(rung, s, law));
-            Candidate { scheme: rung.scheme, cost: rung.cost, is_measured: true, terms }
+        let measured = |setting: &&TradeSetting| {
+            let terms = terms(setting, &|s, law| self.bound(setting, s, law));
+            Candidate { scheme: setting.scheme, cost: setting.cost, is_measured: true, terms }
         };
-        let mut candidates: Vec<Candidate> = rungs.iter().map(measured).collect();
-        let finest = rungs.last().and_then(|rung| Some((*rung, rung.scheme.step()?)));
-        if let Some((rung, finest)) = finest {
+        let mut candidates: Vec<Candidate> = settings.iter().map(measured).collect();
+        let finest = settings.last().and_then(|setting| Some((*setting, setting.scheme.step()?)));
+        if let Some((setting, finest)) = finest {
             candidates.extend((1..=HALVINGS).map(|i| {
                 let finer = 2f64.powi(i);
                 let h = finest / finer;
                 let bound = |s: Statistic, law: Option<&Law>| {
-                    law.map_or_else(|| self.finer(&rungs, s, finer), |law| law.bias(h).into())
+                    law.map_or_else(|| self.finer(&settings, s, finer), |law| law.bias(h).into())
                 };
                 Candidate {
                     scheme: kind.with(h),
-                    cost: super::Cost { first: rung.cost.first * finer, each: rung.cost.each * finer },
+                    cost: super::Cost { first: setting.cost.first * finer, each: setting.cost.each * finer },
                     is_measured: false,
-                    terms: terms(rung, &bound),
+                    terms: terms(setting, &bound),
                 }
             }));
         }
         candidates
     }
 
-    /// An upper bound of the bias of a measured rung. It comes from the distance to the reference,
+    /// An upper bound of the bias of a measured setting. It comes from the distance to the reference,
     /// or from the law if that is known better. For a scheme with a tolerance it is the tolerance,
     /// unless the distance shows a larger bias.
-    fn bound(&self, rung: &Rung, statistic: Statistic, law: Option<&Law>) -> BiasBound {
-        let measured = self.bias(rung, statistic);
-        match (rung.scheme.discretisation(), rung.scheme.step(), law) {
+    fn bound(&self, setting: &TradeSetting, statistic: Statistic, law: Option<&Law>) -> BiasBound {
+        let measured = self.bias(setting, statistic);
+        match (setting.scheme.discretisation(), setting.scheme.step(), law) {
             (Discretisation::Tolerance { tolerance }, ..) => {
                 let relative = if self.is_random { tolerance } else { 0.0 };
                 let allowed = relative * self.standing(statistic).scale().unwrap_or(f64::NAN);
                 let is_exceeded = measured.value.abs() - BIAS_ERRORS * measured.error > allowed;
-                match (self.is_reference(rung), is_exceeded) {
+                match (self.is_reference(setting), is_exceeded) {
                     (true, _) => BiasBound { value: allowed, is_unresolved: false },
                     (false, true) => measured.into(),
                     (false, false) => BiasBound { value: allowed.min(measured.bound()), is_unresolved: false },
                 }
             }
             (_, Some(h), Some(law)) if h <= law.coarsest && law.bias(h).error < measured.error => law.bias(h).into(),
-            (_, Some(_), None) => BiasBound::from(measured).or(self.changes_from(rung, statistic)),
+            (_, Some(_), None) => BiasBound::from(measured).or(self.changes_from(setting, statistic)),
             _ => measured.into(),
         }
     }
@@ -214,11 +214,11 @@ impl Trade {
     /// A bound of the bias of a step without a law: the sum of the changes from it to the finest
     /// step, and a bound of what is left beyond that. The latter assumes that the bias falls at
     /// least as fast as sqrt(h), the slowest rate of these schemes.
-    fn changes_from(&self, rung: &Rung, statistic: Statistic) -> BiasBound {
-        let kind = rung.scheme.kind();
+    fn changes_from(&self, setting: &TradeSetting, statistic: Statistic) -> BiasBound {
+        let kind = setting.scheme.kind();
         let finer: Vec<Number> = (self.rungs_of(kind))
-            .filter(|other| other.scheme.step() <= rung.scheme.step())
-            .filter_map(|rung| rung.change(statistic))
+            .filter(|other| other.scheme.step() <= setting.scheme.step())
+            .filter_map(|setting| setting.change(statistic))
             .collect();
         let sum = Number {
             value: finer.iter().map(|change| change.value).sum(),
@@ -229,21 +229,21 @@ impl Trade {
     }
 
     /// The same at the finest step divided by `finer`.
-    fn finer(&self, rungs: &[&Rung], statistic: Statistic, finer: f64) -> BiasBound {
-        let Some(finest) = rungs.last() else { return BiasBound { value: f64::NAN, is_unresolved: true } };
+    fn finer(&self, settings: &[&TradeSetting], statistic: Statistic, finer: f64) -> BiasBound {
+        let Some(finest) = settings.last() else { return BiasBound { value: f64::NAN, is_unresolved: true } };
         let beyond = self.last_change(finest.scheme.kind(), statistic) * tail(2.0 * finer);
         self.bound(finest, statistic, None).or(BiasBound { value: beyond, is_unresolved: true })
     }
 
     /// A bound of the change between the two finest steps.
     fn last_change(&self, kind: Kind, statistic: Statistic) -> f64 {
-        let mut changes = self.rungs_of(kind).filter_map(|rung| rung.change(statistic));
+        let mut changes = self.rungs_of(kind).filter_map(|setting| setting.change(statistic));
         changes.next_back().map_or(f64::NAN, Number::bound)
     }
 }
 
 /// A run without a step counts as biased if it differs from the reference by more than its
-/// tolerance and this many standard errors. Over 21 statistics and 3 rungs this happens by chance
+/// tolerance and this many standard errors. Over 21 statistics and 3 settings this happens by chance
 /// once in 600 scenarios.
 const BIAS_ERRORS: f64 = 4.0;
 
@@ -283,7 +283,7 @@ mod tests {
     /// target. At half the finest step the rest is 0.01 sqrt(1/4)/(1 - sqrt(1/2)).
     #[test]
     fn without_a_law_the_changes_and_their_tail_bound_the_bias() {
-        let rung = |scheme: Scheme, seconds, error: f64, change: Option<f64>| Rung {
+        let setting = |scheme: Scheme, seconds, error: f64, change: Option<f64>| TradeSetting {
             scheme,
             paths: 100,
             diverged: 0,
@@ -291,21 +291,21 @@ mod tests {
             estimates: vec![Number { value: 1.0, error }; Statistic::ALL.len()],
             changes: change.map_or(Vec::new(), |value| vec![Number { value, error: 0.0 }; Statistic::ALL.len()]),
         };
-        let rungs = vec![
-            rung(DiscreteVi { step: 0.4 }.into(), 1.0, 1e-9, Some(0.05)),
-            rung(DiscreteVi { step: 0.2 }.into(), 2.0, 1e-9, Some(-0.02)),
-            rung(DiscreteVi { step: 0.1 }.into(), 4.0, 1e-9, Some(0.01)),
-            rung(DiscreteVi { step: 0.05 }.into(), 8.0, 1e-9, None),
-            rung(EventDriven { tolerance: 1e-5 }.into(), 1000.0, 0.1, None),
+        let settings = vec![
+            setting(DiscreteVi { step: 0.4 }.into(), 1.0, 1e-9, Some(0.05)),
+            setting(DiscreteVi { step: 0.2 }.into(), 2.0, 1e-9, Some(-0.02)),
+            setting(DiscreteVi { step: 0.1 }.into(), 4.0, 1e-9, Some(0.01)),
+            setting(DiscreteVi { step: 0.05 }.into(), 8.0, 1e-9, None),
+            setting(EventDriven { tolerance: 1e-5 }.into(), 1000.0, 0.1, None),
         ];
         let (left_out, pairing) = (Vec::new(), Pairing::Unknown);
-        let trade = Trade { reference: 4, rungs, left_out, pairing, is_random: true, has_limitless_phases: false };
+        let trade = Trade { reference: 4, settings, left_out, pairing, is_random: true, has_limitless_phases: false };
         let statistic = Statistic::SticksPerPath;
         assert_eq!((trade.law(Kind::DiscreteVi, statistic), trade.standing(statistic)), (None, Standing::Value(1.0)));
         let left = 0.01 / (2f64.sqrt() - 1.0);
-        for (rung, bound) in trade.rungs.iter().zip([0.04 + left, 0.01 + left, 0.01 + left, left]) {
-            let reported = trade.changes_from(rung, statistic).value;
-            assert!((reported - bound).abs() < 1e-12, "{}: {reported}, not {bound}", rung.scheme);
+        for (setting, bound) in trade.settings.iter().zip([0.04 + left, 0.01 + left, 0.01 + left, left]) {
+            let reported = trade.changes_from(setting, statistic).value;
+            assert!((reported - bound).abs() < 1e-12, "{}: {reported}, not {bound}", setting.scheme);
         }
         let best = |target: f64| trade.best(Some(Kind::DiscreteVi), &[statistic], target).expect("a choice");
         for (target, step, is_measured, bias) in [

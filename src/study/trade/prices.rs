@@ -40,8 +40,8 @@ impl Prices {
             |scheme: Kind, target: f64| Some([trade.best(Some(scheme), &[statistic], target).ok()?.seconds, target]);
         let scale = trade.standing(statistic).scale().unwrap_or(f64::NAN);
         let biases = |scheme: Kind| {
-            let steps = trade.rungs_of(scheme).filter_map(|rung| Some((rung.scheme.step()?, rung)));
-            steps.map(|(step, rung)| (step, trade.bias(rung, statistic).relative_to(scale))).collect()
+            let steps = trade.rungs_of(scheme).filter_map(|setting| Some((setting.scheme.step()?, setting)));
+            steps.map(|(step, setting)| (step, trade.bias(setting, statistic).relative_to(scale))).collect()
         };
         let curve = |scheme: Kind| PriceCurve {
             scheme,

@@ -30,8 +30,8 @@ impl Cost {
 
 /// The measurement of one scheme with one step or tolerance.
 #[derive(Clone, Debug)]
-pub struct Rung {
-    /// The scheme with its step or tolerance; different for each rung.
+pub struct TradeSetting {
+    /// The scheme with its step or tolerance; different for each setting.
     pub scheme: Scheme,
     /// Number of paths simulated for the estimates.
     pub paths: u64,
@@ -46,7 +46,7 @@ pub struct Rung {
     pub changes: Vec<Number>,
 }
 
-impl Rung {
+impl TradeSetting {
     /// A statistic with its standard error.
     pub fn estimate(&self, statistic: Statistic) -> Number {
         self.estimates[statistic.index()]
@@ -74,7 +74,7 @@ mod tests {
     fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
         let estimates = vec![Number { value: 3.0, error: 0.5 }; Statistic::ALL.len()];
         let scheme = DiscreteVi { step: 0.1 }.into();
-        let rung = Rung { scheme, paths: 100, diverged: 60, cost: Cost::UNKNOWN, estimates, changes: Vec::new() };
-        assert_eq!(rung.variance(Statistic::SticksPerPath), 10.0);
+        let setting = TradeSetting { scheme, paths: 100, diverged: 60, cost: Cost::UNKNOWN, estimates, changes: Vec::new() };
+        assert_eq!(setting.variance(Statistic::SticksPerPath), 10.0);
     }
 }

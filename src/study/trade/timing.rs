@@ -1,6 +1,6 @@
 //! CPU times of paths.
 
-use super::rung::Cost;
+use super::setting::Cost;
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme};

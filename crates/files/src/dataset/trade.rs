@@ -1,4 +1,4 @@
-//! A trade as a data set: what was measured for every rung, and what was predicted for every
+//! A trade as a data set: what was measured for every setting, and what was predicted for every
 //! target.
 
 use super::header::{Format, walk_origin};
@@ -10,7 +10,7 @@ use stickslip::engine::Provenance;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::Kind;
 use stickslip::stats::Statistic;
-use stickslip::study::trade::{Choice, Cost, Number, Pairing, Prices, Rung, TARGETS, Trade};
+use stickslip::study::trade::{Choice, Cost, Number, Pairing, Prices, TradeSetting, TARGETS, Trade};
 
 /// Name and version of the format.
 pub(crate) const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
@@ -24,17 +24,17 @@ impl Dataset {
         let mut dataset = Dataset::written(&units, |walk| attributes(walk, &mut header, &mut reference));
         series::write(&mut dataset, &header);
         write_statistics(&mut dataset, &Statistic::ALL);
-        dataset.write(&RUNG, &counted(0, trade.rungs.len()));
+        dataset.write(&RUNG, &counted(0, trade.settings.len()));
         dataset.write(&SCHEME, &texts(trade.schemes().into_iter().map(|scheme| scheme.name())));
         dataset.write(&TARGET, &TARGETS);
-        let of_rung = |rung: &Rung| {
+        let of_rung = |setting: &TradeSetting| {
             Statistic::ALL.map(|statistic| {
-                let Number { value, error } = trade.bias(rung, statistic);
-                [rung.variance(statistic), value, error]
+                let Number { value, error } = trade.bias(setting, statistic);
+                [setting.variance(statistic), value, error]
             })
         };
-        let derived = columns_of(trade.rungs.iter().flat_map(of_rung));
-        dataset.write_by(|to| measured(to, &mut trade.rungs.clone(), derived));
+        let derived = columns_of(trade.settings.iter().flat_map(of_rung));
+        dataset.write_by(|to| measured(to, &mut trade.settings.clone(), derived));
         orders(&mut dataset, trade);
         predicted(&mut dataset, trade);
         dataset
@@ -54,25 +54,25 @@ fn attributes(walk: &mut Walk, header: &mut Provenance, reference: &mut String) 
     walk.attribute("scenario", &mut header.scenario_text)
 }
 
-/// Walk over the measurements of the rungs. Variance, bias and the error of the bias follow from
+/// Walk over the measurements of the settings. Variance, bias and the error of the bias follow from
 /// them.
-fn measured(walk: &mut Walk, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]) -> Walked {
+fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64>; 3]) -> Walked {
     const ALL: usize = Statistic::ALL.len();
-    let of_rung = |rung: &Rung| {
-        let Rung { scheme, cost: Cost { first, each }, .. } = rung;
+    let of_rung = |setting: &TradeSetting| {
+        let TradeSetting { scheme, cost: Cost { first, each }, .. } = setting;
         [scheme.step().unwrap_or(f64::NAN), scheme.tolerance().unwrap_or(f64::NAN), *first, *each]
     };
-    let numbers = |rung: &Rung| {
+    let numbers = |setting: &TradeSetting| {
         Statistic::ALL.map(|statistic| {
-            let estimate = rung.estimate(statistic);
-            let change = rung.change(statistic).unwrap_or(Number { value: f64::NAN, error: f64::NAN });
+            let estimate = setting.estimate(statistic);
+            let change = setting.change(statistic).unwrap_or(Number { value: f64::NAN, error: f64::NAN });
             [estimate.value, estimate.error, change.value, change.error]
         })
     };
-    let mut names = texts(rungs.iter().map(|rung| rung.scheme.name()));
-    let [mut steps, mut tolerances, mut first, mut each] = columns_of(rungs.iter().map(of_rung));
-    let (mut paths, mut diverged): (Vec<_>, Vec<_>) = rungs.iter().map(|rung| (rung.paths, rung.diverged)).unzip();
-    let [mut estimates, mut errors, mut changes, mut change_errors] = columns_of(rungs.iter().flat_map(numbers));
+    let mut names = texts(settings.iter().map(|setting| setting.scheme.name()));
+    let [mut steps, mut tolerances, mut first, mut each] = columns_of(settings.iter().map(of_rung));
+    let (mut paths, mut diverged): (Vec<_>, Vec<_>) = settings.iter().map(|setting| (setting.paths, setting.diverged)).unzip();
+    let [mut estimates, mut errors, mut changes, mut change_errors] = columns_of(settings.iter().flat_map(numbers));
     walk.variable(&RUNG_SCHEME, &mut names)?;
     walk.check(!names.is_empty(), || format!("{} is missing", RUNG_SCHEME.name))?;
     let count = names.len();
@@ -89,7 +89,7 @@ fn measured(walk: &mut Walk, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]) -> W
     }
     walk.sized(&RUNG_CHANGE, &mut changes, count * ALL)?;
     walk.sized(&RUNG_CHANGE_ERROR, &mut change_errors, count * ALL)?;
-    rungs.clear();
+    settings.clear();
     for (i, name) in names.iter().enumerate() {
         let kind = Kind::from_name(name).ok_or_else(|| format!("unknown scheme \"{name}\""))?;
         let numbers = |values: &[f64], errors: &[f64]| -> Vec<Number> {
@@ -99,7 +99,7 @@ fn measured(walk: &mut Walk, rungs: &mut Vec<Rung>, derived: [Vec<f64>; 3]) -> W
         };
         let changes = numbers(&changes, &change_errors);
         let is_measured = changes.iter().any(|change| !change.value.is_nan());
-        rungs.push(Rung {
+        settings.push(TradeSetting {
             scheme: kind.with(if kind.has_step() { steps[i] } else { tolerances[i] }),
             paths: paths[i],
             diverged: diverged[i].min(paths[i]),
@@ -188,37 +188,37 @@ pub(crate) fn read(from: &dyn Source) -> Result<StoredTrade, String> {
     let text: String = read_attribute(from, "scenario")?;
     let scenario = Scenario::parse_stored("scenario", &text, &[], &series::read(from)?);
     let scenario = scenario.map_err(|error| error.to_string())?;
-    let mut rungs = Vec::new();
-    measured(&mut Walk::Reading(from), &mut rungs, Default::default())?;
+    let mut settings = Vec::new();
+    measured(&mut Walk::Reading(from), &mut settings, Default::default())?;
     let reference: String = read_attribute(from, "reference")?;
-    let reference = rungs.iter().position(|rung| rung.scheme.to_string() == reference);
-    let reference = reference.ok_or_else(|| "reference is not one of its rungs".to_string())?;
+    let reference = settings.iter().position(|setting| setting.scheme.to_string() == reference);
+    let reference = reference.ok_or_else(|| "reference is not one of its settings".to_string())?;
     let ratios: Vec<f64> = read_variable(from, &STATISTIC_PAIRING)?;
     let pairing = match ratios.iter().all(|ratio| ratio.is_nan()) {
         _ if scenario.ensemble.antithetic => Pairing::Asked,
         true => Pairing::Unknown,
         false => Pairing::Measured(ratios),
     };
-    let trade = Trade::of_rungs(&scenario, rungs, reference, pairing).map_err(|misfit| misfit.to_string())?;
+    let trade = Trade::of_rungs(&scenario, settings, reference, pairing).map_err(|misfit| misfit.to_string())?;
     Ok(StoredTrade { trade, scenario, other_program: read_other_program(from)? })
 }
 
 const PER_RUNG: &[(&str, &str)] = &[("coordinates", "rung_scheme rung_step rung_tolerance")];
-const BOTH: &[&str] = &["rung", "statistic"];
+const BOTH: &[&str] = &["setting", "statistic"];
 const PREDICTION: &[&str] = &["scheme", "statistic", "target"];
 
 table! {
-    RUNG = coordinate!("rung", Unit::ONE, "number of the setting: scheme by scheme, from coarse to fine");
+    RUNG = coordinate!("setting", Unit::ONE, "number of the setting: scheme by scheme, from coarse to fine");
     SCHEME = coordinate!("scheme", Unit::None, "name of the scheme");
     TARGET = coordinate!("target", Unit::ONE, "target relative root mean square error");
-    RUNG_SCHEME = variable("rung_scheme", &["rung"], Unit::None, "scheme of the setting");
-    RUNG_STEP = variable("rung_step", &["rung"], Unit::TIME, "time step, missing if there is none");
-    RUNG_TOLERANCE = variable("rung_tolerance", &["rung"], Unit::ONE, "tolerance, missing if there is none");
-    RUNG_PATHS = variable("rung_paths", &["rung"], Unit::ONE, "paths simulated").with(PER_RUNG);
-    RUNG_DIVERGED = variable("rung_diverged", &["rung"], Unit::ONE, "paths that diverged").with(PER_RUNG);
-    RUNG_SECONDS_FIRST = variable("rung_seconds_first", &["rung"], Unit::Seconds,
+    RUNG_SCHEME = variable("rung_scheme", &["setting"], Unit::None, "scheme of the setting");
+    RUNG_STEP = variable("rung_step", &["setting"], Unit::TIME, "time step, missing if there is none");
+    RUNG_TOLERANCE = variable("rung_tolerance", &["setting"], Unit::ONE, "tolerance, missing if there is none");
+    RUNG_PATHS = variable("rung_paths", &["setting"], Unit::ONE, "paths simulated").with(PER_RUNG);
+    RUNG_DIVERGED = variable("rung_diverged", &["setting"], Unit::ONE, "paths that diverged").with(PER_RUNG);
+    RUNG_SECONDS_FIRST = variable("rung_seconds_first", &["setting"], Unit::Seconds,
         "CPU time of a run of one path").with(PER_RUNG);
-    RUNG_SECONDS = variable("rung_seconds", &["rung"], Unit::Seconds,
+    RUNG_SECONDS = variable("rung_seconds", &["setting"], Unit::Seconds,
         "CPU time per path of a large run").with(PER_RUNG);
 
     RUNG_ESTIMATE = variable("rung_estimate", BOTH, Unit::None, "estimate").with(PER_RUNG);

@@ -6,7 +6,7 @@ use crate::output::numbers::{grouped, percent, significant, time};
 use std::path::Path;
 use stickslip::scheme::Kind;
 use stickslip::stats::{Record, Statistic};
-use stickslip::study::trade::{Choice, LeftOut, Pairing, Refusal, Rung, Standing, TARGETS, Trade};
+use stickslip::study::trade::{Choice, LeftOut, Pairing, Refusal, Standing, TARGETS, Trade, TradeSetting};
 
 /// The statistics that a trade measures: those that no scenario needs to ask for.
 fn measured() -> impl Iterator<Item = Statistic> {
@@ -107,16 +107,18 @@ fn commands(trade: &Trade, path: &Path, statistic: Statistic) -> Vec<String> {
 
 /// The bias of every statistic, with one column for each step or tolerance.
 fn of_scheme(trade: &Trade, scheme: Kind) -> Table {
-    let rungs: Vec<&Rung> = trade.rungs_of(scheme).collect();
+    let settings: Vec<&TradeSetting> = trade.rungs_of(scheme).collect();
     let knob = if scheme.has_step() { "step" } else { "tolerance" };
-    let row = |label: String, cell: &dyn Fn(&Rung) -> String| Row::of(label, rungs.iter().map(|rung| cell(rung)));
+    let row = |label: String, cell: &dyn Fn(&TradeSetting) -> String| {
+        Row::of(label, settings.iter().map(|setting| cell(setting)))
+    };
     let mut rows = vec![
-        row("us per path".into(), &|rung| significant(rung.cost.each * 1e6, 3)),
-        row("paths".into(), &|rung| rung.paths.to_string()),
+        row("us per path".into(), &|setting| significant(setting.cost.each * 1e6, 3)),
+        row("paths".into(), &|setting| setting.paths.to_string()),
     ];
-    let of_statistic = |statistic| row(label(trade, statistic), &|rung| bias(trade, rung, statistic));
+    let of_statistic = |statistic| row(label(trade, statistic), &|setting| bias(trade, setting, statistic));
     rows.extend(trade.answerable().into_iter().map(of_statistic));
-    let headings = rungs.iter().map(|rung| short(rung.scheme.parameter()));
+    let headings = settings.iter().map(|setting| short(setting.scheme.parameter()));
     table(std::iter::once(format!("{}, {knob}", scheme.name())).chain(headings), rows)
 }
 
@@ -126,12 +128,12 @@ fn label(trade: &Trade, statistic: Statistic) -> String {
 }
 
 /// The bias with its uncertainty in percent, e.g. `+22.1±0.2`, or `ref` for the reference run.
-fn bias(trade: &Trade, rung: &Rung, statistic: Statistic) -> String {
-    if trade.is_reference(rung) {
+fn bias(trade: &Trade, setting: &TradeSetting, statistic: Statistic) -> String {
+    if trade.is_reference(setting) {
         return "ref".into();
     }
     let Some(scale) = trade.standing(statistic).scale() else { return "-".into() };
-    let bias = trade.bias(rung, statistic);
+    let bias = trade.bias(setting, statistic);
     let (percent, half) = (100.0 * bias.value / scale, 100.0 * INTERVAL * bias.error / scale);
     if !percent.is_finite() {
         return "none".into();

@@ -4,7 +4,7 @@ use crate::advice::{Class, Warning};
 use crate::scenario::Scenario;
 use crate::scheme::{DEFAULT_TOLERANCE, Discretisation, Kind, Parameter, Scheme};
 
-/// Largest number of steps in the ladder; each is half of the one before.
+/// Largest number of steps in the grid; each is half of the one before.
 const MOST_STEPS: usize = 9;
 
 /// Largest number of halvings in the search for a step that is fine enough.
@@ -12,7 +12,7 @@ const MOST_HALVINGS: i32 = 60;
 
 /// The settings to measure.
 #[derive(Clone, Debug)]
-pub struct Ladder {
+pub struct SettingGrid {
     /// Schemes with a step, which are all run with the same steps.
     pub stepping: Vec<Kind>,
     /// The steps h, h/2, h/4, ..., from the coarsest one that is stable and resolves all time
@@ -33,32 +33,32 @@ pub struct LeftOut {
     pub why: String,
 }
 
-impl Ladder {
-    /// The ladder of a scenario. Its own scheme and step do not matter, except that steps are
+impl SettingGrid {
+    /// The grid of a scenario. Its own scheme and step do not matter, except that steps are
     /// fractions of a grid on which its times lie.
     pub fn of(scenario: &Scenario) -> Self {
-        let mut ladder = Ladder { stepping: Vec::new(), steps: Vec::new(), free: Vec::new(), left_out: Vec::new() };
+        let mut grid = SettingGrid { stepping: Vec::new(), steps: Vec::new(), free: Vec::new(), left_out: Vec::new() };
         let mut coarsest = f64::INFINITY;
         for &scheme in Kind::ALL {
             let tried = match scheme.parameter() {
                 Parameter::Step => coarsest_step(scenario, scheme).map(|step| {
                     coarsest = coarsest.min(step);
-                    ladder.stepping.push(scheme);
+                    grid.stepping.push(scheme);
                 }),
-                Parameter::Tolerance { ladder: tolerances } => suits(scenario, scheme).map(|()| {
+                Parameter::Tolerance { grid: tolerances } => suits(scenario, scheme).map(|()| {
                     // Without noise the cascade is exact at any tolerance, so one tolerance is
                     // enough.
                     let one = [DEFAULT_TOLERANCE];
                     let tolerances = if scenario.model.temperature.is_random() { tolerances } else { &one };
-                    ladder.free.extend(tolerances.iter().map(|&tolerance| scheme.with(tolerance)));
+                    grid.free.extend(tolerances.iter().map(|&tolerance| scheme.with(tolerance)));
                 }),
             };
-            ladder.left_out.extend(tried.err().map(|why| LeftOut { what: scheme.name().into(), why }));
+            grid.left_out.extend(tried.err().map(|why| LeftOut { what: scheme.name().into(), why }));
         }
-        if !ladder.stepping.is_empty() {
-            ladder.steps = (0..MOST_STEPS).map(|k| coarsest / f64::powi(2.0, k as i32)).collect();
+        if !grid.stepping.is_empty() {
+            grid.steps = (0..MOST_STEPS).map(|k| coarsest / f64::powi(2.0, k as i32)).collect();
         }
-        ladder
+        grid
     }
 }
 
