@@ -128,7 +128,7 @@ fn the_schemes_with_a_step_come_to_these_events_as_the_step_goes_to_zero() {
     }
 }
 
-/// A body thrown at v0 on a plane where f_d grows like 1 + c x stops where its energy is spent,
+/// A body started with a velocity at v0 on a plane where f_d grows like 1 + c x stops where its energy is spent,
 /// f_d (x + c x^2/2) = m v0^2/2, and that is the work of friction, in every scheme.
 #[test]
 fn a_body_thrown_onto_growing_friction_stops_where_its_energy_is_spent() {

@@ -20,6 +20,6 @@ mod noise;
 mod quasi_static;
 mod reference;
 mod series;
-mod thrown;
+mod initial_velocity;
 mod two_noises;
 mod white;
