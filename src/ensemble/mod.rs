@@ -23,7 +23,7 @@ pub use threads::{MOST_THREADS, ThreadsError, check_threads};
 use crate::model::{Event, Model};
 use crate::noise;
 use crate::scheme::{Observer, Segment, Simulate as _, Simulation, Timeline, Unresolved};
-use crate::stats::{BlockObserver, BlockResult, AuxiliaryObserver, Record, RunTotals, Summary};
+use crate::stats::{AuxiliaryObserver, BlockObserver, BlockResult, Record, RunTotals, Summary};
 use crate::sums::Overlap;
 use flaw::naming;
 use in_order::PIECES_AHEAD;

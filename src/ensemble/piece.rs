@@ -1,6 +1,6 @@
 //! Consecutive paths of an ensemble, of which those that diverge are left out.
 
-use crate::stats::{BlockObserver, BlockResult, AuxiliaryObserver};
+use crate::stats::{AuxiliaryObserver, BlockObserver, BlockResult};
 use crate::sums::Replicate;
 
 /// Consecutive paths that are summed together.

@@ -253,7 +253,7 @@ mod reference;
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::trade::{Cost, Effort, SettingGrid, Pairing, measure};
+    use crate::study::trade::{Cost, Effort, Pairing, SettingGrid, measure};
     use std::sync::LazyLock;
 
     /// A pilot of about a second. The costs are replaced by fixed ones, so that no choice depends
@@ -261,7 +261,8 @@ mod tests {
     fn pilot(name: &str, steps: usize, free_paths: &[u64]) -> (Scenario, Trade) {
         let scenario = Scenario::shipped(name).expect("a shipped scenario");
         let effort = Effort { steps, coupled_paths: 640, free_paths: free_paths.to_vec(), timing: 0.0 };
-        let mut trade = measure(&scenario, &SettingGrid::of(&scenario), &effort, 2, Limits::default()).expect("measured");
+        let mut trade =
+            measure(&scenario, &SettingGrid::of(&scenario), &effort, 2, Limits::default()).expect("measured");
         for setting in &mut trade.settings {
             let seconds = setting.scheme.step().map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
             setting.cost = Cost { first: seconds, each: seconds };

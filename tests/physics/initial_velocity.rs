@@ -6,7 +6,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::{CorrectedVi, DiscreteVi, EventDriven, Scheme};
 use stickslip::stats::{Record, Statistic};
 
-fn started with a velocity(spring: [f64; 2], friction: [f64; 2], end: f64, velocity: f64, more: &str) -> Scenario {
+fn launched(spring: [f64; 2], friction: [f64; 2], end: f64, velocity: f64, more: &str) -> Scenario {
     let scheme = if more.contains("scheme") { "" } else { "scheme = { kind = \"event-driven\" }" };
     let text = body(spring, friction, [end, 0.0, end], &format!("{more}\n{scheme}"));
     scenario(&text.replace(
@@ -38,7 +38,7 @@ fn schemes(step: f64) -> [(Scheme, f64); 3] {
 fn a_thrown_block_stops_where_its_energy_is_spent() {
     for (scheme, tolerated) in schemes(1e-4) {
         for sign in [1.0, -1.0] {
-            let block = started with a velocity([0.0, 0.0], [2.94, 2.94], 5.0, 10.0 * sign, "").with_scheme(scheme).expect("suits");
+            let block = launched([0.0, 0.0], [2.94, 2.94], 5.0, 10.0 * sign, "").with_scheme(scheme).expect("suits");
             let [time, x] = rest(&block);
             let expected = [10.0 / 2.94, 0.25 + sign * 17.006_802_721_088_434];
             assert!(
@@ -46,7 +46,7 @@ fn a_thrown_block_stops_where_its_energy_is_spent() {
                 "{scheme}: {time} {x}"
             );
         }
-        let spring = started with a velocity([4.0, 0.0], [1.5, 1.0], 5.0, 3.0, "").with_scheme(scheme).expect("suits");
+        let spring = launched([4.0, 0.0], [1.5, 1.0], 5.0, 3.0, "").with_scheme(scheme).expect("suits");
         let [_, x] = rest(&spring);
         let expected = -0.25 + 0.5f64.hypot(1.5);
         assert!((x - expected).abs() < tolerated, "{scheme}: {x} {expected}");
@@ -58,23 +58,25 @@ fn a_thrown_block_stops_where_its_energy_is_spent() {
 #[test]
 fn a_thrown_body_has_no_first_stick() {
     for (scheme, _) in schemes(1e-2) {
-        let block = started with a velocity([4.0, 0.0], [1.5, 1.0], 5.0, 3.0, "ensemble.paths = 4").with_scheme(scheme).expect("suits");
+        let block =
+            launched([4.0, 0.0], [1.5, 1.0], 5.0, 3.0, "ensemble.paths = 4").with_scheme(scheme).expect("suits");
         let summary = run(&block);
         let first = summary.estimate(Statistic::FirstStickDurationMean);
         assert!(first.estimate.is_nan(), "{scheme}: {first:?}");
         assert_eq!(summary.absence(first), Some("no first stick ended"));
         assert_eq!((summary.first_sticks.completed, summary.stick_durations.completed), (0, 0), "{scheme}");
-        let pushed = started with a velocity([4.0, 0.0], [0.5, 0.4], 5.0, 0.0, "ensemble.paths = 4").with_scheme(scheme).expect("suits");
+        let pushed =
+            launched([4.0, 0.0], [0.5, 0.4], 5.0, 0.0, "ensemble.paths = 4").with_scheme(scheme).expect("suits");
         assert!(run(&pushed).estimate(Statistic::FirstStickDurationMean).estimate <= 0.01, "{scheme}");
     }
 }
 
 /// A force g that is zero sends the path through the integrator for any force, and one that is half
-/// of the spring joins it; both leave the started with a velocity body where the closed form does, with damping too.
+/// of the spring joins it; both leave the body where the closed form does, with damping too.
 #[test]
 fn a_thrown_body_under_a_force_of_its_own_is_that_of_the_closed_form() {
     let of = |spring: [f64; 2], more: &str| {
-        let scene = started with a velocity(spring, [1.5, 1.0], 5.0, 3.0, more);
+        let scene = launched(spring, [1.5, 1.0], 5.0, 3.0, more);
         rest(&scene.with_scheme(EventDriven { tolerance: 1e-3 }).expect("suits"))
     };
     let exact = of([4.0, 0.3], "");
@@ -92,12 +94,12 @@ fn a_thrown_body_under_noise_swings_about_the_free_oscillation() {
     let more = "temperature.noise = { intensity = 1, relaxation_rate = 1, diffusion = 1, initial = 0 }
          ensemble = { paths = 2000, seed = 4 }
          scheme = { kind = \"event-driven\" }";
-    let scene = started with a velocity([1.0, 0.0], [0.0, 0.0], 2.0, 3.0, more);
+    let scene = launched([1.0, 0.0], [0.0, 0.0], 2.0, 3.0, more);
     let end = *run(&scene).estimate(Statistic::DisplacementEndMean);
     let expected = 0.25 * 2.0f64.cos() + 3.0 * 2.0f64.sin();
     assert!((end.estimate - expected).abs() < 4.0 * end.standard_error, "{end:?} {expected}");
 
-    let mut rough = started with a velocity([1.0, 0.1], [1.2, 1.0], 10.0, -3.0, more);
+    let mut rough = launched([1.0, 0.1], [1.2, 1.0], 10.0, -3.0, more);
     let alone = |path: u64| Replay::of(&rough, path).block.rows.path_columns.expect("kept").displacement_end[0];
     let singly: Vec<f64> = (0..300).map(alone).collect();
     let mean = singly.iter().sum::<f64>() / 300.0;

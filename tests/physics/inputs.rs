@@ -186,11 +186,11 @@ fn a_pulse_between_distant_samples_is_not_stepped_over() {
         let text = format!("{body}force.expression = \"ag\"\ntime.end = 60\n{lines}");
         events(&Scenario::parse_measured("test", &text, &[], &pulse).unwrap_or_else(|error| panic!("{error}")))
     };
-    let started with a velocity = block("friction = { static = 0.05, dynamic = 0.05 }\ninitial.velocity = 2");
+    let moving = block("friction = { static = 0.05, dynamic = 0.05 }\ninitial.velocity = 2");
     let after = 2.0 - friction * (10.0 + 2.0 * half) + height * half;
     let x = 2.0 * (10.0 + 2.0 * half) - 0.5 * friction * (10.0 + 2.0 * half).powi(2) + height * half * half;
     let [time, place] = [10.0 + 2.0 * half + after / friction, x + 0.5 * after * after / friction];
-    let stop = started with a velocity.iter().find(|event| event.kind == EventKind::StickEntered && event.time > 0.0).expect("stops");
+    let stop = moving.iter().find(|event| event.kind == EventKind::StickEntered && event.time > 0.0).expect("stops");
     let off = [stop.time - time, stop.displacement - place].map(f64::abs);
     assert!(off.iter().all(|off| *off < 1e-8), "{stop:?} off by {off:?}");
     let rested = block("friction = { static = 1, dynamic = 1 }");

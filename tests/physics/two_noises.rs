@@ -124,7 +124,7 @@ fn the_sum_first_leaves_the_corridor_when_small_steps_say() {
             let mut n = [fast, slow].map(|n| n.stationary_sd() * normals());
             let mut steps = 0;
             // At the start no step lies behind, so the threshold is not moved.
-            while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { stick band } && f64::from(steps) * step < end {
+            while (n[0] + n[1]).abs() < if steps == 0 { 1.0 } else { band } && f64::from(steps) * step < end {
                 n = [moves[0].0 * n[0] + moves[0].1 * normals(), moves[1].0 * n[1] + moves[1].1 * normals()];
                 steps += 1;
             }

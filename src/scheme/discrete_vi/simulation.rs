@@ -222,8 +222,8 @@ pub fn divergence_bound(model: &Model, end: f64) -> f64 {
     let force = thermal + model.largest_at_start(end).0;
     let driven = if oscillator.stiffness > 0.0 {
         let growth = 1.0 + oscillator.natural_frequency() * end;
-        let started with a velocity = model.initial_velocity.abs() / oscillator.natural_frequency();
-        growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness + started with a velocity
+        let run_up = model.initial_velocity.abs() / oscillator.natural_frequency();
+        growth * (force / oscillator.stiffness) + friction.static_force / oscillator.stiffness + run_up
     } else {
         (force + friction.static_force) / oscillator.mass * end * end / 2.0 + model.initial_velocity.abs() * end
     };

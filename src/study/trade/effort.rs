@@ -1,9 +1,9 @@
 //! How many steps of the grid and how many paths of each scheme fit into a budget of time.
 
-use super::settings::is_exact;
 use super::setting::GROUPS;
+use super::settings::is_exact;
 use super::timing::{bare_plan, timed};
-use super::{SettingGrid, LeftOut, TradeError};
+use super::{LeftOut, SettingGrid, TradeError};
 use crate::ensemble::Plan;
 use crate::scenario::Scenario;
 use crate::scheme::{Misfit, Scheme, Timeline};

@@ -1,10 +1,10 @@
 //! Running the grid: estimates, their change from step to step on one realisation of the noise,
 //! and CPU time per path.
 
-use super::settings::is_exact;
 use super::setting::{Cost, GROUPS, TradeSetting};
+use super::settings::is_exact;
 use super::timing::{bare_plan, cost};
-use super::{Effort, SettingGrid, LeftOut, Number, Pairing, Trade, TradeError, pairing};
+use super::{Effort, LeftOut, Number, Pairing, SettingGrid, Trade, TradeError, pairing};
 use crate::ensemble::{Plan, in_order_while};
 use crate::scenario::{Ensemble, Scenario};
 use crate::scheme::{Scheme, Simulate as _};

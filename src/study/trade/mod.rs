@@ -18,25 +18,25 @@
 
 mod effort;
 mod error;
-mod settings;
 mod law;
 mod measure;
 mod pairing;
 mod predict;
 mod prices;
 mod setting;
+mod settings;
 mod standing;
 mod timing;
 
 pub use effort::Effort;
 pub use error::TradeError;
-pub use settings::{SettingGrid, LeftOut};
 pub use law::{Change, Law};
 pub use measure::{Limits, measure, measure_within};
 pub use pairing::Pairing;
 pub use predict::{Choice, Refusal, TARGETS};
 pub use prices::{PriceCurve, Prices};
 pub use setting::{Cost, TradeSetting};
+pub use settings::{LeftOut, SettingGrid};
 pub use standing::Standing;
 
 use crate::scenario::Scenario;

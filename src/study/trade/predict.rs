@@ -2,7 +2,7 @@
 //! none.
 
 use super::pairing::WORTH;
-use super::{Law, Number, Pairing, TradeSetting, Trade};
+use super::{Law, Number, Pairing, Trade, TradeSetting};
 use crate::scheme::{Discretisation, Kind, Scheme};
 use crate::stats::Statistic;
 

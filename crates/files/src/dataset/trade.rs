@@ -10,7 +10,7 @@ use stickslip::engine::Provenance;
 use stickslip::scenario::Scenario;
 use stickslip::scheme::Kind;
 use stickslip::stats::Statistic;
-use stickslip::study::trade::{Choice, Cost, Number, Pairing, Prices, TradeSetting, TARGETS, Trade};
+use stickslip::study::trade::{Choice, Cost, Number, Pairing, Prices, TARGETS, Trade, TradeSetting};
 
 /// Name and version of the format.
 pub(crate) const TRADE_FORMAT: Format = ("stick-slip trade", (2, 1));
@@ -71,7 +71,8 @@ fn measured(walk: &mut Walk, settings: &mut Vec<TradeSetting>, derived: [Vec<f64
     };
     let mut names = texts(settings.iter().map(|setting| setting.scheme.name()));
     let [mut steps, mut tolerances, mut first, mut each] = columns_of(settings.iter().map(of_rung));
-    let (mut paths, mut diverged): (Vec<_>, Vec<_>) = settings.iter().map(|setting| (setting.paths, setting.diverged)).unzip();
+    let (mut paths, mut diverged): (Vec<_>, Vec<_>) =
+        settings.iter().map(|setting| (setting.paths, setting.diverged)).unzip();
     let [mut estimates, mut errors, mut changes, mut change_errors] = columns_of(settings.iter().flat_map(numbers));
     walk.variable(&RUNG_SCHEME, &mut names)?;
     walk.check(!names.is_empty(), || format!("{} is missing", RUNG_SCHEME.name))?;

@@ -1,8 +1,8 @@
 //! Writing a data set to a file in one go.
 
 use super::StoreError;
-use super::staged_file::StagedFile;
 use super::folder::RESULTS;
+use super::staged_file::StagedFile;
 use super::staging::Staging;
 use crate::dataset::Dataset;
 use std::path::Path;

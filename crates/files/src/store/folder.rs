@@ -48,7 +48,7 @@ pub(super) fn is_ours(folder: &Path) -> bool {
 }
 
 /// The name of something in a folder of ours that this program has not made, if there is any.
-pub(super) fn foreign file(folder: &Path) -> Option<String> {
+pub(super) fn foreign_file(folder: &Path) -> Option<String> {
     let names = fs::read_dir(folder).ok()?.filter_map(|entry| Some(entry.ok()?.file_name().display().to_string()));
     let is_file = |name: &str| fs::symlink_metadata(folder.join(name)).is_ok_and(|there| there.is_file());
     names.into_iter().find(|name| !NAMES.contains(&name.as_str()) || !is_file(name))

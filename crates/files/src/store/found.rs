@@ -79,7 +79,7 @@ pub(super) fn clear(target: &Path) -> Result<(), StoreError> {
     if !partial.is_dir() {
         return fs::remove_file(&partial).map_err(|source| StoreError::Remove { partial, source });
     }
-    if let Some(name) = folder::foreign file(&partial) {
+    if let Some(name) = folder::foreign_file(&partial) {
         return Err(StoreError::InTheWay { path: partial.join(name) });
     }
     folder::clear(&partial).map_err(|source| StoreError::Remove { partial, source })

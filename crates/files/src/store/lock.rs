@@ -8,7 +8,7 @@
 //! example. What holds anything else is not touched.
 
 use super::own::identity;
-use super::{StoreError, own, remains};
+use super::{StoreError, leftovers, own};
 use std::fs::{File, TryLockError};
 use std::io::{self, Read as _, Seek as _, Write as _};
 use std::os::unix::fs::MetadataExt as _;

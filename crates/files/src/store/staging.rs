@@ -20,7 +20,7 @@ use super::folder::{self, LINK, MARK, NEW_STATE, RESULTS, STATE, partial_path};
 use super::lock::Lock;
 use super::naming::{give_name, parent, sync_folder};
 use super::own::{self, identity};
-use super::{StoreError, found, remains};
+use super::{StoreError, found, leftovers};
 use std::fs::{self, DirBuilder, File};
 use std::io::{self, Write as _};
 use std::os::unix::fs::{DirBuilderExt as _, MetadataExt as _, PermissionsExt as _};

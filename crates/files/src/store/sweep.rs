@@ -16,7 +16,7 @@ use super::lock::Lock;
 use super::naming::{give_name, parent};
 use super::own::{self, identity};
 use super::reader::check_file;
-use super::{check_space, partial_path, read_sweep, remains, staging};
+use super::{check_space, leftovers, partial_path, read_sweep, staging};
 use crate::dataset::sweep::name;
 use crate::dataset::{Dataset, StoredSweep};
 use std::path::{Path, PathBuf};

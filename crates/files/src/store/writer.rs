@@ -1,11 +1,11 @@
 //! Writing the file of a run, once its statistics are known.
 
-use super::staged_file::StagedFile;
 use super::failure::WriteFailure;
 use super::folder::RESULTS;
 use super::growing::GrowingTable;
-use super::variable::{Growth, OpenFile};
+use super::staged_file::StagedFile;
 use super::staging::Staging;
+use super::variable::{Growth, OpenFile};
 use super::{StoreError, own};
 use crate::dataset::rows::RowAxis;
 use crate::dataset::{Dataset, header, layout, run};

@@ -11,7 +11,7 @@ use stickslip::scenario::Scenario;
 use stickslip::scheme::{DiscreteVi, EventDriven, Kind, Scheme};
 use stickslip::stats::Statistic;
 use stickslip::study::trade::{
-    Choice, Cost, Effort, Ladder, Limits, Number, Pairing, Refusal, Rung, Standing, Trade, measure,
+    Choice, Cost, Effort, Limits, Number, Pairing, Refusal, SettingGrid, Standing, Trade, TradeSetting, measure,
 };
 
 fn shipped(name: &str) -> Scenario {
@@ -27,10 +27,10 @@ static PILOT: LazyLock<Trade> = LazyLock::new(|| {
     let scenario = shipped("rho025");
     let effort = Effort { steps: 7, coupled_paths: 2560, free_paths: vec![1024, 8192, 1024, 16_384], timing: 0.0 };
     let mut trade =
-        measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured");
-    for rung in &mut trade.rungs {
-        let seconds = rung.scheme.step().map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
-        rung.cost = Cost { first: seconds, each: seconds };
+        measure(&scenario, &SettingGrid::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured");
+    for setting in &mut trade.settings {
+        let seconds = setting.scheme.step().map_or(30e-6, |h| 1.2e-9 * 60.0 / h);
+        setting.cost = Cost { first: seconds, each: seconds };
     }
     trade
 });
@@ -129,18 +129,19 @@ fn the_ladder_sees_the_orders() {
 }
 
 /// Null hypothesis: the biases at the steps of the pilot run are those relative to the value of the
-/// other program. The bound is four standard errors of the two references; the error of the rung
-/// itself cancels. False-alarm rate: 6e-5 for each statistic, since the biases of all rungs share
+/// other program. The bound is four standard errors of the two references; the error of the setting
+/// itself cancels. False-alarm rate: 6e-5 for each statistic, since the biases of all settings share
 /// the reference.
 #[test]
 fn biases_are_those_against_another_program() {
     for statistic in [StickDurationMean, SticksPerPath, StickingFraction, SubPhasesMean] {
         let (truth, known_to) = truth(statistic);
-        for rung in &PILOT.rungs {
-            let (bias, reference) = (PILOT.bias(rung, statistic), PILOT.rungs[PILOT.reference].estimate(statistic));
-            let expected = rung.estimate(statistic).value - truth;
+        for setting in &PILOT.settings {
+            let (bias, reference) =
+                (PILOT.bias(setting, statistic), PILOT.settings[PILOT.reference].estimate(statistic));
+            let expected = setting.estimate(statistic).value - truth;
             let allowed = 4.0 * reference.error.hypot(known_to);
-            assert!((bias.value - expected).abs() < allowed, "{} {bias:?} {expected}", rung.scheme);
+            assert!((bias.value - expected).abs() < allowed, "{} {bias:?} {expected}", setting.scheme);
         }
     }
 }
@@ -150,38 +151,39 @@ fn biases_are_those_against_another_program() {
 fn a_measurement_is_reproducible() {
     let scenario = shipped("damped");
     let effort = Effort { steps: 3, coupled_paths: 400, free_paths: vec![300, 300, 0, 300], timing: 0.0 };
-    let run =
-        |threads| measure(&scenario, &Ladder::of(&scenario), &effort, threads, Limits::default()).expect("measured");
+    let run = |threads| {
+        measure(&scenario, &SettingGrid::of(&scenario), &effort, threads, Limits::default()).expect("measured")
+    };
     let (one, three) = (run(1), run(3));
-    assert_eq!(one.rungs.len(), 9);
-    for (a, b) in one.rungs.iter().zip(&three.rungs) {
+    assert_eq!(one.settings.len(), 9);
+    for (a, b) in one.settings.iter().zip(&three.settings) {
         // Compared as text, in which a number that does not exist equals itself.
         let (a, b) = ((a.scheme, a.paths, &a.estimates, &a.changes), (b.scheme, b.paths, &b.estimates, &b.changes));
         assert_eq!(format!("{a:?}"), format!("{b:?}"));
     }
 }
 
-/// Synthetic rungs with value 1, variance v per path, bias C h^p and cost a/h, and an exact
+/// Synthetic settings with value 1, variance v per path, bias C h^p and cost a/h, and an exact
 /// reference of cost 1 s.
 fn synthetic(c: f64, p: f64, v: f64, a: f64) -> Trade {
     const PATHS: u64 = 1 << 54; // so many that errors vanish
     let estimates = |value: f64| vec![Number { value, error: (v / PATHS as f64).sqrt() }; Statistic::ALL.len()];
-    let rung = |scheme: Scheme, seconds, value: f64, changes| {
+    let setting = |scheme: Scheme, seconds, value: f64, changes| {
         let cost = Cost { first: 0.0, each: seconds };
-        Rung { scheme, paths: PATHS, diverged: 0, cost, estimates: estimates(value), changes }
+        TradeSetting { scheme, paths: PATHS, diverged: 0, cost, estimates: estimates(value), changes }
     };
     let bias = |h: f64| c * h.powf(p);
     let steps: Vec<f64> = (0..9).map(|k| 0.1 * 0.5f64.powi(k)).collect();
-    let mut rungs: Vec<Rung> = Vec::new();
+    let mut settings: Vec<TradeSetting> = Vec::new();
     for (k, &h) in steps.iter().enumerate() {
         let change = Number { value: bias(h) - bias(h / 2.0), error: 1e-9 };
         let changes = if k + 1 < steps.len() { vec![change; Statistic::ALL.len()] } else { Vec::new() };
-        rungs.push(rung(DiscreteVi { step: h }.into(), a / h, 1.0 + bias(h), changes));
+        settings.push(setting(DiscreteVi { step: h }.into(), a / h, 1.0 + bias(h), changes));
     }
-    rungs.push(rung(EventDriven { tolerance: 1e-5 }.into(), 1.0, 1.0, Vec::new()));
-    let reference = rungs.len() - 1;
+    settings.push(setting(EventDriven { tolerance: 1e-5 }.into(), 1.0, 1.0, Vec::new()));
+    let reference = settings.len() - 1;
     let (left_out, pairing) = (Vec::new(), Pairing::Unknown);
-    Trade { rungs, reference, left_out, pairing, is_random: true, has_limitless_phases: false }
+    Trade { settings, reference, left_out, pairing, is_random: true, has_limitless_phases: false }
 }
 
 /// Antithetic pairs with a seventh of the variance are chosen, with a seventh of the paths, rounded
@@ -214,8 +216,8 @@ fn antithetic_pairs_are_chosen_where_they_pay() {
 }
 
 /// With bias C h^p, cost a/h and variance v per path, the cost N a/h = a v/(h (eps^2 - C^2 h^2p))
-/// is least where C h^p = eps/sqrt(2p + 1). The nearest steps of the ladder cost at most 13 % (p =
-/// 1/2) or 19 % (p = 1) more. Beyond the ladder the law has an error, which counts as bias: 40 %.
+/// is least where C h^p = eps/sqrt(2p + 1). The nearest steps of the grid cost at most 13 % (p =
+/// 1/2) or 19 % (p = 1) more. Beyond the grid the law has an error, which counts as bias: 40 %.
 #[test]
 fn the_cheapest_step_is_that_of_the_closed_form() {
     let (c, v, a) = (0.8, 300.0, 1e-6);
@@ -246,15 +248,15 @@ fn the_cheapest_step_is_that_of_the_closed_form() {
 /// `exact` is the duration of the first stick.
 #[track_caller]
 fn one_path_is_the_answer(scenario: &Scenario, exact: f64) -> Trade {
-    let mut ladder = Ladder::of(scenario);
+    let mut grid = SettingGrid::of(scenario);
     let is_event_driven = |scheme: &&Scheme| matches!(scheme, Scheme::EventDriven(_));
-    assert_eq!(ladder.free.iter().filter(is_event_driven).count(), 1, "one tolerance is as good as another");
-    let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2; ladder.free.len()], timing: 1e-3 };
-    let trade = measure(scenario, &ladder, &effort, 1, Limits::default()).expect("measured");
-    let budgeted = Effort::within(scenario, &mut ladder, Duration::from_secs(10), 1).expect("it fits");
+    assert_eq!(grid.free.iter().filter(is_event_driven).count(), 1, "one tolerance is as good as another");
+    let effort = Effort { steps: 9, coupled_paths: 20, free_paths: vec![2; grid.free.len()], timing: 1e-3 };
+    let trade = measure(scenario, &grid, &effort, 1, Limits::default()).expect("measured");
+    let budgeted = Effort::within(scenario, &mut grid, Duration::from_secs(10), 1).expect("it fits");
     assert_eq!((budgeted.coupled_paths, budgeted.free_paths), (effort.coupled_paths, effort.free_paths));
     let first = Statistic::FirstStickDurationMean;
-    assert!((trade.rungs[trade.reference].estimate(first).value - exact).abs() < 1e-12);
+    assert!((trade.settings[trade.reference].estimate(first).value - exact).abs() < 1e-12);
     for (scheme, target) in
         [(Kind::DiscreteVi, 0.01), (Kind::DiscreteVi, 0.001), (Kind::CorrectedVi, 0.001), (Kind::EventDriven, 1e-9)]
     {
@@ -294,7 +296,7 @@ fn statistics_without_an_answer_have_a_reason() {
     let small = |name: &str, tolerances: usize| {
         let scenario = shipped(name);
         let effort = Effort { steps: 2, coupled_paths: 40, free_paths: vec![64; tolerances], timing: 0.0 };
-        measure(&scenario, &Ladder::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured")
+        measure(&scenario, &SettingGrid::of(&scenario), &effort, TWO_THREADS, Limits::default()).expect("measured")
     };
     let equal = small("equal-friction", 3);
     assert_eq!(equal.standing(Statistic::StickDurationMean), Standing::NoLimit);
@@ -350,8 +352,8 @@ fn the_command_leaves_a_table_a_file_and_two_pictures() {
 
     let file = hdf5::File::open(folder.path().join("trade.h5")).expect("HDF5");
     let shape = |name: &str| file.dataset(name).expect(name).shape();
-    let rungs = values("coords", "rung").len();
-    assert_eq!(shape("rung_bias"), [rungs, Statistic::ALL.len()]);
+    let settings = values("coords", "setting").len();
+    assert_eq!(shape("rung_bias"), [settings, Statistic::ALL.len()]);
     assert_eq!(shape("predicted_seconds"), [3, Statistic::ALL.len(), 4]);
     let biases: Vec<f64> = file.dataset("rung_bias").and_then(|d| d.read_raw()).expect("numbers");
     // The parser of JSON that is used here may be off by the last digit.

@@ -14,7 +14,6 @@
 //! ```
 
 mod cells;
-mod stick_band;
 mod first_stop;
 mod inside;
 mod ladder;
@@ -22,6 +21,7 @@ mod scene;
 mod slip_step;
 mod slip_transition;
 mod step_rules;
+mod stick_band;
 mod stick_step;
 #[cfg(test)]
 pub mod tests;
@@ -29,7 +29,6 @@ mod two_noises;
 mod velocity_bounds;
 
 pub use cells::*;
-pub use stick_band::*;
 pub use first_stop::*;
 pub use inside::*;
 pub use ladder::*;
@@ -37,4 +36,5 @@ pub use scene::*;
 pub use slip_step::*;
 pub use slip_transition::*;
 pub use step_rules::*;
+pub use stick_band::*;
 pub use stick_step::*;

@@ -10,8 +10,8 @@
 //! own limit ([`Force::hold`]).
 
 use super::super::user_force::UserForce;
-use super::stick_band::{Limit, Limits};
 use super::ladder::{CellPlace, StepLadder};
+use super::stick_band::{Limit, Limits};
 use super::two_noises::{OneNoise, TwoNoises};
 use crate::lanes::Lanes;
 use crate::model::{Complex, Friction, InitialNoise, Model, Noise, Oscillator, Series, Sign, Temperature};

@@ -15,8 +15,8 @@
 //! of the meeting is exact to first order in c h^2 / (8 s sqrt h). The lower threshold is treated
 //! symmetrically.
 
-use super::stick_band::{Limits, on_side, width};
 use super::scene::Scene;
+use super::stick_band::{Limits, on_side, width};
 use crate::lanes::Lanes;
 use crate::model::Sign;
 use crate::noise::{AddressedDraws, BentThreshold, TimeChange, first_meeting_probability, misses_other};

@@ -1,6 +1,6 @@
 //! One path, and how it crosses a cell: phase by phase.
 
-use super::super::law::{Cell, StickBand, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, cell_length};
+use super::super::law::{Cell, EVENT_PLACE, NOISE_PLACE, Scene, StepLadder, StepRules, StickBand, cell_length};
 use super::super::work::{Resolved, Unresolved, WorkLeft, work_limit};
 use super::stick::{PendingNodes, stick};
 use super::watch::Watch;
@@ -137,7 +137,7 @@ pub fn cross<C: Cascade>(
     path.draws = path.draws.at(cell.index, EVENT_PLACE);
     path.after = 0.0;
     if cell.index == 0 && cascade.scene().initial_velocity != 0.0 {
-        let event = started with a velocity(cascade.scene(), path);
+        let event = first_slip(cascade.scene(), path);
         (path.phase, path.motion) = (event.kind.phase(), cascade.motion_after(&event));
         emit(event);
     }
@@ -163,7 +163,7 @@ pub fn cross<C: Cascade>(
 
 /// The start of a path that moves at t = 0.
 #[cold]
-fn started with a velocity<M>(scene: &Scene, path: &mut Path<M>) -> Event {
+fn first_slip<M>(scene: &Scene, path: &mut Path<M>) -> Event {
     let (x, v) = (path.displacement, scene.initial_velocity);
     let (direction, free) = (Sign::of(v), path.force - 2.0 * scene.oscillator.damping * v);
     let moving = |direction| free + (scene.own.at(direction, x, v, 0.0) - scene.own.hold(x, 0.0).pull);

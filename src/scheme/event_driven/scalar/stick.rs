@@ -3,7 +3,7 @@
 //! limits are those of [`crate::model::Force::hold`].
 
 use super::super::law::{
-    Cell, StickBand, Forcing, Limit, Limits, Node, Scene, StickEnd, StickStep, ends, stick_piece, width,
+    Cell, Forcing, Limit, Limits, Node, Scene, StickBand, StickEnd, StickStep, ends, stick_piece, width,
 };
 use super::super::work::{Resolved, Unresolved};
 use super::path::{Cascade, Path};
@@ -153,7 +153,7 @@ impl<'a> Stick<'a> {
     #[inline(always)]
     fn rules(&self, [first, last]: &[Limits; 2]) -> StickBand {
         let width = 0.5 * (width(first) + width(last));
-        if self.scene.own.has_load() { self.band.of_width(self.scene, width) } else { *self.stick band }
+        if self.scene.own.has_load() { self.band.of_width(self.scene, width) } else { *self.band }
     }
 
     /// Where the path is.

@@ -65,8 +65,7 @@ impl<L: Lanes> Crossing<'_, '_, L> {
         let curvature = L::splat(self.cell.last.curvature);
         let right = Node { after: L::splat(self.cell.length), noise: end_noise, force: end_force, curvature };
         let is_out = L::bitmask(force.abs().ge(L::splat(scene.friction.static_force))) & lanes;
-        let reach =
-            self.paths.noisy.route.band.reach(scene, right.after, (&left, &right), &scene.constant_limits());
+        let reach = self.paths.noisy.route.band.reach(scene, right.after, (&left, &right), &scene.constant_limits());
         let near = L::bitmask(reach.is_near) & lanes & !is_out;
         if (near | is_out) != 0 {
             self.odd_lanes(rows, is_out);

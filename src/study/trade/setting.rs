@@ -74,7 +74,8 @@ mod tests {
     fn the_variance_of_a_rung_is_that_of_the_paths_that_are_left() {
         let estimates = vec![Number { value: 3.0, error: 0.5 }; Statistic::ALL.len()];
         let scheme = DiscreteVi { step: 0.1 }.into();
-        let setting = TradeSetting { scheme, paths: 100, diverged: 60, cost: Cost::UNKNOWN, estimates, changes: Vec::new() };
+        let setting =
+            TradeSetting { scheme, paths: 100, diverged: 60, cost: Cost::UNKNOWN, estimates, changes: Vec::new() };
         assert_eq!(setting.variance(Statistic::SticksPerPath), 10.0);
     }
 }
